@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The door to the robot: publish-subscribe, services and actions, the three modes of the RAI paper.
+
+Rule: nothing here waits. What comes back is told to a callback, which may run on any thread and must return at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
+
+__all__ = ("ActionServer", "Close", "Connector", "Message", "Mode", "Reply", "Report")
+
+Mode = Literal["topics", "services", "actions"]
+Data = Mapping[str, Any]
+"""A message as plain data: numbers, strings, lists, mappings, bytes, `Image`."""
+Close = Callable[[], None]
+"""Ends what was opened; calling it twice does nothing the second time."""
+
+
+class Message(NamedTuple):
+    """One message heard on a topic."""
+
+    topic: str
+    data: Data
+    at: float
+    """When it happened, in seconds on the run's clock (the header's stamp where there is one)."""
+
+
+class Reply(NamedTuple):
+    """How a call of a service ended."""
+
+    outcome: Literal["succeeded", "failed", "timed_out", "unavailable"]
+    data: Data
+    why: str = ""
+
+
+class Report(NamedTuple):
+    """What an action's server says of one goal.
+
+    `failed` is an action's `aborted`; `lost` says that the server is gone and nothing more will be heard. After
+    `rejected`, `succeeded`, `failed`, `canceled` and `lost` nothing more is reported. `cancel_rejected` says that
+    the server goes on.
+    """
+
+    goal_id: str
+    said: Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
+    data: Data
+    why: str = ""
+
+
+class ActionServer(Protocol):
+    """The side that serves an action. All calls come one after the other."""
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        """A goal has come: report `accepted` or `rejected`, then feedback, then one end."""
+
+    def cancel(self, goal_id: str) -> None:
+        """The client wants the goal to end: report `canceled` once it has, or `cancel_rejected`."""
+
+
+@runtime_checkable
+class Connector(Protocol):
+    """A way to reach a robot. `rai_missions.testing.check_connector` holds the contract."""
+
+    modes: frozenset[Mode]
+
+    def start(self) -> None:
+        """Open; a connector that was stopped can be started again."""
+
+    def stop(self) -> None:
+        """Close everything; afterwards no callback runs. Goals that still run are canceled first."""
+
+    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close: ...
+
+    def publish(self, topic: str, type_name: str, message: Data) -> None: ...
+
+    def call(
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        answered: Callable[[Reply], None],
+        timeout_s: float | None = None,
+    ) -> None:
+        """Call a service; `answered` is told exactly once."""
+
+    def send_goal(
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+    ) -> None:
+        """Ask an action's server to pursue a goal under the id given."""
+
+    def cancel_goal(self, goal_id: str) -> None:
+        """Ask for a goal's end; before its acceptance too. An unknown or ended goal: nothing happens."""
+
+    def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
+        """Serve a service; an exception of `answer` is a `failed` reply that says why."""
+
+    def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
+        """Serve an action."""

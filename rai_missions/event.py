@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What happened outside: the only thing that moves a mission.
+
+Rule: an event is raw. It says what was heard, never what it means; what it means is worked out inside the Step.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+__all__ = ("Event", "Image", "Tick")
+
+NOTHING: Mapping[str, Any] = {}
+
+
+class Event(NamedTuple):
+    """One thing that happened, with the time at which it did."""
+
+    name: str
+    """A declared event's name, or, for the other kinds, what is said in `kind`'s table."""
+    at: float = 0.0
+    """Seconds on the run's clock."""
+    data: Mapping[str, Any] = NOTHING
+    """The payload; `event.<field>` in the guards of the row it fires."""
+    kind: str = "event"
+    """What sort of happening, and so what `name` and `number` say:
+
+    | kind         | name                                              | number            |
+    |--------------|---------------------------------------------------|-------------------|
+    | `event`      | an event the mission declares                     | –                 |
+    | `tick`       | `tick`: time has passed                           | –                 |
+    | `write`      | the key that was written (`data["value"]`)        | –                 |
+    | `accepted`   | the action or call that was accepted              | number of start   |
+    | `feedback`   | the action that reports on its way                | number of start   |
+    | `result`     | `succeeded`, `failed`, `canceled`, `rejected`     | number of start   |
+    | `proposal`   | the answerer that answers, declines or fails      | number of question|
+    | `control`    | who holds control now                             | –                 |
+    | `behaviour`  | path of a Python behaviour (`data["status"]`)     | number of start   |
+    | `command`    | `pause`, `resume`, `cancel`, `kill`               | –                 |
+    """
+    number: int = 0
+    """The number of the start or question that this answers; a late one is known by it."""
+
+
+def Tick(at: float) -> Event:  # noqa: N802 - reads as the event it makes
+    """Time has passed: whatever was due until `at` happens now."""
+    return Event("tick", at, NOTHING, "tick")
+
+
+class Image:
+    """A picture somebody took, as a reference; its bytes are made when they are first asked for.
+
+    Two images are equal when they have the same reference.
+
+    Args:
+        ref: What identifies the picture in a run, such as `camera@12.300`.
+        width: Pixels.
+        height: Pixels.
+        encoding: `rgb8` (raw, row by row), `png` or `jpeg`.
+        data: The bytes, or what makes them when asked.
+    """
+
+    __slots__ = ("_data", "encoding", "height", "ref", "width")
+
+    def __init__(self, ref: str, width: int, height: int, encoding: str, data: bytes | Callable[[], bytes]) -> None:
+        self.ref, self.width, self.height, self.encoding = ref, width, height, encoding
+        self._data = data
+
+    @property
+    def data(self) -> bytes:
+        if callable(self._data):
+            self._data = self._data()
+        return self._data
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the bytes, in hex."""
+        return hashlib.sha256(self.data).hexdigest()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Image) and other.ref == self.ref
+
+    def __hash__(self) -> int:
+        return hash(self.ref)
+
+    def __repr__(self) -> str:
+        return f"Image({self.ref!r}, {self.width}x{self.height}, {self.encoding})"
