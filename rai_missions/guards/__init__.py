@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Guards: conditions over what is known, one file a kind."""
+
+from rai_missions.guards.active import In
+from rai_missions.guards.compare import Compare
+from rai_missions.guards.elapsed import Elapsed
+from rai_missions.guards.fresh import Fresh
+from rai_missions.guards.guard import Guard, Site, Test, Truth, View
+from rai_missions.guards.held import Held
+from rai_missions.guards.logic import All, Any_, Not
+from rai_missions.guards.named import Named
+from rai_missions.guards.near import Near
+from rai_missions.guards.possible import Possible
+
+__all__ = (
+    "All", "Any_", "Compare", "Elapsed", "Fresh", "Guard", "Held", "In", "Named", "Near", "Not", "Possible", "Site",
+    "Test", "Truth", "View",
+)  # fmt: skip

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+"""States: what a mission can be in, one file a kind."""
+
+from rai_missions.states.action import Action
+from rai_missions.states.call import Call
+from rai_missions.states.compound import Compound, Each, Parallel
+from rai_missions.states.decision import Asked, Budget, Decision, Option
+from rai_missions.states.final import Final
+from rai_missions.states.history import History
+from rai_missions.states.include import Include
+from rai_missions.states.state import State, Transition
+from rai_missions.states.tree import Tree
+
+__all__ = (
+    "Action", "Asked", "Budget", "Call", "Compound", "Decision", "Each", "Final", "History", "Include", "Option",
+    "Parallel", "State", "Transition", "Tree",
+)  # fmt: skip

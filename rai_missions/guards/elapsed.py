@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time since the state was entered: `{"elapsed_s": 5}`."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+from rai_missions.guards.guard import Guard, Site, Test, Truth, View
+from rai_missions.written import Seconds
+
+__all__ = ("Elapsed",)
+
+
+class Elapsed(Guard, word="elapsed_s"):
+    """True once the state whose rule this is has been active for so long; never unknown."""
+
+    positional: ClassVar = ("elapsed_s",)
+
+    elapsed_s: Seconds
+
+    def compile(self, site: Site) -> Test:
+        state, elapsed_s = site.state, self.elapsed_s
+        site.clocked.add(state)
+
+        def due(view: View) -> float:
+            return view.entered.get(state, math.inf) + elapsed_s
+
+        def test(view: View) -> Truth:
+            return view.at >= due(view)
+
+        site.instants.append(due)
+        return test
+
+    def words(self) -> str:
+        return f"{self.elapsed_s:g} s have passed"

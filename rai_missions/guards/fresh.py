@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a key has been heard lately: `{"fresh": "obstacle"}`."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
+from rai_missions.written import Path
+
+__all__ = ("Fresh",)
+
+
+class Fresh(Guard, word="fresh"):
+    """True where the key was heard and is not older than its `max_age_s`; never unknown."""
+
+    positional: ClassVar = ("fresh",)
+
+    fresh: Path
+
+    def compile(self, site: Site) -> Test:
+        operand = Operand(self.fresh, site)
+
+        def test(view: View) -> Truth:
+            return operand.read(view) is not None
+
+        return test
+
+    def words(self) -> str:
+        return f"{self.fresh} is fresh"

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a guard is: a condition over what is known, true, false or unknown, written as data and compiled once.
+
+Rule: a guard reads a `View` and nothing else. What is missing or stale makes it unknown (Kleene's three-valued logic).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Protocol
+
+from rai_missions.blackboard import Blackboard, Key
+from rai_missions.written import Kind
+
+__all__ = ("Guard", "Instant", "Operand", "Site", "Test", "Truth", "View", "made")
+
+Truth = bool | None
+"""True, False, or None: unknown."""
+
+
+class View(Protocol):
+    """All that a guard may see."""
+
+    at: float
+    """Now, in seconds on the run's clock."""
+    board: Blackboard
+    active: frozenset[str]
+    """The active states, ancestors included."""
+    entered: Mapping[str, float]
+    """State → when it was last entered, for the states whose age a guard asks for."""
+    held: Mapping[str, float]
+    """Held guard → since when its inner guard has been true without a break."""
+    event: Mapping[str, Any]
+    """The payload of the event in hand."""
+    answer: Mapping[str, Any]
+    """The parameters of the option in hand."""
+
+    def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
+        """The value of a predicate of the user's program."""
+
+
+Test = Callable[[View], Truth]
+Instant = Callable[[View], float]
+"""The next instant after now at which a guard may change without an event; infinity for never."""
+
+
+class Site:
+    """Where a guard is compiled: what it may refer to, and what it is found to depend on.
+
+    Args:
+        place: The JSON pointer of the guard; makes the names of its memories.
+        keys: The mission's keys.
+        state: The state whose row or rule it is; `elapsed_s` counts from its entry. Empty for the mission's own.
+    """
+
+    def __init__(self, place: str, keys: Mapping[str, Key], state: str = "") -> None:
+        self.place, self.keys, self.state = place, keys, state
+        self.reads: set[str] = set()
+        """The keys it looks at."""
+        self.instants: list[Instant] = []
+        self.holds: dict[str, Test] = {}
+        """Memory → the inner guard of a `held`."""
+        self.clocked: set[str] = set()
+        """The states whose entry time it needs."""
+        self.named: set[str] = set()
+        self.states: set[str] = set()
+        """The states whose activity it asks for."""
+
+
+class Guard(Kind, family="guard"):
+    """A condition as data. `&`, `|` and `~` combine guards; `held_for(2)` wants one to have been true for 2 s."""
+
+    def compile(self, site: Site) -> Test:
+        """A function from a view to true, false or unknown; `site` learns what it depends on."""
+        raise NotImplementedError
+
+    def inner(self) -> Iterator[Guard]:
+        """The guards it is made of."""
+        return iter(())
+
+    def walk(self) -> Iterator[Guard]:
+        """It and all the guards inside it, outermost first."""
+        yield self
+        for guard in self.inner():
+            yield from guard.walk()
+
+    def words(self) -> str:
+        """As a person would say it, in a line."""
+        raise NotImplementedError
+
+    def __and__(self, other: Guard) -> Guard:
+        return made("all", all=(self, other))
+
+    def __or__(self, other: Guard) -> Guard:
+        return made("any", any=(self, other))
+
+    def __invert__(self) -> Guard:
+        return made("not", guard=self)
+
+    def held_for(self, seconds: float) -> Guard:
+        """True once this has been true for so long without a break."""
+        return made("held", held=self, for_s=seconds)
+
+    @classmethod
+    def choose(cls, data: Mapping[str, Any]) -> str:
+        """`{"key": …, "in": […]}` is a comparison, though `in` alone asks for a state."""
+        return "key" if "key" in data else super().choose(data)
+
+    @property
+    def or_unknown(self) -> Guard:
+        """True where this is true or unknown."""
+        return made("possible", possible=self)
+
+    def __bool__(self) -> bool:
+        raise TypeError("a guard has no truth of its own; combine guards with & | ~, not with and, or, not")
+
+
+def made(word: str, **words: Any) -> Guard:
+    """A guard of the kind that has a word."""
+    guard: Guard = Guard.kinds[word](**words)
+    return guard
+
+
+class Operand:
+    """Where a comparison takes a value from: a key, a field within one, the event or the answer in hand.
+
+    Args:
+        path: `key`, `key.field`, `event.field` or `answer.name`.
+        site: Learns which key is read and when it goes stale.
+    """
+
+    def __init__(self, path: str, site: Site) -> None:
+        self.key, *self.fields = path.split(".")
+        self.passing = self.key if self.key in ("event", "answer") and self.key not in site.keys else ""
+        self.max_age_s = None
+        if not self.passing:
+            site.reads.add(self.key)
+            key = site.keys.get(self.key)
+            self.max_age_s = key.max_age_s if key else None
+            if self.max_age_s is not None:
+                site.instants.append(self.goes_stale)
+
+    def goes_stale(self, view: View) -> float:
+        entry = view.board.get(self.key)
+        return math.inf if entry is None or self.max_age_s is None else entry.at + self.max_age_s
+
+    def read(self, view: View) -> Any:
+        """The value, or None: never heard, stale, or no such field."""
+        if self.passing:
+            value: Any = view.event if self.passing == "event" else view.answer
+        else:
+            entry = view.board.get(self.key)
+            if entry is None or (self.max_age_s is not None and view.at >= entry.at + self.max_age_s):
+                return None
+            value = entry.value
+        for field in self.fields:
+            if not isinstance(value, Mapping):
+                return None
+            value = value.get(field)
+        return value

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two poses within a distance: `{"near": ["pose", "goal"], "within_m": 0.5}`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, Field
+
+from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
+from rai_missions.written import Path, Seconds
+
+__all__ = ("Near",)
+
+
+def _pair(given: Any) -> Any:
+    return tuple(given) if isinstance(given, list) else given
+
+
+class Near(Guard, word="near"):
+    """True where two poses of one frame lie within a distance, in the three axes; the heading does not count."""
+
+    positional: ClassVar = ("near", "within_m")
+
+    near: Annotated[tuple[Path, Path], BeforeValidator(_pair)]
+    within_m: Annotated[Seconds, Field(description="Metres.")]
+
+    def compile(self, site: Site) -> Test:
+        here, there = (Operand(path, site) for path in self.near)
+
+        def test(view: View) -> Truth:
+            distance_m = distance(here.read(view), there.read(view))
+            return None if distance_m is None else distance_m <= self.within_m
+
+        return test
+
+    def words(self) -> str:
+        return f"{self.near[0]} within {self.within_m:g} m of {self.near[1]}"
+
+
+def distance(here: Any, there: Any) -> float | None:
+    """Metres between two poses; None where one is no pose or they are given in different frames."""
+    if not isinstance(here, Mapping) or not isinstance(there, Mapping):
+        return None
+    if here.get("frame", "") != there.get("frame", ""):
+        return None
+    try:
+        metres = math.dist(*([float(pose.get(axis, 0.0)) for axis in ("x", "y", "z")] for pose in (here, there)))
+    except (TypeError, ValueError):
+        return None
+    return metres if math.isfinite(metres) else None

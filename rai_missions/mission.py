@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission: the graph, frozen. The run, the check, the replay and the picture all read this.
+
+Rule: whatever a mission means stands in it as data; nothing in it can be executed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field
+
+from rai_missions.blackboard import Key
+from rai_missions.guards.guard import Guard
+from rai_missions.states.state import Names, Rows, State, States, descendants
+from rai_missions.written import Name, Seconds, Text, Written, kind_of
+
+__all__ = ("BUILT_IN_EVENTS", "Declared", "Mission")
+
+BUILT_IN_EVENTS = ("call_failed", "orphaned", "uncertain")
+"""Events that the engine raises; a mission may have rows for them without declaring them."""
+
+
+class Declared(Written):
+    """An event that may come from outside."""
+
+    positional: ClassVar = ("about",)
+
+    about: Text = ""
+    fields: dict[Text, Literal["string", "number", "integer", "boolean", "object", "list"]] = Field(default_factory=dict)
+    """What its payload holds; read as `event.<field>`."""
+
+
+def _events(given: Any) -> Any:
+    return {name: {} for name in given} if isinstance(given, list | tuple) else given
+
+
+def _keys(given: Any) -> Any:
+    return given.__keys__ if hasattr(given, "__keys__") else given
+
+
+class Mission(Written):
+    """A statechart whose states run actions, trees, questions and calls; its rows own the state of the mission."""
+
+    positional: ClassVar = ("name",)
+
+    format: Literal[1] = 1
+    name: Name
+    version: Text = "0.0.0"
+    about: Text = ""
+    blackboard: Annotated[dict[Name, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
+    events: Annotated[dict[Name, Declared], BeforeValidator(_events)] = Field(default_factory=dict)
+    initial: Names
+    states: States = Field(min_length=1)
+    transitions: Rows = ()
+    """The mission's own rows, tried after those of the states."""
+    invariants: dict[Name, kind_of(Guard)] = Field(default_factory=dict)  # type: ignore[valid-type]
+    """What must never be false; a run that finds one false is killed."""
+    on_cancel: Name | None = None
+    """The state in which a cancel is carried out; without it everything is left and canceled."""
+    cancel_s: Seconds = 30.0
+    """How long a cancel may take."""
+    settle_s: Seconds = 0.0
+    """How long the facts may take to agree with a final's `requires`."""
+    ready_s: Seconds = 10.0
+    """How long the start waits for the robot keys that are not optional."""
+
+    def __init__(self, *given: Any, **words: Any) -> None:
+        if "keys" in words:
+            words["blackboard"] = words.pop("keys")
+        words.pop("$schema", None)
+        super().__init__(*given, **words)
+
+    def walk(self) -> Iterator[tuple[str, str, State]]:
+        """Every state in document order as (JSON pointer, name, state), outer before inner."""
+        return descendants(self.states)
+
+    def state(self, name: str) -> State:
+        """The state of a name.
+
+        Raises:
+            KeyError: There is none.
+        """
+        for _, found, state in self.walk():
+            if found == name:
+                return state
+        raise KeyError(name)
+
+    def written(self) -> dict[str, Any]:
+        return {"format": self.format, **super().written()}

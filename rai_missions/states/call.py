@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A call of a service, and its reply as the outcome."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field
+
+from rai_missions.states.state import State
+from rai_missions.written import Json, Name, Text
+
+__all__ = ("Call",)
+
+
+class Call(State, word="call"):
+    """Calls a service once; leaving the state drops the reply."""
+
+    positional: ClassVar = ("call",)
+
+    call: Name
+    """The profile's name of it."""
+    request: dict[Text, Json] = Field(default_factory=dict)
+    """The request's fields; `{"from": key}` takes a value from the blackboard."""
+    result: dict[Name, Text] = Field(default_factory=dict)
+    """Mission key → the field of the reply that it takes."""
+
+    def outcomes(self) -> frozenset[str]:
+        return super().outcomes() | {"succeeded", "failed", "rejected"}
+
+    def activity(self) -> str:
+        return f"call {self.call}"

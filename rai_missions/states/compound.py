@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""States inside a state: one after the other (compound), side by side (parallel), or once for each item of a list."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from pydantic import Field
+
+from rai_missions.states.state import Names, State, States
+from rai_missions.written import Name, Path
+
+__all__ = ("Compound", "Each", "Parallel")
+
+
+class Compound(State, word="states"):
+    """One of its states is active at a time; the outcome of its final child is its own."""
+
+    initial: Names
+    """A descendant, or one a region of a parallel descendant."""
+    states: States = Field(min_length=1)
+
+    def children(self) -> Mapping[str, State]:
+        return self.states
+
+
+class Parallel(State, word="parallel"):
+    """All regions are active at a time; when each has reached a final, the worst outcome is its own."""
+
+    positional: ClassVar = ("parallel",)
+
+    parallel: States = Field(min_length=1)
+
+    def children(self) -> Mapping[str, State]:
+        return self.parallel
+
+    def child_place(self) -> str:
+        return "parallel"
+
+
+class Each(State, word="each"):
+    """Its states run once for each item of a list, copied on entry; the first outcome other than `succeeded` ends it."""
+
+    positional: ClassVar = ("each",)
+
+    each: Path
+    """The key that holds the list."""
+    item: Name = Field(alias="as")
+    """The mission key that holds the current item."""
+    initial: Names
+    states: States = Field(min_length=1)
+
+    def children(self) -> Mapping[str, State]:
+        return self.states
+
+    def activity(self) -> str:
+        return f"for each {self.item} in {self.each}"

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A decision: the only place where a model, a person or a policy has a say, and how far it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from rai_missions.guards.guard import Guard
+from rai_missions.states.state import OUTCOMES, State
+from rai_missions.written import Json, Name, Path, Text, Written, fault, kind_of, suggestion
+
+__all__ = ("Asked", "Budget", "Decision", "Option")
+
+
+def _listed(given: Any) -> Any:
+    return tuple(given) if isinstance(given, list) else given
+
+
+class Option(Written):
+    """One answer that may be given, and when."""
+
+    positional: ClassVar = ("about",)
+
+    about: Text = ""
+    """What it means, for whoever is asked."""
+    when: kind_of(Guard) | None = None
+    """Where this is not true the option is not offered, and not taken."""
+    parameters: dict[str, Json] | None = None
+    """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's row."""
+
+
+class Budget(Written):
+    """How much a model may use for one decision."""
+
+    calls: Annotated[int, Field(strict=True, ge=1)] = 8
+    """Calls of the model and of read-only tools together."""
+    tokens: Annotated[int, Field(strict=True, ge=1)] = 20_000
+    """Tokens in and out together, where the provider counts them."""
+    seconds: Annotated[float, Field(strict=True, gt=0)] | None = None
+    """Wall time; the deadline bounds it anyway."""
+
+
+class Asked(Written):
+    """The question of a decision, its answers, and who is asked."""
+
+    positional: ClassVar = ("question",)
+
+    question: Text
+    evidence: Annotated[tuple[Path, ...], BeforeValidator(_listed)] = ()
+    """The keys that the question shows, pictures included."""
+    options: dict[Name, Option] = Field(min_length=1)
+    ask: Annotated[tuple[Name, ...], BeforeValidator(_listed), Field(min_length=1)] = ("agent", "operator", "rules")
+    """Who is asked, in this order; one that is absent is skipped."""
+    attempts: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
+    """How often each is asked before the next is."""
+    deadline_s: Annotated[float, Field(strict=True, gt=0)] | None = None
+    """Bounds the whole decision; then the fallback is taken."""
+    within_s: Annotated[float, Field(strict=True, gt=0)] | None = None
+    """How long each of them has; left out, an equal share of the time left."""
+    fallback: Name | None = None
+    """The option taken when nobody gave an answer that counts; it has no `when`."""
+    budget: Budget = Budget()
+    tools: Annotated[tuple[Name, ...], BeforeValidator(_listed)] = ()
+    """The read-only tools that a model may use while it thinks."""
+
+    @model_validator(mode="after")
+    def _fallback_is_an_option(self) -> Self:
+        if self.fallback is None:
+            return self
+        if self.fallback not in self.options:
+            known = suggestion(self.fallback, self.options)
+            raise fault("fallback", f"'fallback' names no option: '{self.fallback}'{known}")
+        option = self.options[self.fallback]
+        if option.when is not None:
+            raise fault("fallback", f"the fallback '{self.fallback}' has a 'when'; it must always be open: drop its guard")
+        if option.parameters is not None:
+            raise fault("fallback", f"the fallback '{self.fallback}' takes parameters, and nobody would give them")
+        return self
+
+    @model_validator(mode="after")
+    def _options_are_no_outcomes(self) -> Self:
+        for name in self.options:
+            if name in OUTCOMES:
+                raise fault("option", f"an option may not be called '{name}': that is an outcome; choose another word")
+        return self
+
+    def guards(self) -> Iterator[tuple[str, Guard]]:
+        """Option → its guard, where it has one."""
+        for name, option in self.options.items():
+            if option.when is not None:
+                yield name, option.when
+
+
+class Decision(State, word="decision"):
+    """Asks. In Python the question's words stand beside the state's: `Decision("What now?", options=…, ask=…)`."""
+
+    decision: Asked
+
+    def __init__(self, *given: Any, **words: Any) -> None:
+        if "decision" not in words:
+            asked = {name: words.pop(name) for name in list(words) if name in Asked.model_fields}
+            words["decision"] = Asked(*given, **asked)
+            given = ()
+        super().__init__(*given, **words)
+
+    def outcomes(self) -> frozenset[str]:
+        return super().outcomes() | frozenset(self.decision.options)
+
+    def activity(self) -> str:
+        return "decision"
+
+    @property
+    def options(self) -> Mapping[str, Option]:
+        """The answers that there are."""
+        return self.decision.options

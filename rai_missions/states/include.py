@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Another mission as a state: expanded when the file is loaded, so that nothing here runs it."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from pydantic import Field
+
+from rai_missions.states.state import State
+from rai_missions.written import Json, Name, Text
+
+__all__ = ("Include",)
+
+
+class Include(State, word="mission"):
+    """A mission in a mission. Its keys and events are private unless mapped; its finals are its outcomes."""
+
+    positional: ClassVar = ("mission",)
+
+    mission: Text
+    """The file, relative to the one that names it and inside that one's folder."""
+    with_: dict[Name, Json] = Field(default_factory=dict, alias="with")
+    """Its key or event → a value, or `{"from": key}` to share one of this mission's keys."""
+
+    def activity(self) -> Any:
+        return f"mission {self.mission}"

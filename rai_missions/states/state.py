@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a state is, and the rows by which it is left.
+
+Rule: a state is data. What it does while it is active is worked out by a pure machine in the file of its kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
+
+from rai_missions.effects import Effect
+from rai_missions.guards.guard import Guard
+from rai_missions.written import Bool, Kind, Name, Names, Seconds, Text, Written, fault, kind_of, one_or_many, suggestion
+
+__all__ = ("ANY_EVENT", "OUTCOMES", "Controller", "Effects", "State", "States", "Transition")
+
+ANY_EVENT = "*"
+OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverified", "aborted")
+"""What an activity can report about itself, beside a decision's options."""
+
+Controller = Literal["autonomy", "agent", "operator"]
+"""Who may command the robot's actuators."""
+
+Effects = Annotated[tuple[kind_of(Effect), ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
+
+
+class Transition(Written):
+    """One row: what triggers it, under which guard, where it leads and what it does on the way."""
+
+    positional: ClassVar = ("on",)
+
+    on: Annotated[tuple[TriggerName, ...], *one_or_many] = ()
+    """Events or outcomes; `*` is any declared event. With neither `on` nor `after_s` it fires as soon as its guard holds."""
+    of: Name | None = None
+    """The state whose outcome is meant, if not this row's own."""
+    after_s: Seconds | None = None
+    """Fires so long after the entry, once; if the guard is not true then, it is lost."""
+    when: kind_of(Guard) | None = None
+    to: Annotated[tuple[Name, ...], *one_or_many] = ()
+    """The target, or one a region; without one the state is not left."""
+    do: Effects = ()
+    internal: Bool = False
+    """From a compound state into itself without leaving it."""
+    about: Text = ""
+
+    @model_validator(mode="after")
+    def _one_trigger(self) -> Self:
+        if self.on and self.after_s is not None:
+            raise fault("trigger", "a row has 'on' or 'after_s', not both; write two rows")
+        if not self.on and self.after_s is None and self.when is None:
+            raise fault("trigger", "a row without 'on', 'after_s' and 'when' would fire at once, always; give one")
+        if self.of is not None and not self.on:
+            raise fault("of", "'of' says whose outcome 'on' means; give 'on' too")
+        return self
+
+    @property
+    def eventless(self) -> bool:
+        """It fires as soon as its guard holds."""
+        return not self.on and self.after_s is None
+
+    def words(self) -> str:
+        """Trigger and guard as a person would say them."""
+        trigger = " or ".join(self.on) + (f" of {self.of}" if self.of else "")
+        if self.after_s is not None:
+            trigger = f"after {self.after_s:g} s"
+        guard = f"[{self.when.words()}]" if self.when is not None else ""
+        return f"{trigger} {guard}".strip()
+
+
+def _rows(given: Any) -> Any:
+    return tuple(given) if isinstance(given, list) else given
+
+
+Rows = Annotated[tuple[Transition, ...], BeforeValidator(_rows)]
+
+
+class State(Kind, family="state", word=""):
+    """A state that only waits; the other kinds are told by their word."""
+
+    about: Text = ""
+    control: Controller | None = None
+    """Who must hold control while it is active; the innermost says."""
+    entry: Effects = ()
+    exit: Effects = ()
+    transitions: Rows = ()
+    timeout_s: Seconds | None = Field(default=None, gt=0)
+    """So long after the entry it reports `timed_out` and what it runs is canceled."""
+    handover_s: Seconds = 5.0
+    """How long the handover of control may take before the start is `rejected`."""
+
+    @classmethod
+    def choose(cls, data: Mapping[str, Any]) -> str:
+        """A state has at most one kind's word; `each` comes with `states`, and none is a plain state."""
+        given = [word for word in cls.kinds if word and word in data]
+        if "each" in given and "states" in given:
+            given.remove("states")
+        if len(given) > 1:
+            raise fault("kinds", f"a state is one thing, this is {len(given)}: {', '.join(given)}; nest or split it")
+        if not given:
+            unknown = [str(word) for word in data if word not in cls.known_words()]
+            for word in unknown:
+                raise fault("kind", f"a state has no '{word}'" + suggestion(word, [*cls.kinds, *cls.known_words()]))
+        return given[0] if given else ""
+
+    @classmethod
+    def known_words(cls) -> set[str]:
+        """The words that every state may have."""
+        return set(State.model_fields)
+
+    def children(self) -> Mapping[str, State]:
+        """The states directly inside it."""
+        return {}
+
+    def child_place(self) -> str:
+        """The word under which its children stand."""
+        return "states"
+
+    def outcomes(self) -> frozenset[str]:
+        """What it can report about itself, beside the outcomes of children."""
+        return frozenset({"timed_out"} if self.timeout_s is not None else ())
+
+    def activity(self) -> str:
+        """What it runs while it is active, in a word or two; empty for nothing."""
+        return ""
+
+
+def _states(given: Any) -> Any:
+    if not isinstance(given, Mapping):
+        return given
+    return dict(given)
+
+
+States = Annotated[dict[Name, kind_of(State)], BeforeValidator(_states)]
+
+
+def descendants(states: Mapping[str, State], place: str = "/states") -> Iterator[tuple[str, str, State]]:
+    """Every state in document order as (JSON pointer, name, state), outer before inner."""
+    for name, state in states.items():
+        here = f"{place}/{name.replace('~', '~0').replace('/', '~1')}"
+        yield here, name, state
+        yield from descendants(state.children(), f"{here}/{state.child_place()}")

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a chart wants of whatever ticks its behaviour trees.
+
+Rule: a tick is pure. All that a tree remembers stands in its `TreeState`; leaves are started and ended by the chart,
+with the machines that the states of the same words use, and their outcomes are given to the next tick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple, Protocol
+
+from rai_missions.guards.guard import View
+from rai_missions.states.tree import TreeNode
+
+__all__ = ("Leaf", "Ticked", "Ticker", "TreeState", "Trees")
+
+Status = Literal["invalid", "running", "success", "failure"]
+
+
+class Leaf(NamedTuple):
+    """How far a leaf that the chart runs has come."""
+
+    run: int
+    """Which of its runs this is: 1 for the first; a leaf that is started again counts on."""
+    outcome: str = ""
+    """Empty while it runs; then the outcome of its activity (`succeeded`, …, or an option's name)."""
+
+
+class TreeState(NamedTuple):
+    """All that a tree remembers between two ticks. Frozen, and plain enough for JSON.
+
+    What `nodes` holds for a node is the ticker's own affair: status, memory, counters, deadlines.
+    """
+
+    nodes: Mapping[str, Any] = {}
+    """Path of the node → what it remembers."""
+    leaves: Mapping[str, Leaf] = {}
+    """Path of each action, call or decision leaf that is running or whose end has not been read yet."""
+
+
+class Ticked(NamedTuple):
+    """What a tick did."""
+
+    state: TreeState
+    status: Status
+    """The root's; `success` and `failure` end the tree."""
+    started: tuple[str, ...] = ()
+    """Paths of the leaves that the chart is to start, in order."""
+    ended: tuple[str, ...] = ()
+    """Paths of the running leaves that the chart is to end, in order; they are ended before any is started."""
+    writes: tuple[tuple[str, Any], ...] = ()
+    """What `set` leaves wrote, in order; later nodes of the same tick have seen it."""
+    published: tuple[tuple[str, Mapping[str, Any]], ...] = ()
+    """Topic and message of each `publish` leaf."""
+    trace: tuple[tuple[str, str, Status], ...] = ()
+    """What was called, in order: (path, `initialise` | `update` | `terminate`, status), as py_trees orders them."""
+
+
+class Ticker(Protocol):
+    """Compiled for one tree."""
+
+    def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
+        """Tick once.
+
+        Args:
+            state: As the last tick left it; `TreeState()` for the first.
+            view: What is known, and the time.
+            outcomes: Path of a running leaf → the outcome that its activity has reported since.
+        """
+
+    def stop(self, state: TreeState, view: View) -> Ticked:
+        """End whatever runs: the state that holds the tree is left."""
+
+    def wake_at(self, state: TreeState, view: View) -> float:
+        """The next instant at which a wait, a timeout or a guard's age can change something; infinity for none."""
+
+    def reads(self, state: TreeState) -> frozenset[str]:
+        """The keys whose change wants a tick; `*` for any."""
+
+
+class Trees(Protocol):
+    """What a chart is given as `ticker`: compiles trees."""
+
+    def compile(self, root: TreeNode, place: str, keys: Mapping[str, Any], state: str) -> Ticker:
+        """A ticker for the tree that stands at a JSON pointer in the mission, inside a state."""

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Questions, proposals, and the verdict that decides whether a proposal counts.
+
+Rule: a proposal is a wish. Only `judge`, on what is known at that moment, makes an outcome of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, Protocol
+
+from rai_missions.event import Image
+from rai_missions.guards.guard import Test, Truth, View
+
+__all__ = ("Answerer", "Evidence", "Offer", "Proposal", "Question", "Verdict", "judge")
+
+
+class Offer(NamedTuple):
+    """One option as it is offered."""
+
+    name: str
+    about: str = ""
+    parameters: Mapping[str, Any] | None = None
+    """JSON Schema of what the answer must bring along, if anything."""
+
+
+class Evidence(NamedTuple):
+    """One key as the question shows it."""
+
+    key: str
+    value: Any
+    """None where it was never heard; an `Image` for pictures."""
+    age_s: float | None
+    """Seconds since it was so; None where it was never heard."""
+    fresh: bool
+
+    def words(self) -> str:
+        """`obstacle: {…}, 0.2 s old`, or `obstacle: unknown, 3.2 s old`."""
+        age = "never heard" if self.age_s is None else f"{self.age_s:.1f} s old"
+        if not self.fresh or self.value is None:
+            return f"{self.key}: unknown, {age}"
+        return f"{self.key}: {'a picture' if isinstance(self.value, Image) else self.value}, {age}"
+
+
+class Question(NamedTuple):
+    """What is asked, of whom, and which answers there are."""
+
+    number: int
+    """Its number in the run; an answer carries it."""
+    owner: str
+    """The state, or leaf of a tree (`state#path`), that asks."""
+    asked: str
+    """`agent`, `operator`, `rules` or a script's name."""
+    text: str
+    options: tuple[Offer, ...]
+    evidence: tuple[Evidence, ...] = ()
+    attempt: int = 1
+    """1 for the first time that this answerer is asked."""
+    at: float = 0.0
+    until: float = 0.0
+    """The instant at which its time is over, on the run's clock."""
+    refused: tuple[str, ...] = ()
+    """Why the earlier answers to this decision were refused, oldest first."""
+
+    @property
+    def state(self) -> str:
+        """The state that asks."""
+        return self.owner.partition("#")[0]
+
+
+class Proposal(NamedTuple):
+    """What somebody answers."""
+
+    option: str
+    parameters: Mapping[str, Any] = {}
+    why: str = ""
+
+
+class Verdict(NamedTuple):
+    """What the rules say of a proposal."""
+
+    accepted: bool
+    why: str = ""
+    """For a refusal: what was wrong and what would be right; told to whoever is asked next."""
+
+
+class Answerer(Protocol):
+    """Whoever answers a question: a model, a person, rules, a script."""
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        """Take a question; never waits.
+
+        `answer` is told, from any thread, once: `{"option", "parameters", "why"}`, or `{"absent": why}`, or
+        `{"failed": why}`. Further tellings are stale. `usage` may come along: `{"calls", "tokens", "seconds", …}`.
+        """
+
+    def withdraw(self, number: int) -> None:
+        """The question is no longer asked: stop the work on it, answer nothing."""
+
+
+def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[str, Test]) -> Verdict:
+    """Whether a proposal counts, on what is known now.
+
+    Args:
+        question: As it was asked: its options are what was offered.
+        proposal: The option's name and its parameters.
+        view: The blackboard, configuration and time of this moment.
+        guards: Option → its compiled guard; an option without one may always be taken.
+    """
+    offered = {offer.name: offer for offer in question.options}
+    if proposal.option not in offered:
+        return Verdict(False, f"'{proposal.option:.60}' was not offered; offered: {', '.join(offered)}")
+    why = _parameters(offered[proposal.option], proposal.parameters)
+    if why:
+        return Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
+    test = guards.get(proposal.option)
+    value: Truth = True if test is None else test(view)
+    if value is not True:
+        says = "no longer holds" if value is False else "is unknown now"
+        return Verdict(False, f"the guard of '{proposal.option}' {says}; choose another option")
+    return Verdict(True)
+
+
+def _parameters(offer: Offer, given: Mapping[str, Any]) -> str:
+    if offer.parameters is None:
+        return "" if not given else f"'{offer.name}' takes none"
+    import jsonschema  # heavy, and most options have no parameters
+
+    validator = jsonschema.Draft202012Validator(dict(offer.parameters))
+    problems = sorted(validator.iter_errors(dict(given)), key=lambda error: list(map(str, error.path)))
+    return "; ".join(f"{problem.json_path}: {problem.message}"[:200] for problem in problems[:5])

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every written thing of a mission is: a frozen model that reads and writes the words of the format.
+
+Rule: whatever an author can write stands in a `Written`; unknown words are refused, nothing is coerced.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any, ClassVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    Strict,
+    WithJsonSchema,
+)
+from pydantic_core import PydanticCustomError
+
+__all__ = (
+    "Bool",
+    "Integer",
+    "Json",
+    "Kind",
+    "Name",
+    "Names",
+    "Number",
+    "Path",
+    "Seconds",
+    "Text",
+    "Written",
+    "fault",
+    "kind_of",
+    "one_or_many",
+    "suggestion",
+)
+
+NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
+PATH = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
+
+
+def fault(kind: str, sentence: str) -> PydanticCustomError:
+    """A fault of the author, as pydantic wants it raised inside a validator; the sentence reaches the author as it is."""
+    return PydanticCustomError(kind, "{sentence}", {"sentence": sentence})
+
+
+def suggestion(given: str, known: Iterable[str]) -> str:
+    """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
+    known = sorted(set(known))
+    close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
+    return f"; there is: {shown}" if shown else ""
+
+
+def _key_text(value: Any) -> Any:
+    """A reference made by `Keys` reads as the path it stands for."""
+    return getattr(value, "__path__", value) if not isinstance(value, str) else value
+
+
+def _tuple(value: Any) -> Any:
+    value = _key_text(value)
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def _shorter(value: tuple[Any, ...]) -> Any:
+    return value[0] if len(value) == 1 else list(value)
+
+
+one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=Any))
+"""A word or a list of words in JSON, always a tuple here."""
+
+Text = Annotated[str, Strict()]
+Name = Annotated[str, Strict(), BeforeValidator(_key_text), Field(pattern=NAME)]
+"""Lower case, digits and underscores; `/` only in what an inclusion brought."""
+Path = Annotated[str, Strict(), BeforeValidator(_key_text), Field(pattern=PATH)]
+"""A key, or a field within one: `obstacle.height_m`; `event.…` and `answer.…` name what a row's trigger brought."""
+Names = Annotated[
+    tuple[Name, ...],
+    *one_or_many,
+    Field(min_length=1),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "pattern": NAME},
+                {"type": "array", "items": {"type": "string", "pattern": NAME}, "minItems": 1},
+            ]
+        }
+    ),
+]
+Bool = Annotated[bool, Strict()]
+Integer = Annotated[int, Strict()]
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Seconds = Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
+
+
+def _frozen(value: Any) -> Any:
+    """JSON values as they compare: lists as lists, finite numbers only."""
+    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+        raise fault("finite", f"{value} is not a number that JSON has; give a finite one")
+    if isinstance(value, Mapping):
+        return {str(_key_text(name)): _frozen(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_frozen(item) for item in value]
+    if value is None or isinstance(value, str | int | float):
+        return value
+    text = _key_text(value)
+    if isinstance(text, str):
+        return {"from": text}
+    raise fault("json", f"{value!r} is not JSON; give text, a number, true, false, a list or an object")
+
+
+Json = Annotated[Any, AfterValidator(_frozen)]
+"""A JSON value; in Python a reference made by `Keys` stands for `{"from": path}`."""
+
+
+class Written(BaseModel):
+    """A frozen model with the format's words as aliases; in Python its main words may be given by position."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=True)
+
+    positional: ClassVar[tuple[str, ...]] = ()
+    """The fields that Python authors may give by position, in this order."""
+
+    def __init__(self, *given: Any, **words: Any) -> None:
+        if len(given) > len(self.positional):
+            raise TypeError(f"{type(self).__name__} takes {len(self.positional)} values by position: {self.positional}")
+        super().__init__(**dict(zip(self.positional, given, strict=False)), **words)
+
+    def written(self) -> dict[str, Any]:
+        """As JSON has it: aliases, and no word that says what would be so anyway."""
+        return self.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+
+
+class Kind(Written):
+    """A family of written things that are told apart by a word each of them must have.
+
+    A family derives from `Kind` with `family="guard"`; each of its kinds derives from the family and names its word.
+    """
+
+    kinds: ClassVar[dict[str, type[Any]]]
+    word: ClassVar[str] = ""
+    family: ClassVar[str] = ""
+
+    def __init_subclass__(cls, *, family: str = "", word: str | None = None, **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        if family:
+            cls.family, cls.kinds = family, {}
+        if word is not None:
+            cls.word = word
+            cls.kinds[word] = cls
+
+    @classmethod
+    def choose(cls, data: Mapping[str, Any]) -> str:
+        """The word by which a mapping says its kind.
+
+        Raises:
+            PydanticCustomError: No word or several.
+        """
+        given = [word for word in cls.kinds if word and word in data]
+        if len(given) == 1:
+            return given[0]
+        if not given and "" in cls.kinds:
+            return ""
+        known = ", ".join(word for word in cls.kinds if word)
+        if given:
+            raise fault("kinds", f"a {cls.family} is one thing, this is {len(given)}: {', '.join(given)}; keep one")
+        unknown = next((str(word) for word in data), "")
+        raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}" + (suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"))
+
+    @classmethod
+    def read(cls, data: Any) -> Any:
+        """A member of the family from what stands in JSON, or as it is if it is one."""
+        if isinstance(data, cls):
+            return data
+        if not isinstance(data, Mapping):
+            raise fault("object", f"a {cls.family} is an object, not {data!r}")
+        return cls.kinds[cls.choose(data)].model_validate(data)
+
+
+def kind_of(family: type[Kind]) -> Any:
+    """The field type for any member of a family."""
+    return Annotated[
+        family,
+        PlainValidator(family.read),
+        PlainSerializer(lambda item: item.written(), return_type=Any),
+        WithJsonSchema({"$ref": f"#/$defs/{family.__name__}"}),
+    ]
