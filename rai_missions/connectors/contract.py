@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every connector must do, as a function that a connector's tests call.
+
+Rule: each check opens a fresh connector, so that one broken promise does not hide another.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from rai_missions.connectors.connector import Connector, Data, Message, Reply, Report
+
+__all__ = ("Heard", "PatientServer", "check_connector")
+
+T = TypeVar("T")
+STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
+ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
+
+
+class Heard(Generic[T]):
+    """Collects what a callback is told, from any thread.
+
+    Args:
+        within_s: How long `wait` waits before it gives up.
+    """
+
+    def __init__(self, within_s: float = 5.0) -> None:
+        self.all: list[T] = []
+        self._within_s = within_s
+        self._changed = threading.Condition()
+
+    def __call__(self, what: T) -> None:
+        with self._changed:
+            self.all.append(what)
+            self._changed.notify_all()
+
+    def wait(self, enough: Callable[[list[T]], bool], what: str) -> list[T]:
+        """Wait until enough was heard; else an `AssertionError` that says what did not come."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: enough(self.all), self._within_s), f"{what}; heard only {self.all}"
+            return list(self.all)
+
+
+class PatientServer:
+    """An action server that does only what the test tells it; the words of its goals are kept in order."""
+
+    def __init__(self) -> None:
+        self.asked: Heard[tuple[str, str]] = Heard()
+        self.goals: dict[str, Data] = {}
+        self.report: dict[str, Callable[[Report], None]] = {}
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        self.goals[goal_id], self.report[goal_id] = goal, report
+        self.asked(("accept", goal_id))
+
+    def cancel(self, goal_id: str) -> None:
+        self.asked(("cancel", goal_id))
+
+    def say(self, goal_id: str, said: Any, data: Data | None = None) -> None:
+        self.report[goal_id](Report(goal_id, said, data or {}))
+
+
+def check_connector(
+    make: Callable[[], Connector], *, action_type: str = "test_msgs/action/Fibonacci", goal: Data | None = None
+) -> None:
+    """Hold a connector to the contract of `Connector`, in the modes that it has.
+
+    Args:
+        make: Gives a fresh connector, not started.
+        action_type: An action type that the connector can carry.
+        goal: A goal of that type.
+
+    Raises:
+        AssertionError: A promise is broken; the text says which.
+    """
+    checks = {"topics": TOPICS, "services": SERVICES, "actions": ACTIONS}
+    for mode in sorted(make().modes):
+        for check in checks[mode]:
+            connector = make()
+            connector.start()
+            try:
+                check(connector, action_type, {"order": 3} if goal is None else goal)
+            finally:
+                connector.stop()
+    _starts_and_stops_repeatedly(make())
+
+
+def _starts_and_stops_repeatedly(connector: Connector) -> None:
+    connector.stop()
+    for _ in range(2):
+        connector.start()
+        connector.start()
+        connector.stop()
+        connector.stop()
+
+
+def _hears_what_is_published(connector: Connector, *_: Any) -> None:
+    heard: Heard[Message] = Heard()
+    close = connector.subscribe("/check/topic", STRING, heard)
+    for text in ("one", "two", "three"):
+        connector.publish("/check/topic", STRING, {"data": text})
+    messages = heard.wait(lambda all_: len(all_) == 3, "three messages were published")
+    assert [message.data["data"] for message in messages] == ["one", "two", "three"], "messages come in order"
+    assert all(message.topic == "/check/topic" for message in messages), "a message names its topic"
+    close()
+    close()
+    connector.publish("/check/topic", STRING, {"data": "late"})
+    assert len(heard.all) == 3, "a closed subscription hears nothing"
+
+
+def _hears_nothing_after_stop(connector: Connector, *_: Any) -> None:
+    heard: Heard[Message] = Heard()
+    connector.subscribe("/check/topic", STRING, heard)
+    connector.stop()
+    connector.start()
+    connector.publish("/check/topic", STRING, {"data": "late"})
+    assert heard.all == [], "stop closes the subscriptions"
+
+
+def _answers_a_call_once(connector: Connector, *_: Any) -> None:
+    replies: Heard[Reply] = Heard()
+    connector.serve("/check/service", TRIGGER, lambda _request: {"success": True, "message": "done"})
+    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=5.0)
+    (reply,) = replies.wait(bool, "the service was called")
+    assert (reply.outcome, dict(reply.data)) == ("succeeded", {"success": True, "message": "done"}), reply
+
+
+def _says_why_a_call_failed(connector: Connector, *_: Any) -> None:
+    def answer(_request: Data) -> Data:
+        raise ValueError("no lamp")
+
+    replies: Heard[Reply] = Heard()
+    connector.serve("/check/service", TRIGGER, answer)
+    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=5.0)
+    (reply,) = replies.wait(bool, "the service raised")
+    assert reply.outcome in ("failed", "timed_out"), reply
+    assert reply.outcome == "timed_out" or "no lamp" in reply.why, reply
+
+
+def _says_that_nobody_serves(connector: Connector, *_: Any) -> None:
+    replies: Heard[Reply] = Heard()
+    close = connector.serve("/check/service", TRIGGER, lambda _request: {})
+    close()
+    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=0.5)
+    (reply,) = replies.wait(bool, "nobody serves it")
+    assert reply.outcome in ("unavailable", "timed_out"), reply
+
+
+def _sent(connector: Connector, action_type: str, goal: Data, goal_id: str) -> tuple[PatientServer, Heard[Report]]:
+    server, reports = PatientServer(), Heard[Report]()
+    connector.offer("/check/action", action_type, server)
+    connector.send_goal("/check/action", action_type, goal, goal_id=goal_id, report=reports)
+    server.asked.wait(bool, "a goal was sent")
+    return server, reports
+
+
+def _carries_a_goal_to_its_end(connector: Connector, action_type: str, goal: Data) -> None:
+    server, reports = _sent(connector, action_type, goal, "g1")
+    assert {key: server.goals["g1"][key] for key in goal} == dict(goal), "the server gets the goal as it was sent"
+    for said in ("accepted", "feedback", "succeeded", "succeeded", "failed", "feedback"):
+        server.say("g1", said)
+    said_all = [report.said for report in reports.wait(lambda all_: all_[-1].said in ENDS, "the goal succeeded")]
+    assert said_all[0] == "accepted", said_all
+    assert said_all[-1] == "succeeded", f"nothing is reported after the end, but: {said_all}"
+    assert said_all.count("succeeded") == 1, said_all
+
+
+def _remembers_an_early_cancel(connector: Connector, action_type: str, goal: Data) -> None:
+    server, reports = _sent(connector, action_type, goal, "g2")
+    connector.cancel_goal("g2")
+    server.say("g2", "accepted")
+    server.asked.wait(lambda all_: ("cancel", "g2") in all_, "a cancel before the acceptance is sent after it")
+    server.say("g2", "canceled")
+    reports.wait(lambda all_: all_[-1].said == "canceled", "the goal was canceled")
+
+
+def _ignores_a_cancel_of_nothing(connector: Connector, action_type: str, goal: Data) -> None:
+    connector.cancel_goal("nobody")
+    server, reports = _sent(connector, action_type, goal, "g3")
+    server.say("g3", "accepted")
+    server.say("g3", "failed")
+    reports.wait(lambda all_: all_[-1].said == "failed", "the goal failed")
+    connector.cancel_goal("g3")
+    assert ("cancel", "g3") not in server.asked.all, "an ended goal is not canceled"
+
+
+def _rejects_what_nobody_serves(connector: Connector, action_type: str, goal: Data) -> None:
+    reports: Heard[Report] = Heard()
+    connector.send_goal("/check/nobody", action_type, goal, goal_id="g4", report=reports)
+    (report,) = reports.wait(bool, "nobody serves the action")
+    assert report.said in ("rejected", "lost"), report
+
+
+def _cancels_running_goals_on_stop(connector: Connector, action_type: str, goal: Data) -> None:
+    server, _reports = _sent(connector, action_type, goal, "g5")
+    server.say("g5", "accepted")
+    connector.stop()
+    assert ("cancel", "g5") in server.asked.all, "stop cancels the goals that run"
+
+
+Check = Callable[[Connector, str, Data], None]
+TOPICS: tuple[Check, ...] = (_hears_what_is_published, _hears_nothing_after_stop)
+SERVICES: tuple[Check, ...] = (_answers_a_call_once, _says_why_a_call_failed, _says_that_nobody_serves)
+ACTIONS: tuple[Check, ...] = (
+    _carries_a_goal_to_its_end,
+    _remembers_an_early_cancel,
+    _ignores_a_cancel_of_nothing,
+    _rejects_what_nobody_serves,
+    _cancels_running_goals_on_stop,
+)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One goal on its way between a client and an action's server, in the same process.
+
+Rule: a goal that has ended never reports again, and a cancel is never lost, however early it comes.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+
+from rai_missions.connectors.connector import ActionServer, Data, Report
+
+__all__ = ("Goal", "Mailbox")
+
+log = logging.getLogger(__name__)
+ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
+
+
+class Mailbox:
+    """Runs what is posted one after the other, on the thread that finds it idle.
+
+    A post from inside a running piece, or from another thread, is run by whoever is running already.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: deque[Callable[[], None]] = deque()
+        self._lock = threading.Lock()
+        self._busy = False
+
+    def post(self, work: Callable[[], None]) -> None:
+        with self._lock:
+            self._waiting.append(work)
+            if self._busy:
+                return
+            self._busy = True
+        while (next_work := self._next()) is not None:
+            try:
+                next_work()
+            except Exception:
+                log.exception("a callback failed")
+
+    def _next(self) -> Callable[[], None] | None:
+        with self._lock:
+            self._busy = bool(self._waiting)
+            return self._waiting.popleft() if self._busy else None
+
+
+class Goal:
+    """A goal that was sent, until its end was reported.
+
+    Args:
+        goal_id: Unique among the goals that run.
+        action: The action's name.
+        server: Who serves it.
+        calls: The server's mailbox: its calls come one after the other, whoever makes them.
+        report: Whom to tell.
+        ended: Told once, before the end is reported.
+    """
+
+    def __init__(
+        self,
+        goal_id: str,
+        action: str,
+        server: ActionServer,
+        calls: Mailbox,
+        report: Callable[[Report], None],
+        *,
+        ended: Callable[[Goal], None],
+    ) -> None:
+        self.goal_id, self.action = goal_id, action
+        self._server, self._calls, self._report, self._ended = server, calls, report, ended
+        self._reports = Mailbox()
+        self._is_accepted = self._is_over = self._is_unwanted = False
+
+    def send(self, goal: Data) -> None:
+        self._calls.post(lambda: self._accept(goal))
+
+    def cancel(self) -> None:
+        self._reports.post(self._want_no_more)
+
+    def hear(self, report: Report) -> None:
+        """What the server says; dropped when it comes late, twice or under another goal's id."""
+        self._reports.post(lambda: self._pass_on(report))
+
+    def silence(self) -> None:
+        """Nothing more is reported."""
+        self._is_over = True
+
+    def _accept(self, goal: Data) -> None:
+        try:
+            self._server.accept(self.goal_id, goal, self.hear)
+        except Exception as fault:
+            log.exception("%s could not take goal %s", self.action, self.goal_id)
+            end = "failed" if self._is_accepted else "rejected"
+            self.hear(Report(self.goal_id, end, {}, f"{type(fault).__name__}: {fault}"))  # type: ignore[arg-type]
+
+    def _want_no_more(self) -> None:
+        if not self._is_over and self._is_accepted:
+            self._calls.post(self._cancel_now)
+        self._is_unwanted = True
+
+    def _cancel_now(self) -> None:
+        try:
+            if not self._is_over:
+                self._server.cancel(self.goal_id)
+        except Exception as fault:
+            log.exception("%s could not cancel goal %s", self.action, self.goal_id)
+            self.hear(Report(self.goal_id, "cancel_rejected", {}, f"{type(fault).__name__}: {fault}"))
+
+    def _pass_on(self, report: Report) -> None:
+        if self._is_over or report.goal_id != self.goal_id or (report.said == "accepted" and self._is_accepted):
+            return
+        if not self._is_accepted and report.said not in ("accepted", "rejected", "lost"):
+            self._pass_on(Report(self.goal_id, "accepted", {}))
+        self._is_accepted = self._is_accepted or report.said == "accepted"
+        if report.said in ENDS:
+            self._is_over = True
+            self._ended(self)
+        self._report(report)
+        if report.said == "accepted" and self._is_unwanted:
+            self._calls.post(self._cancel_now)

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The in-process connector: robot and mission meet in one object, on the caller's thread.
+
+Rule: no lock is held while somebody else's code runs, so a callback may use the connector freely.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.goals import Goal, Mailbox
+from rai_missions.errors import ConnectorError, UsageError
+
+__all__ = ("LocalConnector",)
+
+log = logging.getLogger(__name__)
+
+
+class LocalConnector:
+    """Topics, services and actions inside one process; a `Connector`.
+
+    Publishing calls the subscribers, in the order in which they subscribed, before it returns; a service answers
+    before `call` returns, so its `timeout_s` never runs out. Whoever is stopped hears and says nothing.
+    An empty `type_name` stands for whatever type the other side uses.
+
+    Args:
+        now: Seconds on the run's clock; stamps the messages that carry no stamp of their own.
+    """
+
+    modes: frozenset[Mode] = frozenset({"topics", "services", "actions"})
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self._now = now
+        self._lock = threading.Lock()
+        self._running = False
+        self._types: dict[tuple[Mode, str], str] = {}
+        self._subscribers: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
+        self._services: dict[str, Callable[[Data], Data]] = {}
+        self._servers: dict[str, tuple[ActionServer, Mailbox]] = {}
+        self._goals: dict[str, Goal] = {}
+
+    def start(self) -> None:
+        with self._lock:
+            self._running = True
+
+    def stop(self) -> None:
+        for goal_id in tuple(self._goals):
+            self.cancel_goal(goal_id)
+        with self._lock:
+            self._running = False
+            goals = tuple(self._goals.values())
+            for registry in (self._types, self._subscribers, self._services, self._servers, self._goals):
+                registry.clear()
+        for goal in goals:
+            goal.silence()
+
+    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+        key = object()
+        with self._lock:
+            self._agree("topics", topic, type_name)
+            self._subscribers[topic][key] = hear
+        return lambda: self._unsubscribe(topic, key)
+
+    def publish(self, topic: str, type_name: str, message: Data) -> None:
+        with self._lock:
+            if not self._running:
+                return
+            self._agree("topics", topic, type_name)
+            keys = tuple(self._subscribers.get(topic, ()))
+        heard = Message(topic, message, self._stamp(message))
+        for key in keys:
+            hear = self._subscribers.get(topic, {}).get(key)
+            if hear is not None:
+                _run(hear, heard, topic)
+
+    def call(
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        answered: Callable[[Reply], None],
+        timeout_s: float | None = None,
+    ) -> None:
+        with self._lock:
+            answer = self._services.get(service) if self._running else None
+            wrong = self._disagreement("services", service, type_name)
+        if answer is None:
+            answered(Reply("unavailable", {}, f"nobody serves {service}"))
+        elif wrong:
+            answered(Reply("failed", {}, wrong))
+        else:
+            answered(_answer(answer, request, service))
+
+    def send_goal(
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+    ) -> None:
+        with self._lock:
+            if goal_id in self._goals:
+                raise UsageError(f"goal {goal_id!r} is still running: every goal needs an id of its own")
+            found = self._servers.get(action) if self._running else None
+            wrong = self._disagreement("actions", action, type_name)
+            if found is not None and not wrong:
+                sent = Goal(goal_id, action, found[0], found[1], report, ended=self._forget)
+                self._goals[goal_id] = sent
+        if found is None:
+            report(Report(goal_id, "rejected", {}, f"nobody serves {action}"))
+        elif wrong:
+            report(Report(goal_id, "rejected", {}, wrong))
+        else:
+            sent.send(goal)
+
+    def cancel_goal(self, goal_id: str) -> None:
+        goal = self._goals.get(goal_id)
+        if goal is not None:
+            goal.cancel()
+
+    def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
+        with self._lock:
+            if service in self._services:
+                raise UsageError(f"{service} is served already; close the first server before another")
+            self._agree("services", service, type_name)
+            self._services[service] = answer
+        return lambda: self._close_service(service, answer)
+
+    def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
+        with self._lock:
+            if action in self._servers:
+                raise UsageError(f"{action} is served already; close the first server before another")
+            self._agree("actions", action, type_name)
+            self._servers[action] = (server, Mailbox())
+        return lambda: self._close_action(action, server)
+
+    def _agree(self, mode: Mode, name: str, type_name: str) -> None:
+        wrong = self._disagreement(mode, name, type_name)
+        if wrong:
+            raise ConnectorError(wrong)
+        if type_name:
+            self._types.setdefault((mode, name), type_name)
+
+    def _disagreement(self, mode: Mode, name: str, type_name: str) -> str:
+        known = self._types.get((mode, name), type_name)
+        return f"{name} is a {known}, not a {type_name}" if type_name and known != type_name else ""
+
+    def _stamp(self, message: Data) -> float:
+        stamp = message.get("stamp")
+        header = message.get("header")
+        if stamp is None and isinstance(header, Mapping):
+            stamp = header.get("stamp")
+        if isinstance(stamp, Mapping):
+            return float((int(stamp.get("sec", 0)) * 10**9 + int(stamp.get("nanosec", 0))) / 1e9)
+        return self._now() if stamp is None else float(stamp)
+
+    def _unsubscribe(self, topic: str, key: object) -> None:
+        with self._lock:
+            self._subscribers.get(topic, {}).pop(key, None)
+
+    def _close_service(self, service: str, answer: Callable[[Data], Data]) -> None:
+        with self._lock:
+            if self._services.get(service) is answer:
+                del self._services[service]
+
+    def _close_action(self, action: str, server: ActionServer) -> None:
+        with self._lock:
+            if self._servers.get(action, (None,))[0] is not server:
+                return
+            del self._servers[action]
+            left = tuple(goal for goal in self._goals.values() if goal.action == action)
+        for goal in left:
+            goal.hear(Report(goal.goal_id, "lost", {}, f"{action} is no longer served"))
+
+    def _forget(self, goal: Goal) -> None:
+        with self._lock:
+            if self._goals.get(goal.goal_id) is goal:
+                del self._goals[goal.goal_id]
+
+
+def _answer(answer: Callable[[Data], Data], request: Data, service: str) -> Reply:
+    try:
+        return Reply("succeeded", answer(request))
+    except Exception as fault:
+        log.exception("%s failed", service)
+        return Reply("failed", {}, f"{type(fault).__name__}: {fault}")
+
+
+def _run(hear: Callable[[Message], None], message: Any, topic: str) -> None:
+    """One subscriber's fault must not keep the message from the others."""
+    try:
+        hear(message)
+    except Exception:
+        log.exception("a subscriber of %s failed", topic)

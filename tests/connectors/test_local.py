@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The in-process connector keeps the contract, and the promises of its own."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from rai_missions.connectors.connector import Connector, Message, Reply, Report
+from rai_missions.connectors.contract import PatientServer, check_connector
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import ConnectorError, UsageError
+
+STRING = "std_msgs/msg/String"
+
+
+@pytest.fixture
+def connector() -> LocalConnector:
+    made = LocalConnector(now=lambda: 7.5)
+    made.start()
+    return made
+
+
+def test_the_local_connector_keeps_the_contract() -> None:
+    check_connector(LocalConnector)
+
+
+def test_it_is_a_connector() -> None:
+    assert isinstance(LocalConnector(), Connector)
+    assert LocalConnector().modes == {"topics", "services", "actions"}
+
+
+@pytest.mark.parametrize(
+    ("message", "at"),
+    [
+        ({"data": "x"}, 7.5),
+        ({"stamp": 3.25}, 3.25),
+        ({"header": {"stamp": {"sec": 12, "nanosec": 300_000_000}}}, 12.3),
+        ({"header": {"stamp": 4.0}}, 4.0),
+        ({"header": {"frame_id": "map"}}, 7.5),
+    ],
+)
+def test_a_message_is_stamped_by_its_own_stamp_or_by_the_clock(
+    connector: LocalConnector, message: dict[str, object], at: float
+) -> None:
+    heard: list[Message] = []
+    connector.subscribe("/t", "", heard.append)
+    connector.publish("/t", "", message)
+    assert heard == [Message("/t", message, at)]
+
+
+def test_publishing_calls_subscribers_at_once_on_the_callers_thread(connector: LocalConnector) -> None:
+    threads: list[int] = []
+    connector.subscribe("/t", STRING, lambda _message: threads.append(threading.get_ident()))
+    connector.publish("/t", STRING, {"data": "x"})
+    assert threads == [threading.get_ident()]
+
+
+def test_a_subscriber_that_fails_does_not_keep_the_message_from_the_others(
+    connector: LocalConnector, caplog: pytest.LogCaptureFixture
+) -> None:
+    heard: list[Message] = []
+
+    def fail(_message: Message) -> None:
+        raise RuntimeError("broken ear")
+
+    connector.subscribe("/t", STRING, fail)
+    connector.subscribe("/t", STRING, heard.append)
+    connector.publish("/t", STRING, {"data": "x"})
+    assert len(heard) == 1
+    assert "a subscriber of /t failed" in caplog.text
+
+
+def test_a_subscriber_closed_by_another_hears_nothing(connector: LocalConnector) -> None:
+    heard: list[Message] = []
+    connector.subscribe("/t", STRING, lambda _message: close())
+    close = connector.subscribe("/t", STRING, heard.append)
+    connector.publish("/t", STRING, {"data": "x"})
+    assert heard == []
+
+
+def test_two_types_on_one_name_are_an_error_that_names_both(connector: LocalConnector) -> None:
+    connector.subscribe("/t", STRING, lambda _message: None)
+    with pytest.raises(ConnectorError, match="/t is a std_msgs/msg/String, not a std_msgs/msg/Int32"):
+        connector.publish("/t", "std_msgs/msg/Int32", {"data": 1})
+    replies: list[Reply] = []
+    connector.serve("/s", "std_srvs/srv/Trigger", lambda _request: {})
+    connector.call("/s", "std_srvs/srv/SetBool", {}, answered=replies.append)
+    assert replies == [Reply("failed", {}, "/s is a std_srvs/srv/Trigger, not a std_srvs/srv/SetBool")]
+
+
+def test_a_name_is_served_once(connector: LocalConnector) -> None:
+    connector.serve("/s", "", lambda _request: {})
+    connector.offer("/a", "", PatientServer())
+    with pytest.raises(UsageError, match="/s is served already"):
+        connector.serve("/s", "", lambda _request: {})
+    with pytest.raises(UsageError, match="/a is served already"):
+        connector.offer("/a", "", PatientServer())
+
+
+def test_what_is_stopped_neither_hears_nor_answers() -> None:
+    connector = LocalConnector()
+    heard: list[Message] = []
+    replies: list[Reply] = []
+    reports: list[Report] = []
+    connector.subscribe("/t", "", heard.append)
+    connector.serve("/s", "", lambda _request: {})
+    connector.offer("/a", "", PatientServer())
+    connector.publish("/t", "", {})
+    connector.call("/s", "", {}, answered=replies.append)
+    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
+    assert heard == []
+    assert replies == [Reply("unavailable", {}, "nobody serves /s")]
+    assert reports == [Report("g", "rejected", {}, "nobody serves /a")]
+
+
+def test_what_was_opened_before_the_start_works_after_it() -> None:
+    connector = LocalConnector()
+    heard: list[Message] = []
+    connector.subscribe("/t", "", heard.append)
+    connector.start()
+    connector.publish("/t", "", {"data": 1})
+    assert len(heard) == 1
+
+
+def test_a_goal_id_in_use_is_refused(connector: LocalConnector) -> None:
+    connector.offer("/a", "", PatientServer())
+    connector.send_goal("/a", "", {}, goal_id="g", report=lambda _report: None)
+    with pytest.raises(UsageError, match="goal 'g' is still running"):
+        connector.send_goal("/a", "", {}, goal_id="g", report=lambda _report: None)
+
+
+def test_a_server_that_raises_rejects(connector: LocalConnector) -> None:
+    class Broken(PatientServer):
+        def accept(self, goal_id: str, goal: object, report: object) -> None:
+            raise RuntimeError("no motor")
+
+    reports: list[Report] = []
+    connector.offer("/a", "", Broken())
+    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
+    assert reports == [Report("g", "rejected", {}, "RuntimeError: no motor")]
+
+
+def test_an_end_without_acceptance_is_preceded_by_one(connector: LocalConnector) -> None:
+    server = PatientServer()
+    reports: list[Report] = []
+    connector.offer("/a", "", server)
+    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
+    server.say("g", "succeeded", {"x": 1})
+    assert reports == [Report("g", "accepted", {}), Report("g", "succeeded", {"x": 1})]
+
+
+def test_a_report_under_another_goals_id_is_dropped(connector: LocalConnector) -> None:
+    server = PatientServer()
+    reports: list[Report] = []
+    connector.offer("/a", "", server)
+    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
+    server.report["g"](Report("h", "succeeded", {}))
+    assert reports == []
+
+
+def test_goals_are_lost_when_their_server_goes(connector: LocalConnector) -> None:
+    server = PatientServer()
+    reports: list[Report] = []
+    close = connector.offer("/a", "", server)
+    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
+    server.say("g", "accepted")
+    close()
+    close()
+    server.say("g", "succeeded")
+    assert [report.said for report in reports] == ["accepted", "lost"]
+
+
+def test_a_cancel_from_inside_a_report_reaches_the_server_after_accept_returns(connector: LocalConnector) -> None:
+    calls: list[str] = []
+
+    class Eager(PatientServer):
+        def accept(self, goal_id: str, goal: object, report: object) -> None:
+            report(Report(goal_id, "accepted", {}))  # type: ignore[operator]
+            calls.append("accept returns")
+
+        def cancel(self, goal_id: str) -> None:
+            calls.append("cancel")
+
+    connector.offer("/a", "", Eager())
+    connector.send_goal("/a", "", {}, goal_id="g", report=lambda report: connector.cancel_goal(report.goal_id))
+    assert calls == ["accept returns", "cancel"]
+
+
+def test_the_calls_of_a_server_come_one_after_the_other_from_many_threads(connector: LocalConnector) -> None:
+    inside: list[int] = []
+    seen: list[int] = []
+
+    class Counting(PatientServer):
+        def accept(self, goal_id: str, goal: object, report: object) -> None:
+            inside.append(1)
+            seen.append(len(inside))
+            inside.pop()
+            report(Report(goal_id, "accepted", {}))  # type: ignore[operator]
+            report(Report(goal_id, "succeeded", {}))  # type: ignore[operator]
+
+    reports: list[Report] = []
+    connector.offer("/a", "", Counting())
+
+    def send(name: str) -> None:
+        for number in range(200):
+            connector.send_goal("/a", "", {}, goal_id=f"{name}{number}", report=reports.append)
+
+    threads = [threading.Thread(target=send, args=(name,)) for name in "abcd"]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert set(seen) == {1}
+    assert len(reports) == 1600
