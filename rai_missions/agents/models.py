@@ -59,12 +59,12 @@ def open_model(spec: str) -> BaseChatModel:
         return local_model(Path(name).expanduser() if name else None)
     if not provider or not name:
         raise UsageError(f"'{spec}' names no model: say PROVIDER:NAME, such as openai:gpt-4o, or local")
-    package = package_of(provider)
+    offered = chat_class(package_of(provider))
     variable = KEYS.get(provider)
     if variable and not os.environ.get(variable):
         raise UsageError(f"the model '{spec}' needs a key: set the environment variable {variable}")
     try:
-        return chat_class(package)(model=name)  # type: ignore[call-arg]  # every provider's class takes `model`
+        return offered(model=name)  # type: ignore[call-arg]  # every provider's class takes `model`
     except Exception as error:  # whatever the provider's package raises, the caller named the model
         raise UsageError(f"the model '{spec}' cannot be opened: {first_line(error)}") from error
 

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the documents show is run: their Python, and their `rai-missions` commands.
+
+The blocks of one document run in the order written, in a folder that holds a copy of `missions/`; the Python blocks
+share their names. In a `console` or `sh` block, each line `$ rai-missions …` is run and must exit with 0, or with what
+a comment at its end says: `# exits 2`. A block under `<!-- not run: why -->` is left alone.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+DOCUMENTS = [ROOT / "README.md", *sorted(ROOT.glob("docs/guide/**/*.md")), *sorted(ROOT.glob("missions/*/README.md"))]
+BLOCK = re.compile(
+    r"^(?P<skip><!-- not run: .+ -->\n+)?```(?P<kind>\w+)[^\n]*\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
+)
+COMMAND = re.compile(r"^\$ (rai-missions (?:[^\n]*\\\n)*[^\n]*)", re.MULTILINE)
+EXITS = re.compile(r"#\s*exits (\d+)")
+
+
+class Block(NamedTuple):
+    kind: str
+    text: str
+    line: int
+    """Of the document: the one on which the text begins."""
+
+
+def blocks(document: str) -> Iterator[Block]:
+    for found in BLOCK.finditer(document):
+        if not found["skip"]:
+            yield Block(found["kind"], found["text"], document.count("\n", 0, found.start("text")) + 1)
+
+
+def run_python(block: Block, where: str, names: dict[str, Any]) -> None:
+    """Run a block so that a traceback names the document's own line."""
+    exec(compile("\n" * (block.line - 1) + block.text, where, "exec"), names)
+
+
+def run_commands(block: Block, where: str) -> None:
+    for command in COMMAND.findall(block.text):
+        expected = int(found[1]) if (found := EXITS.search(command)) else 0
+        _, *arguments = shlex.split(command.replace("\\\n", " "), comments=True)
+        script = Path(sys.executable).with_name("rai-missions")
+        ran = subprocess.run(
+            [script, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=150, check=False
+        )
+        told = f"{where}:{block.line}: {command}\nexited {ran.returncode}, not {expected}\n{ran.stdout}{ran.stderr}"
+        assert ran.returncode == expected, told
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_what_a_document_shows_runs(document: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(ROOT / "missions", tmp_path / "missions")
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {"__name__": "document"}
+    for block in blocks(document.read_text(encoding="utf-8")):
+        if block.kind == "python":
+            run_python(block, str(document), names)
+        elif block.kind in ("console", "sh"):
+            run_commands(block, str(document))
+
+
+def test_blocks_are_found_with_their_lines_and_a_reasoned_exception() -> None:
+    document = (
+        "# A\n\n```python\nx = 1\n```\n\n<!-- not run: needs a robot -->\n```python\nx = 2\n```\n```sh\n$ ls\n```\n"
+    )
+    assert list(blocks(document)) == [Block("python", "x = 1\n", 4), Block("sh", "$ ls\n", 12)]
+
+
+def test_only_our_own_commands_are_run() -> None:
+    text = (
+        "$ make run\n$ rai-missions draw a.json \\\n    -o b.svg\nwrote b.svg\n$ rai-missions check c.json  # exits 2\n"
+    )
+    assert COMMAND.findall(text) == [
+        "rai-missions draw a.json \\\n    -o b.svg",
+        "rai-missions check c.json  # exits 2",
+    ]
+
+
+def test_links_between_documents_lead_somewhere() -> None:
+    for document in [*DOCUMENTS, *sorted(ROOT.glob("docs/**/*.md")), ROOT / "CHANGELOG.md"]:
+        for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", document.read_text(encoding="utf-8")):
+            assert (document.parent / target).exists(), f"{document.relative_to(ROOT)} links to {target}"
