@@ -46,11 +46,18 @@ as_root() {
 }
 
 install_packages() {
-    command -v apt-get >/dev/null || return 1
-    as_root true || return 1
+    command -v apt-get >/dev/null && as_root true || return 1
     say "installing the system packages $*"
-    as_root apt-get update -qq >&2 &&
-        as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+    local log
+    log="$(mktemp)"
+    if as_root apt-get update -qq >"$log" 2>&1 &&
+        as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >>"$log" 2>&1; then
+        rm -f "$log"
+    else
+        cat "$log" >&2
+        rm -f "$log"
+        return 1
+    fi
 }
 
 make_venv() {
