@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
 from rai_missions.event import Event
-from rai_missions.guards.guard import Site, Test, View
+from rai_missions.guards.guard import View
 
-__all__ = ("Desk", "Machine", "Outcome", "Turn")
+__all__ = ("NO_KEYS", "Desk", "Machine", "Outcome", "Turn")
 
 
 class Outcome(NamedTuple):
@@ -40,37 +40,48 @@ class Turn(NamedTuple):
 
 
 class Desk(Protocol):
-    """What lies before a machine: the view, numbers, who holds control, and the goals that nobody may forget."""
+    """What lies before a machine: what is known, fresh numbers, and the goals that nobody may forget."""
 
-    view: View
-    owner: str
-    """The state, or `state#path` for a leaf of a tree."""
-    site: Site
+    @property
+    def view(self) -> View:
+        """The blackboard, the configuration and the time of this moment."""
 
     def next_number(self) -> int:
         """A fresh number for a start or a question."""
 
-    def holds_control(self) -> bool:
-        """Whether control is where this state wants it."""
+    def open_goal(self, owner: str, action: str, cancel_s: float) -> int:
+        """The number of a goal that is sent now and stands in the ledger from here on."""
+
+    def write(self, key: str, value: Any) -> None:
+        """Write a key of the mission; whoever looks next sees it."""
+
+    def obstruction(self, action: str) -> str:
+        """`busy`: a goal that uses the same resources has not ended; `orphan`: one never confirmed its end; or empty."""
 
 
 class Machine(Protocol):
     """One kind of activity, compiled for one owner."""
 
+    owner: str
+    """The state, or `state#path` for a leaf of a tree."""
+
     def begin(self, desk: Desk) -> Turn:
-        """The state is active: start."""
+        """The state is active and control is where it belongs: start."""
 
     def hear(self, state: Any, event: Event, desk: Desk) -> Turn | None:
-        """Something happened that may concern it; None where it does not. `tick` stands for time or facts."""
+        """Something happened; None where it does not concern this. A `tick` says that time or a key has changed."""
 
     def leave(self, state: Any, desk: Desk) -> Turn:
-        """The state is left: end what runs."""
+        """The state is left, paused or out of time: end what runs."""
 
     def wake_at(self, state: Any, view: View) -> float:
-        """The next instant at which `hear` may say something new without an event."""
+        """The next instant at which a `tick` may change something; infinity for none."""
 
     def reads(self, state: Any) -> frozenset[str]:
-        """The keys whose change it wants to hear of, as a `tick`."""
+        """The keys whose change it wants to hear of."""
+
+    def shifted(self, state: Any, by_s: float) -> Any:
+        """The state with its deadlines moved: the mission was paused for so long."""
 
 
-Tests = Mapping[str, Test]
+NO_KEYS: frozenset[str] = frozenset()

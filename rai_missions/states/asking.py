@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine of a decision: whom to ask next, what is offered now, and what becomes of an answer.
+
+Rule: options are worked out anew for each attempt, and an answer counts only by `judge`, now.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.event import Event
+from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.states.activity import NO_KEYS, Desk, Outcome, Turn
+from rai_missions.states.decision import Asked
+from rai_missions.step import Ask, Withdraw
+from rai_missions.verdict import Evidence, Offer, Proposal, Question, judge
+
+__all__ = ("Asking", "AskingMachine")
+
+
+class Asking(NamedTuple):
+    """A question is open."""
+
+    question: Question
+    turn: int
+    """Which of `ask` is asked, from 0."""
+    deadline: float
+    """When the whole decision is over."""
+
+
+class AskingMachine:
+    """Asks one decision's question."""
+
+    def __init__(self, asked: Asked, owner: str, site: Site) -> None:
+        self.asked, self.owner = asked, owner
+        self.tests = {name: guard.compile(site) for name, guard in asked.guards()}
+        self.shown = [(path, Operand(path, Site(site.place, site.keys))) for path in asked.evidence]
+        self.keys = site.keys
+
+    def begin(self, desk: Desk) -> Turn:
+        deadline = desk.view.at + self.asked.deadline_s if self.asked.deadline_s is not None else math.inf
+        return self._ask(desk, turn=0, attempt=1, deadline=deadline, refused=())
+
+    def _ask(self, desk: Desk, *, turn: int, attempt: int, deadline: float, refused: tuple[str, ...]) -> Turn:
+        if attempt > self.asked.attempts:
+            turn, attempt = turn + 1, 1
+        if turn >= len(self.asked.ask):
+            return self._fall_back("nobody gave an answer that counts", refused)
+        view = desk.view
+        question = Question(
+            number=desk.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
+            options=self._offers(view), evidence=self._evidence(view), attempt=attempt, at=view.at,
+            until=self._until(view, turn, deadline), refused=refused, **self._limits(),
+        )  # fmt: skip
+        return Turn(Asking(question, turn, deadline), (Ask(question),))
+
+    def _limits(self) -> dict[str, Any]:
+        return {name: value for name, value in (("tools", self.asked.tools),) if name in Question._fields}
+
+    def _offers(self, view: View) -> tuple[Offer, ...]:
+        return tuple(
+            Offer(name, option.about, option.parameters)
+            for name, option in self.asked.options.items()
+            if name not in self.tests or self.tests[name](view) is True
+        )
+
+    def _until(self, view: View, turn: int, deadline: float) -> float:
+        if self.asked.within_s is not None:
+            return min(deadline, view.at + self.asked.within_s)
+        return view.at + (deadline - view.at) / (len(self.asked.ask) - turn)
+
+    def _evidence(self, view: View) -> tuple[Evidence, ...]:
+        return tuple(self._shown(path, operand, view) for path, operand in self.shown)
+
+    def _shown(self, path: str, operand: Operand, view: View) -> Evidence:
+        entry = view.board.get(operand.key)
+        if entry is None:
+            return Evidence(path, None, None, fresh=False)
+        value = operand.read(view)
+        return Evidence(path, value, max(0.0, view.at - entry.at), fresh=value is not None)
+
+    def hear(self, state: Asking, event: Event, desk: Desk) -> Turn | None:
+        if event.kind == "tick":
+            return self._time(state, desk)
+        if event.kind != "proposal" or event.number != state.question.number:
+            return None
+        if desk.view.at >= state.deadline or desk.view.at >= state.question.until:
+            return self._time(state, desk)
+        return self._answered(state, event.data, desk)
+
+    def _answered(self, state: Asking, data: Mapping[str, Any], desk: Desk) -> Turn:
+        question = state.question
+        who = f"question {question.number}: {question.asked}"
+        if "absent" in data:
+            turn = self._next(state, desk, turn=state.turn + 1, attempt=1)
+            return turn._replace(notes=(f"{who} is absent: {data['absent']}", *turn.notes))
+        if not isinstance(data.get("option"), str):
+            return self._again(state, desk, f"{who} gave no answer: {str(data.get('failed', 'nothing'))[:300]}")
+        given = data.get("parameters")
+        proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
+        verdict = judge(question, proposal, desk.view, self.tests)
+        said = f"{who} proposed '{proposal.option:.60}'"
+        if not verdict.accepted:
+            return self._again(state, desk, f"{said}: refused, {verdict.why}", verdict.why)
+        outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
+        keys = {name for name, key in self.keys.items() if key.source == "answer"}
+        writes = tuple((name, value) for name, value in proposal.parameters.items() if name in keys)
+        return Turn(None, outcome=outcome, writes=writes, notes=(f"{said}: accepted",))
+
+    def _again(self, state: Asking, desk: Desk, note: str, why: str = "") -> Turn:
+        told = state._replace(question=state.question._replace(refused=(*state.question.refused, why or note)))
+        turn = self._next(told, desk, turn=state.turn, attempt=state.question.attempt + 1)
+        return turn._replace(notes=(note, *turn.notes))
+
+    def _next(self, state: Asking, desk: Desk, *, turn: int, attempt: int) -> Turn:
+        return self._ask(desk, turn=turn, attempt=attempt, deadline=state.deadline, refused=state.question.refused)
+
+    def _time(self, state: Asking, desk: Desk) -> Turn | None:
+        question = state.question
+        if desk.view.at >= state.deadline:
+            over = self._fall_back("the deadline has passed", question.refused)
+        elif desk.view.at >= question.until:
+            over = self._next(state, desk, turn=state.turn + 1, attempt=1)
+            over = over._replace(notes=(f"question {question.number}: {question.asked} gave no answer in time", *over.notes))
+        else:
+            return None
+        return over._replace(effects=(Withdraw(question.number), *over.effects))
+
+    def _fall_back(self, why: str, refused: tuple[str, ...]) -> Turn:
+        if self.asked.fallback is None:
+            return Turn(None, outcome=Outcome("failed", why=f"{why}, and there is no fallback"))
+        note = f"fallback '{self.asked.fallback}': {why}"
+        return Turn(None, outcome=Outcome(self.asked.fallback, why=f"fallback: {why}"), notes=(note,))
+
+    def leave(self, state: Asking, desk: Desk) -> Turn:
+        return Turn(None, (Withdraw(state.question.number),))
+
+    def wake_at(self, state: Asking, view: View) -> float:
+        return min(state.deadline, state.question.until)
+
+    def reads(self, state: Asking) -> frozenset[str]:
+        return NO_KEYS
+
+    def shifted(self, state: Asking, by_s: float) -> Asking:
+        question = state.question._replace(until=state.question.until + by_s)
+        return state._replace(question=question, deadline=state.deadline + by_s)

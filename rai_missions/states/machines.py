@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which machine runs which kind of state, compiled once a mission."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.blackboard import Key
+from rai_missions.errors import UsageError
+from rai_missions.guards.guard import Site
+from rai_missions.states.action import Action
+from rai_missions.states.activity import Machine
+from rai_missions.states.asking import AskingMachine
+from rai_missions.states.call import Call
+from rai_missions.states.calling import CallingMachine
+from rai_missions.states.decision import Decision
+from rai_missions.states.pursuit import PursuitMachine
+from rai_missions.states.state import State
+from rai_missions.states.tending import Limb, TendingMachine
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
+from rai_missions.states.tree import ActionLeaf, CallLeaf, DecisionLeaf, Tree, TreeNode, tree_paths
+
+__all__ = ("machine_of",)
+
+
+class _Bench:
+    """What a machine is made of."""
+
+    def __init__(self, keys: Mapping[str, Key], terms: Terms) -> None:
+        self.keys, self.terms = keys, terms
+
+    def pursuit(self, definition: Any, owner: str, place: str, state: str) -> Machine:
+        succeeded, failed = self.terms.succeeded.get(definition.action), self.terms.failed.get(definition.action)
+        site = Site(f"{place}/achieved", self.keys, state)
+        return PursuitMachine(definition, owner, site, succeeded=succeeded, failed=failed)
+
+    def leaf(self, node: TreeNode, owner: str, place: str, state: str) -> Limb | None:
+        if isinstance(node, ActionLeaf):
+            return Limb(self.pursuit(node, owner, place, state), node.timeout_s)
+        if isinstance(node, CallLeaf):
+            return Limb(CallingMachine(node, owner, Site(place, self.keys, state)), node.timeout_s)
+        if isinstance(node, DecisionLeaf):
+            return Limb(AskingMachine(node.decision, owner, Site(f"{place}/decision", self.keys, state)), None)
+        return None
+
+
+def machine_of(
+    state: State, name: str, place: str, *, keys: Mapping[str, Key], terms: Terms, trees: Trees | None
+) -> Machine | None:
+    """The machine of a state's activity; None for a state that runs nothing.
+
+    Raises:
+        UsageError: The state runs a tree and nobody was given who ticks trees.
+    """
+    bench = _Bench(keys, terms)
+    if isinstance(state, Action):
+        return bench.pursuit(state, name, place, name)
+    if isinstance(state, Call):
+        return CallingMachine(state, name, Site(place, keys, name))
+    if isinstance(state, Decision):
+        return AskingMachine(state.decision, name, Site(f"{place}/decision", keys, name))
+    if not isinstance(state, Tree):
+        return None
+    if trees is None:
+        raise UsageError(f"state '{name}' runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
+    limbs: dict[str, Limb] = {}
+    for path, node in tree_paths(state.tree):
+        limb = bench.leaf(node, f"{name}#{path}", f"{place}/tree/{path}".rstrip("/"), name)
+        if limb is not None:
+            limbs[path] = limb
+    return TendingMachine(trees.compile(state.tree, f"{place}/tree", keys, name), limbs, name)

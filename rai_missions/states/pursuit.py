@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine of an action: wait for the resources, send, be accepted, end, and let the facts settle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
+
+from rai_missions.effects import filled
+from rai_missions.event import Event
+from rai_missions.guards.guard import Guard, Instant, Site, Test, View
+from rai_missions.states.activity import NO_KEYS, Desk, Outcome, Turn
+from rai_missions.step import CancelGoal, StartGoal
+
+__all__ = ("Pursuit", "PursuitMachine")
+
+
+class Pursued(Protocol):
+    """What a state and a leaf that run an action have in common."""
+
+    action: str
+    goal: Mapping[str, Any]
+    result: Mapping[str, str]
+    achieved: Guard | None
+    settle_s: float
+    cancel_s: float
+    over_orphan: bool
+
+
+class Pursuit(NamedTuple):
+    """How far a goal has come."""
+
+    phase: str
+    """`waiting` for resources, `sent`, `running` once accepted, `settling` once its server said succeeded."""
+    number: int = 0
+    until: float = math.inf
+    """When settling is over."""
+    result: Mapping[str, Any] = {}
+
+
+class PursuitMachine:
+    """Pursues one action's goal.
+
+    Args:
+        definition: The state or leaf.
+        owner: Its name.
+        site: Where its guards are compiled.
+        succeeded: The profile's guard for an action that is composed of services; None for one with a server.
+        failed: The same for its failure.
+    """
+
+    def __init__(
+        self, definition: Any, owner: str, site: Site, *, succeeded: Guard | None = None, failed: Guard | None = None
+    ) -> None:
+        self.definition: Pursued = definition
+        self.owner, self.site = owner, site
+        self.achieved: Test | None = definition.achieved.compile(site) if definition.achieved is not None else None
+        self.settling_reads, self.settling_instants = frozenset(site.reads), tuple(site.instants)
+        composed = Site(site.place, site.keys, site.state)
+        self.succeeded = succeeded.compile(composed) if succeeded is not None else None
+        self.failed = failed.compile(composed) if failed is not None else None
+        self.composed_reads, self.composed_instants = frozenset(composed.reads), tuple(composed.instants)
+
+    def begin(self, desk: Desk) -> Turn:
+        return self._start(desk) or Turn(Pursuit("waiting"))
+
+    def _start(self, desk: Desk) -> Turn | None:
+        obstruction = desk.obstruction(self.definition.action)
+        if obstruction == "busy":
+            return None
+        if obstruction == "orphan" and not self.definition.over_orphan:
+            why = "an earlier goal on the same resources never confirmed its end"
+            return Turn(None, outcome=Outcome("rejected", why=why))
+        goal = filled(self.definition.goal, desk.view, self.site)
+        unknown = sorted(name for name, value in goal.items() if value is None)
+        if unknown:
+            return Turn(None, outcome=Outcome("rejected", why=f"the goal's {', '.join(unknown)} is unknown"))
+        number = desk.open_goal(self.owner, self.definition.action, self.definition.cancel_s)
+        return Turn(Pursuit("sent", number), (StartGoal(number, self.owner, self.definition.action, goal),))
+
+    def hear(self, state: Pursuit, event: Event, desk: Desk) -> Turn | None:
+        if event.kind == "tick":
+            return self._look(state, desk)
+        if event.number != state.number or not state.number or state.phase == "settling":
+            return None
+        if event.kind == "accepted":
+            return self._look(state._replace(phase="running"), desk) or Turn(state._replace(phase="running"))
+        if event.kind != "result":
+            return None
+        if event.name == "succeeded":
+            return self._settle(state._replace(result=dict(event.data)), desk)
+        return Turn(None, outcome=Outcome(event.name, dict(event.data), str(event.data.get("why", ""))))
+
+    def _look(self, state: Pursuit, desk: Desk) -> Turn | None:
+        """Time has passed or a key has changed."""
+        if state.phase == "waiting":
+            return self._start(desk)
+        if state.phase == "settling":
+            return self._settled(state, desk)
+        if state.phase == "running" and self.succeeded is not None and self.succeeded(desk.view) is True:
+            return self._settle(state, desk)
+        if state.phase == "running" and self.failed is not None and self.failed(desk.view) is True:
+            cancel = CancelGoal(state.number, self.definition.action)
+            return Turn(None, (cancel,), Outcome("failed", why="the profile's guard for its failure is true"))
+        return None
+
+    def _settle(self, state: Pursuit, desk: Desk) -> Turn:
+        until = desk.view.at + self.definition.settle_s
+        settling = state._replace(phase="settling", until=until)
+        return self._settled(settling, desk) or Turn(settling)
+
+    def _settled(self, state: Pursuit, desk: Desk) -> Turn | None:
+        if self.achieved is None or self.achieved(desk.view) is True:
+            return Turn(None, outcome=Outcome("succeeded", state.result), writes=self._results(state))
+        if desk.view.at < state.until:
+            return None
+        assert self.definition.achieved is not None
+        value = self.achieved(desk.view)
+        says = "false" if value is False else f"unknown ({self._unknown(desk.view)})"
+        why = f"the server said succeeded, but '{self.definition.achieved.words()}' is {says}"
+        return Turn(None, outcome=Outcome("unverified", state.result, why))
+
+    def _unknown(self, view: View) -> str:
+        keys = sorted(key for key in self.settling_reads if key not in view.board)
+        return f"never heard: {', '.join(keys)}" if keys else "stale"
+
+    def _results(self, state: Pursuit) -> tuple[tuple[str, Any], ...]:
+        fields = self.definition.result
+        return tuple((key, state.result[field]) for key, field in fields.items() if state.result.get(field) is not None)
+
+    def leave(self, state: Pursuit, desk: Desk) -> Turn:
+        runs = state.phase in ("sent", "running")
+        return Turn(None, (CancelGoal(state.number, self.definition.action),) if runs else ())
+
+    def wake_at(self, state: Pursuit, view: View) -> float:
+        instants: tuple[Instant, ...] = ()
+        if state.phase == "settling":
+            instants = self.settling_instants
+        elif state.phase == "running":
+            instants = self.composed_instants
+        later = [instant for instant in (each(view) for each in instants) if instant > view.at]
+        return min([state.until, *later])
+
+    def reads(self, state: Pursuit) -> frozenset[str]:
+        if state.phase == "settling":
+            return self.settling_reads
+        return self.composed_reads if state.phase == "running" else NO_KEYS
+
+    def shifted(self, state: Pursuit, by_s: float) -> Pursuit:
+        return state._replace(until=state.until + by_s)
