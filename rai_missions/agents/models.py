@@ -87,14 +87,17 @@ def package_of(provider: str) -> ModuleType:
     if importlib.util.find_spec(module) is None:
         if provider in EXTRAS:
             raise UsageError(f"the provider '{provider}' is not installed: pip install 'rai-missions[{provider}]'")
-        raise UsageError(
-            f"no model provider '{provider}'{suggestion(provider, providers())}"
-            f" Another provider's package is installed as: pip install langchain-{provider.replace('_', '-')}"
-        )
+        near = suggestion(provider, providers())
+        more = "" if "did you mean" in near else f"; another comes with its package: pip install {distribution(module)}"
+        raise UsageError(f"no model provider '{provider}'{near}{more}")
     try:
         return importlib.import_module(module)
     except ImportError as error:
         raise UsageError(f"the package '{module}' is installed but does not import: {first_line(error)}") from error
+
+
+def distribution(module: str) -> str:
+    return module.replace("_", "-")
 
 
 def chat_class(package: ModuleType) -> type[BaseChatModel]:
