@@ -50,10 +50,8 @@ def test_an_unknown_provider_is_told_the_nearest_one() -> None:
 
 def test_a_provider_like_no_other_is_told_those_there_are() -> None:
     said = refusal(lambda: open_model("zzz:large"))
-    assert said == (
-        "no model provider 'zzz'; there is: anthropic, local, ollama, openai"
-        "; another comes with its package: pip install langchain-zzz"
-    )
+    assert said.startswith("no model provider 'zzz'; there is: anthropic, ")
+    assert said.endswith("; another comes with its package: pip install langchain-zzz")
 
 
 @pytest.mark.parametrize("provider", ["core", "text_splitters", "os.path", "../x", "OpenAI", "a b"])
