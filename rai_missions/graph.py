@@ -81,7 +81,7 @@ class Node:
 class Row:
     """A transition compiled."""
 
-    __slots__ = ("acts", "condition", "internal", "outcomes", "place", "source", "targets", "test", "transition")
+    __slots__ = ("acts", "condition", "internal", "outcomes", "place", "recalls", "source", "targets", "test", "transition")
 
     def __init__(self, transition: Transition, place: str, source: Node) -> None:
         self.transition, self.place, self.source = transition, place, source
@@ -90,6 +90,8 @@ class Row:
         self.condition: Condition | None = None
         self.test: Test | None = None
         self.internal = transition.internal
+        self.recalls = False
+        """Where it leads depends on what is remembered."""
         self.outcomes: frozenset[str] = frozenset()
         """The words of `on` that are outcomes or options, not events."""
 
@@ -175,13 +177,13 @@ class Graph:
         self.root = Node("", "", None, None, 0)
         self.nodes: dict[str, Node] = {}
         self.order: list[Node] = [self.root]
+        self.recalls = False
+        """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
         self.options = {
             name for _, _, state in mission.walk() for name in (state.outcomes() if state.word == "decision" else ())
         }
         self._add(mission.states, self.root, "/states")
         self._link(compile_effect)
-        self.recalls = any(target.is_history for node in self.order for target in node.initial)
-        """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
         self.invariants = {
             name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
         }
@@ -199,6 +201,8 @@ class Graph:
 
     def _link(self, compile_effect: Callable[[Any, str, str], Act]) -> None:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
+        starts = [name for _, _, state in self.mission.walk() for name in getattr(state, "initial", ())]
+        self.recalls = any(self.nodes[name].is_history for name in starts)
         self._rows(self.root, self.mission.transitions, compile_effect)
         for node in self.order[1:]:
             state = node.state
@@ -218,6 +222,7 @@ class Graph:
         for index, transition in enumerate(rows):
             row = Row(transition, f"{node.place}/transitions/{index}", node)
             row.targets = tuple(self.nodes[name] for name in transition.to)
+            row.recalls = self.recalls or any(target.is_history for target in row.targets)
             row.acts = tuple(
                 compile_effect(effect, f"{row.place}/do/{number}", node.name) for number, effect in enumerate(transition.do)
             )
@@ -294,13 +299,16 @@ class Graph:
     # -- moving ---------------------------------------------------------------------------------------------------
 
     def leap(self, config: Configuration, rows: tuple[Row, ...], memory: Memory, trigger: str) -> Leap:
-        """What taking these rows together does; worked out once for what it depends on."""
-        key: Any = (rows[0] if len(rows) == 1 else rows, trigger)
-        if memory and (self.recalls or any(target.is_history for row in rows for target in row.targets)):
+        """What firing these rows does, those preempted left out; worked out once for what it depends on."""
+        key: Any = (rows, trigger)
+        recalls = any(row.recalls for row in rows)
+        if recalls:
             key = (key, tuple((index, tuple(node.index for node in memory[index])) for index in sorted(memory)))
         found = config.leaps.get(key)
         if found is None:
-            found = config.leaps[key] = self._leap(config, rows, memory, trigger)
+            found = self._leap(config, tuple(self.compatible(config, list(rows), memory)), memory, trigger)
+            found.plain = found.plain and not recalls
+            config.leaps[key] = found
         return found
 
     def _leap(self, config: Configuration, rows: tuple[Row, ...], memory: Memory, trigger: str) -> Leap:
@@ -347,7 +355,8 @@ class Graph:
         parents = {node.parent for node in nodes}
         atomic = [node for node in nodes if node not in parents and node.state is not None]
         target = self.configuration(atomic)
-        every = tuple(act for node in out for act in node.exit) + acts + tuple(act for node in into for act in node.entry)
+        entering = tuple(act for index, node in enumerate(into) for act in self._entering(config, exited, into, index))
+        every = tuple(act for node in out for act in node.exit) + acts + entering
         move = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
         leap = Leap(move, target, every)
         leap.exited, leap.entered = out, into
@@ -356,6 +365,23 @@ class Graph:
         ends = any(node.is_final or node.is_each for node in into)
         leap.plain = quiet and not ends and not leap.remember and not target.watchful and not self.invariants
         return leap
+
+    def _entering(self, config: Configuration, exited: set[Node], into: tuple[Node, ...], index: int) -> Iterable[Act]:
+        """The acts of entering one node; a final tells of its parent's end, and of a parallel state's with it."""
+        node = into[index]
+        if node.is_each:
+            yield lambda chart: chart.enter_each(node)
+        yield from node.entry
+        if node.is_final and node.parent is not None:
+            so_far = (config.nodes - exited) | set(into[: index + 1])
+            complete = tuple(self._complete(node.parent.parent, so_far))
+            yield lambda chart: chart.reach_final(node, complete)
+
+    def _complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
+        """The parallel states that have all their regions in a final now, inner first."""
+        while region_of is not None and region_of.is_parallel and _is_done(region_of, nodes):
+            yield region_of
+            region_of = region_of.parent
 
     def _remembered(self, config: Configuration, exited: Iterable[Node]) -> Iterable[tuple[int, tuple[Node, ...]]]:
         for node in exited:
@@ -398,3 +424,10 @@ class Graph:
                 for child in ancestor.children:
                     if not any(each is child or each.inside(child) for each in entered):
                         self._descend(child, entered, memory)
+
+
+def _is_done(node: Node, nodes: set[Node]) -> bool:
+    """Whether a state has reached its end (SCXML: isInFinalState)."""
+    if node.is_parallel:
+        return all(_is_done(child, nodes) for child in node.children)
+    return any(child.is_final and child in nodes for child in node.children)

@@ -97,7 +97,7 @@ Names = Annotated[
 ]
 Bool = Annotated[bool, Strict()]
 Integer = Annotated[int, Strict()]
-Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Number = Annotated[int, Strict()] | Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Seconds = Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
 
 

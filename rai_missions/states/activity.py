@@ -52,7 +52,10 @@ class Desk(Protocol):
     def open_goal(self, owner: str, action: str, cancel_s: float) -> int:
         """The number of a goal that is sent now and stands in the ledger from here on."""
 
-    def write(self, key: str, value: Any) -> None:
+    def close_goal(self, number: int) -> None:
+        """A goal has ended by the profile's own guard: it leaves the ledger."""
+
+    def write_key(self, key: str, value: Any) -> None:
         """Write a key of the mission; whoever looks next sees it."""
 
     def obstruction(self, action: str) -> str:

@@ -99,6 +99,7 @@ class PursuitMachine:
         if state.phase == "settling":
             return self._settled(state, desk)
         if state.phase == "running" and self.succeeded is not None and self.succeeded(desk.view) is True:
+            desk.close_goal(state.number)
             return self._settle(state, desk)
         if state.phase == "running" and self.failed is not None and self.failed(desk.view) is True:
             cancel = CancelGoal(state.number, self.definition.action)

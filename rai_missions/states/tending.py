@@ -104,7 +104,7 @@ class TendingMachine:
         growth.effects += turn.effects
         growth.notes += turn.notes
         for key, value in turn.writes:
-            desk.write(key, value)
+            desk.write_key(key, value)
         if turn.outcome is None:
             growth.leaves[path] = Tended(turn.state, deadline)
             return
@@ -132,7 +132,7 @@ class TendingMachine:
     def _apply(self, growth: _Growth, ticked: Ticked, desk: Desk) -> None:
         growth.tree = ticked.state
         for key, value in ticked.writes:
-            desk.write(key, value)
+            desk.write_key(key, value)
         growth.effects += [PublishMessage(topic, message) for topic, message in ticked.published]
         self._end(growth, ticked.ended, desk)
         for path in ticked.started:

@@ -6,20 +6,31 @@ Rule: a world keeps no clock but its own simulated time, and the same seed and t
 
 from __future__ import annotations
 
-from typing import Protocol
+import importlib
+import inspect
+import os
+import sys
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 from rai_missions.connectors.connector import Connector
+from rai_missions.errors import UsageError
 
-__all__ = ("World",)
+__all__ = ("WORLDS", "World", "open_world")
+
+WORLDS: Mapping[str, tuple[str, str]] = {"orchard": ("rai_missions.worlds.orchard", "Orchard")}
+"""Where each world lives: module and class, imported when it is opened."""
 
 
 class World(Protocol):
     """What the simulated clock steps and the robot profile names."""
 
-    at: float
-    """Simulated seconds since the start."""
     period_s: float
     """How far one step goes: messages, services and control happen at this grain."""
+
+    @property
+    def at(self) -> float:
+        """Simulated seconds since the start."""
 
     def open(self, connector: Connector) -> None:
         """Put the robot's topics, services and actions on a connector."""
@@ -29,3 +40,37 @@ class World(Protocol):
 
     def close(self) -> None:
         """Free what is held (renderers, windows)."""
+
+
+def open_world(name: str, **options: Any) -> World:
+    """Make a world.
+
+    Args:
+        name: One of `WORLDS`.
+        options: What the world's class takes, such as `seed=7`.
+
+    Raises:
+        UsageError: No such world or option, or the packages that it needs are not installed.
+    """
+    if name not in WORLDS:
+        raise UsageError(f"no world {name!r}; there are: {', '.join(sorted(WORLDS))}")
+    _choose_renderer()
+    module, class_name = WORLDS[name]
+    try:
+        world = getattr(importlib.import_module(module), class_name)
+    except ModuleNotFoundError as fault:
+        raise UsageError(
+            f"the world {name!r} needs the package {fault.name!r}: pip install 'rai_missions[sim]' (Python 3.11 or newer)"
+        ) from fault
+    known = [option for option in inspect.signature(world).parameters]
+    unknown = sorted(set(options) - set(known))
+    if unknown:
+        raise UsageError(f"the world {name!r} has no option {unknown[0]!r}; there are: {', '.join(known)}")
+    made: World = world(**options)
+    return made
+
+
+def _choose_renderer() -> None:
+    """Without a display MuJoCo renders through EGL; it must know before it is imported."""
+    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
+        os.environ.setdefault("MUJOCO_GL", "egl")

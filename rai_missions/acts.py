@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Written effects compiled to acts on a chart.
+
+Rule: an act changes the blackboard, the internal queue or the timers, or adds an effect to the step; it tells nobody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from rai_missions.blackboard import Key, Stamped
+from rai_missions.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
+from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.step import CallService, LogLine, PublishMessage, SayAloud
+
+__all__ = ("Act", "Stage", "act_of")
+
+
+class Stage(Protocol):
+    """What acts work on: the chart."""
+
+    @property
+    def view(self) -> View: ...
+
+    written: list[tuple[str, Any]]
+    effects: list[Any]
+    notes: list[str]
+
+    def raise_event(self, name: str, data: Mapping[str, Any]) -> None: ...
+
+    def raise_later(self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None) -> None: ...
+
+    def drop(self, timer: str) -> None: ...
+
+    def next_call(self, service: str) -> int: ...
+
+
+Act = Callable[[Any], None]
+
+
+def act_of(effect: Effect, place: str, state: str, keys: Mapping[str, Key]) -> Act:
+    """The act of an effect that stands at a place of a mission, in a state."""
+    site = Site(place, keys, state)
+    if isinstance(effect, Set):
+        return _set(effect, site)
+    if isinstance(effect, Raise):
+        return _raise(effect, site)
+    if isinstance(effect, Drop):
+        timer = effect.drop
+        return lambda chart: chart.drop(timer)
+    return _told(effect, site)
+
+
+def _set(effect: Set, site: Site) -> Act:
+    key = effect.set
+    if effect.add is not None:
+        return _add(key, effect.add)
+    if effect.source is not None:
+        operand = Operand(effect.source, site)
+
+        def copy(chart: Stage) -> None:
+            value = operand.read(chart.view)
+            if value is not None:
+                chart.view.board[key] = Stamped(value, chart.view.at)
+                chart.written.append((key, value))
+            else:
+                chart.notes.append(f"'{key}' was not set: {effect.source} is unknown")
+
+        return copy
+    value = effect.value
+
+    def put(chart: Stage) -> None:
+        chart.view.board[key] = Stamped(value, chart.view.at)
+        chart.written.append((key, value))
+
+    return put
+
+
+def _add(key: str, amount: float) -> Act:
+    def add(chart: Stage) -> None:
+        board = chart.view.board
+        entry = board.get(key)
+        value = (entry[0] if entry is not None else 0) + amount
+        board[key] = Stamped(value, chart.view.at)
+        chart.written.append((key, value))
+
+    return add
+
+
+def _raise(effect: Raise, site: Site) -> Act:
+    name, data, after_s, timer = effect.event, dict(effect.data), effect.after_s, effect.id
+    if after_s is None:
+        return lambda chart: chart.raise_event(name, filled(data, chart.view, site) if data else {})
+    return lambda chart: chart.raise_later(name, filled(data, chart.view, site) if data else {}, after_s, timer)
+
+
+def _told(effect: Effect, site: Site) -> Act:
+    """Effects that the performer carries out."""
+    if isinstance(effect, Call):
+        service, request = effect.call, effect.request
+
+        def call(chart: Stage) -> None:
+            number = chart.next_call(service)
+            chart.effects.append(CallService(number, "", service, filled(request, chart.view, site)))
+
+        return call
+    if isinstance(effect, Publish):
+        topic, message = effect.publish, effect.message
+        return lambda chart: chart.effects.append(PublishMessage(topic, filled(message, chart.view, site)))
+    if isinstance(effect, Say):
+        said = SayAloud(effect.say)
+        return lambda chart: chart.effects.append(said)
+    assert isinstance(effect, Log)
+    line = LogLine(effect.log)
+    return lambda chart: chart.effects.append(line)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nodes without children: what a tree does and asks, under the words that states and effects have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from rai_missions.effects import Set
+from rai_missions.guards.guard import Guard
+from rai_missions.states.decision import Asked
+from rai_missions.states.tree.node import NODE, TreeNode
+from rai_missions.written import Bool, Json, Name, Number, Path, Seconds, Text, fault, kind_of, suggestion
+
+__all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf", "SetLeaf", "WaitLeaf")
+
+
+class ActionLeaf(TreeNode, word="action"):
+    """A goal; as the state of the same word."""
+
+    positional: ClassVar = ("action",)
+    action: Name
+    goal: dict[Text, Json] = Field(default_factory=dict)
+    result: dict[Name, Text] = Field(default_factory=dict)
+    achieved: kind_of(Guard) | None = None
+    settle_s: Seconds = 0.0
+    cancel_s: Seconds = 5.0
+    over_orphan: Bool = False
+    timeout_s: Seconds | None = Field(default=None, gt=0)
+
+
+class CallLeaf(TreeNode, word="call"):
+    """A call; as the state of the same word."""
+
+    positional: ClassVar = ("call",)
+    call: Name
+    request: dict[Text, Json] = Field(default_factory=dict)
+    result: dict[Name, Text] = Field(default_factory=dict)
+    timeout_s: Seconds | None = Field(default=None, gt=0)
+
+
+class CheckLeaf(TreeNode, word="check"):
+    """Success while a guard is true, failure while it is false or unknown."""
+
+    positional: ClassVar = ("check",)
+    check: kind_of(Guard)  # type: ignore[valid-type]
+
+
+class WaitLeaf(TreeNode, word="wait_s"):
+    """Running for so long, then success."""
+
+    positional: ClassVar = ("wait_s",)
+    wait_s: Seconds
+
+
+class SetLeaf(TreeNode, word="set"):
+    """Writes a key of the mission; words as the effect's. Fails, and writes nothing, where there is no value that fits."""
+
+    positional: ClassVar = ("set", "value")
+    set: Name
+    value: Json = None
+    from_: Path | None = Field(default=None, alias="from")
+    add: Number | None = None
+
+    def effect(self) -> Set:
+        """The effect that it is."""
+        given = {"value": self.value, "from_": self.from_, "add": self.add}
+        return Set(set=self.set, **{word: said for word, said in given.items() if said is not None})
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if sum(given is not None for given in (self.value, self.from_, self.add)) != 1:
+            raise fault("set", "'set' takes one of value, from, add")
+        return self
+
+
+class PublishLeaf(TreeNode, word="publish"):
+    """Publishes a message and succeeds."""
+
+    positional: ClassVar = ("publish", "message")
+    publish: Name
+    message: dict[str, Json] = Field(default_factory=dict)
+
+
+class DecisionLeaf(TreeNode, word="decision"):
+    """Asks, then runs the subtree of the option; an option without one is success."""
+
+    decision: Asked
+    then: dict[Name, NODE] = Field(default_factory=dict)  # type: ignore[valid-type]
+
+    def branches(self) -> Iterator[tuple[str, TreeNode]]:
+        for option, subtree in self.then.items():
+            yield f"then/{option}", subtree
+
+    @model_validator(mode="after")
+    def _then_names_options(self) -> Self:
+        for option in self.then:
+            if option not in self.decision.options:
+                known = suggestion(option, self.decision.options)
+                raise fault("then", f"'then' has a subtree for '{option}', which is no option{known}")
+        return self
