@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 from rai_missions.event import Image
 from rai_missions.guards.guard import Test, Truth, View
 
-__all__ = ("Answerer", "Evidence", "Offer", "Proposal", "Question", "Verdict", "judge")
+__all__ = ("Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "judge")
 
 
 class Offer(NamedTuple):
@@ -42,6 +42,17 @@ class Evidence(NamedTuple):
         return f"{self.key}: {'a picture' if isinstance(self.value, Image) else self.value}, {age}"
 
 
+class Limits(NamedTuple):
+    """How much whoever is asked may use for one answer."""
+
+    calls: int = 8
+    """Calls of a model and of read-only tools together."""
+    tokens: int = 20_000
+    """Tokens in and out together, where the provider counts them; once spent, no further call is begun."""
+    seconds: float | None = None
+    """Wall time; None: as long as the question is asked."""
+
+
 class Question(NamedTuple):
     """What is asked, of whom, and which answers there are."""
 
@@ -61,6 +72,9 @@ class Question(NamedTuple):
     """The instant at which its time is over, on the run's clock."""
     refused: tuple[str, ...] = ()
     """Why the earlier answers to this decision were refused, oldest first."""
+    tools: tuple[str, ...] = ()
+    """The read-only tools that may be used while thinking."""
+    budget: Limits = Limits()
 
     @property
     def state(self) -> str:
@@ -91,7 +105,8 @@ class Answerer(Protocol):
         """Take a question; never waits.
 
         `answer` is told, from any thread, once: `{"option", "parameters", "why"}`, or `{"absent": why}`, or
-        `{"failed": why}`. Further tellings are stale. `usage` may come along: `{"calls", "tokens", "seconds", …}`.
+        `{"failed": why}`. Further tellings are stale. `usage` may come along:
+        `{"calls", "tokens_in", "tokens_out", "seconds", "model"}`.
         """
 
     def withdraw(self, number: int) -> None:
