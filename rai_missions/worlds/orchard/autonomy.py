@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rule-based autonomy stack: drives the alleys one after the other, and hands over when something is in the way.
+
+Rule: it knows the pose and the range to the nearest thing ahead, and nothing else. It does not decide what to do about
+an obstacle; whoever it handed over to does, by `proceed`, `replan` or `cross`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+from rai_missions.worlds.orchard.follow import Follower
+from rai_missions.worlds.orchard.route import Lattice, Move, Place, straight
+from rai_missions.worlds.orchard.tractor import NOSE_M, Pose
+
+__all__ = ("Autonomy", "Word")
+
+Word = Literal["STOPPED", "DRIVING", "REVERSING", "CHANGING_PATH", "FINISHED"]
+"""The states of the upstream demo."""
+STOP_AT_M = 5.0
+ACCEPTED_BEYOND_M = 2.5
+"""What is driven over may lie so far beyond where it was first seen: it has a length, and it rolls."""
+CROSSING_MPS = 0.9
+ENTERED_M = 3.0
+
+
+class Autonomy:
+    """The state of the drive.
+
+    Args:
+        lattice: The ways of the orchard.
+        attempts: How often an alley is tried before it is given up.
+        handed_over: Told the distance (m) to what is in the way, each time the tractor stops for something.
+    """
+
+    def __init__(self, lattice: Lattice, *, attempts: int, handed_over: Callable[[float], None]) -> None:
+        self._lattice, self._attempts, self._handed_over = lattice, attempts, handed_over
+        self._follower = Follower()
+        self._here: Place = lattice.nearest(*lattice.layout.home[:2])
+        self._tries = [0] * lattice.layout.alleys
+        self._from_east = [False] * lattice.layout.alleys
+        self._undone = set(range(lattice.layout.alleys))
+        self._blocked: set[int | None] = set()
+        self._is_parked = True
+        self._is_homing = False
+        self._accepted: tuple[float, float, float] | None = None
+        self.word: Word = "CHANGING_PATH"
+        self.pose = Pose(*lattice.layout.home, 0.0)
+        self.range_m: float | None = None
+
+    @property
+    def watches(self) -> bool:
+        """Whether the range ahead matters now: in alleys, not while turning between trees."""
+        move = self._follower.move
+        return move is not None and move.alley is not None and move.ahead > 0
+
+    @property
+    def is_driving(self) -> bool:
+        return self.word in ("DRIVING", "REVERSING", "CHANGING_PATH") and not self._is_parked
+
+    @property
+    def left_m(self) -> float:
+        """How much of the planned way is left."""
+        return self._follower.distance_m
+
+    @property
+    def is_homing(self) -> bool:
+        """Whether it drives to a place instead of working the alleys."""
+        return self._is_homing
+
+    @property
+    def is_crossing(self) -> bool:
+        return self._accepted is not None
+
+    def proceed(self) -> bool:
+        """Drive on. What stands in the way now, and is seen, is accepted: the tractor drives over it."""
+        if self._is_homing or (self.word == "FINISHED" and not self._undone):
+            return False
+        if self.is_driving:
+            return True
+        if self.word == "STOPPED":
+            self._accept()
+        if self.word == "FINISHED":
+            self._tries = [0] * len(self._tries)
+        self._is_parked = False
+        if not self._follower.moves:
+            self._plan_next()
+        self._say()
+        return True
+
+    def stop(self) -> None:
+        """Stand still until told otherwise; a way home is given up."""
+        self._is_parked = True
+        if self._is_homing:
+            self._forget_home()
+        if self.word != "FINISHED":
+            self.word = "STOPPED"
+        self._accepted = None
+
+    def replan(self) -> bool:
+        """Back out of this alley and take the next; this one is tried again later, from its other end."""
+        move = self._follower.move
+        if self._is_homing or self.word == "FINISHED" or move is None or move.alley is None or move.ahead < 0:
+            return False
+        self._tries[move.alley] += 1
+        self._blocked.add(move.alley)
+        self._from_east[move.alley] = move.end.column == 3
+        self._accepted, self._is_parked = None, False
+        self._plan_next()
+        self._say()
+        return True
+
+    def go_to(self, goal: Place) -> bool:
+        """Leave the alleys for a place on a headland, whatever the heading there."""
+        found = self._lattice.way(self._starts(), lambda place: place[:2] == goal[:2], self._is_passable)
+        if found is None:
+            return False
+        self._follower.take(found[1])
+        self._is_homing, self._is_parked, self._accepted = True, False, None
+        self._say()
+        return True
+
+    def step(self, pose: Pose, range_m: float | None) -> tuple[float, float]:
+        """The speed (m/s) and curvature (1/m) to command now."""
+        self.pose, self.range_m = pose, range_m
+        if self._is_parked:
+            return 0.0, 0.0
+        if self._is_in_the_way():
+            return self._hand_over()
+        before, last = self._follower.move, self._follower.moves[-1:]
+        speed, bend = self._follower.step(pose)
+        self._note_progress(before)
+        if last and not self._follower.moves:
+            self._here = last[0].end
+        self._say()
+        return (min(speed, CROSSING_MPS) if self.is_crossing else speed), bend
+
+    def _note_progress(self, before: Move | None) -> None:
+        after = self._follower.move
+        if before is not None and before is not after:
+            self._here = before.end
+            if before.alley is not None and before.ahead > 0 and abs(self._mouth_distance(before)) < 1.0:
+                self._undone.discard(before.alley)
+                self._blocked.discard(before.alley)
+        if self._accepted is not None and self._is_beyond(self._accepted):
+            self._accepted = None
+        if self._is_homing and after is None:
+            self._arrive()
+        elif not self._is_homing and (after is None or (len(self._follower.moves) == 1 and self._nears_an_end(after))):
+            self._plan_next()
+
+    def _nears_an_end(self, move: Move) -> bool:
+        return move.alley is not None and move.ahead > 0 and self._follower.left_m < ENTERED_M
+
+    def _mouth_distance(self, move: Move) -> float:
+        return self.pose.x - self._lattice.position(move.end)[0]
+
+    def _plan_next(self) -> None:
+        """Go on to the nearest alley that is left: first those not tried yet."""
+        move = self._follower.move
+        leaving = move if move is not None and move.alley not in self._blocked and move.ahead > 0 else None
+        starts = [((), move.end)] if leaving is not None and move is not None else self._starts()
+        left = self._undone - ({leaving.alley} if leaving is not None else set())
+        for tries in range(self._attempts):
+            choices = [self._way_into(alley, starts) for alley in sorted(left) if self._tries[alley] == tries]
+            ways = [way for way in choices if way is not None]
+            if ways:
+                _, moves = min(ways, key=lambda way: way[0])
+                self._blocked.discard(moves[-1].alley)
+                (self._follower.extend if leaving is not None else self._follower.take)(moves)
+                return
+        if leaving is None:
+            self._is_parked, self.word = True, "FINISHED"
+
+    def _way_into(
+        self, alley: int, starts: list[tuple[tuple[Move, ...], Place]]
+    ) -> tuple[float, tuple[Move, ...]] | None:
+        """To one of an alley's mouths – after a failed attempt the other one – and through it."""
+        ends = (not self._from_east[alley],) if self._tries[alley] else (True, False)
+        mouths = {self._lattice.mouth(alley, east=east, heading=2 if east else 0) for east in ends}
+        found = self._lattice.way(
+            starts, lambda place: place in mouths, lambda other: other != alley and self._is_passable(other)
+        )
+        if found is None:
+            return None
+        cost, moves = found
+        start = moves[-1].end if moves else starts[0][1]
+        return cost, (*moves, self._lattice.through(alley, start))
+
+    def _is_passable(self, alley: int) -> bool:
+        return alley not in self._blocked
+
+    def _starts(self) -> list[tuple[tuple[Move, ...], Place]]:
+        """Where a new way can begin: at the end of the present move, or behind, out of an alley backwards."""
+        move = self._follower.move
+        if move is None:
+            return [((), self._here)]
+        rest = self._follower.rest_of_move()
+        starts: list[tuple[tuple[Move, ...], Place]] = []
+        if rest is not None and not (move.ahead > 0 and move.alley in self._blocked):
+            starts.append(((rest,), rest.end))
+        if move.alley is not None and move.ahead > 0:
+            back = Place(7 - move.end.column, move.end.row, move.end.heading)
+            x, y = self._lattice.position(back)
+            points = straight(self.pose.x, y, x, y, back.heading * math.pi / 2)
+            starts.append(((Move(points, -1, back, move.alley),), back))
+        return starts
+
+    def _is_in_the_way(self) -> bool:
+        if not self.watches or self.range_m is None or self.range_m >= STOP_AT_M:
+            return False
+        return self._accepted is None or self._hit_m() > self._accepted[2]
+
+    def _hit_m(self) -> float:
+        """Where the nearest thing ahead is, along the tractor's way."""
+        way = self._accepted or (math.cos(self.pose.heading), math.sin(self.pose.heading), 0.0)
+        return self.pose.x * way[0] + self.pose.y * way[1] + NOSE_M + (self.range_m or 0.0)
+
+    def _hand_over(self) -> tuple[float, float]:
+        distance = self.range_m or 0.0
+        if self._is_homing:
+            move = self._follower.move
+            assert move is not None and move.alley is not None
+            self._blocked.add(move.alley)
+            goal = self._follower.moves[-1].end
+            if not self.go_to(goal):
+                self.stop()
+            return 0.0, 0.0
+        self._is_parked, self.word, self._accepted = True, "STOPPED", None
+        self._handed_over(distance)
+        return 0.0, 0.0
+
+    def _accept(self) -> None:
+        if self.watches and self.range_m is not None and self.range_m < STOP_AT_M + 1.0:
+            way = (math.cos(self.pose.heading), math.sin(self.pose.heading))
+            self._accepted = (*way, 0.0)
+            self._accepted = (*way, self._hit_m() + ACCEPTED_BEYOND_M)
+
+    def _is_beyond(self, accepted: tuple[float, float, float]) -> bool:
+        return self.pose.x * accepted[0] + self.pose.y * accepted[1] - 1.0 > accepted[2]
+
+    def _arrive(self) -> None:
+        self._forget_home()
+        self._is_parked, self.word = True, "FINISHED"
+
+    def _forget_home(self) -> None:
+        """What is left of the move under the wheels stays; the rest is planned anew when it is needed."""
+        rest = self._follower.rest_of_move()
+        self._follower.take([rest] if rest is not None else [])
+        self._is_homing = False
+
+    def _say(self) -> None:
+        move = self._follower.move
+        if self._is_parked or move is None:
+            return
+        if move.alley is not None:
+            self.word = "DRIVING" if move.ahead > 0 else "REVERSING"
+        else:
+            self.word = "CHANGING_PATH"

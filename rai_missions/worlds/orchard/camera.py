@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The front camera: colour, depth and segmentation, rendered when somebody looks.
+
+Rule: everything of OpenGL happens on one thread of its own, since a context belongs to the thread that made it; a
+picture can be asked for from any thread, and shows the moment at which it was taken, whenever it is rendered.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple, TypeVar
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from rai_missions.errors import ConnectorError
+from rai_missions.event import Image
+
+__all__ = ("Camera", "Frame", "Moment", "Sight")
+
+T = TypeVar("T")
+FRONT = "front"
+
+
+class Moment(NamedTuple):
+    """All that a picture of the orchard depends on."""
+
+    qpos: NDArray[np.float64]
+    mocap_pos: NDArray[np.float64]
+    mocap_quat: NDArray[np.float64]
+
+
+class Frame(NamedTuple):
+    """One view in numbers, from one moment."""
+
+    depth_m: NDArray[np.float32]
+    """Distance along the camera's axis, a pixel."""
+    body: NDArray[np.int32]
+    """The body that each pixel shows; -1 is the sky."""
+
+
+class Sight(NamedTuple):
+    """Where the camera is and how wide it looks."""
+
+    position: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    """Columns: right, up, back."""
+    focal_px: float
+    """For the height of the frames that it came with."""
+
+
+class Camera:
+    """Renders what the tractor's camera sees.
+
+    Args:
+        model: The compiled orchard.
+        width, height: Pixels of a colour picture.
+        frame_width, frame_height: Pixels of what the detector measures in.
+    """
+
+    def __init__(
+        self, model: Any, *, width: int = 640, height: int = 480, frame_width: int = 320, frame_height: int = 240
+    ) -> None:
+        self.width, self.height = width, height
+        self._model = model
+        self._frame_size = frame_height, frame_width
+        self._scratch = mujoco.MjData(model)
+        self._bodies = np.append(np.asarray(model.geom_bodyid), -1)
+        self._renderers: dict[tuple[int, int], Any] = {}
+        self._thread: ThreadPoolExecutor | None = None
+        self._lock = threading.Lock()
+
+    def moment(self, data: Any) -> Moment:
+        """Keep the present moment, to be rendered later or never."""
+        return Moment(data.qpos.copy(), data.mocap_pos.copy(), data.mocap_quat.copy())
+
+    def picture(self, moment: Moment, ref: str, camera: str = FRONT) -> Image:
+        """A colour picture of a moment; it is rendered when its bytes are asked for."""
+        return Image(ref, self.width, self.height, "rgb8", lambda: self.colour(moment, camera).tobytes())
+
+    def colour(self, moment: Moment, camera: str = FRONT) -> NDArray[np.uint8]:
+        """Pixels (rows, columns, 3)."""
+        return self._do(lambda: self._render(moment, (self.height, self.width), camera))
+
+    def depth_m(self, moment: Moment) -> NDArray[np.float32]:
+        """Distance along the camera's axis in m, as large as a colour picture."""
+        return self._do(lambda: self._depth(moment, (self.height, self.width)))
+
+    def segmentation(self, moment: Moment) -> NDArray[np.int32]:
+        """The body that each pixel shows, as large as a colour picture."""
+        return self._do(lambda: self._segments(moment, (self.height, self.width)))
+
+    def frame(self, moment: Moment) -> tuple[Frame, Sight]:
+        """Depth and segmentation for measuring, and where they were seen from."""
+        return self._do(lambda: self._measure(moment))
+
+    def close(self) -> None:
+        """Free the renderers; a picture that is asked for later makes new ones."""
+        with self._lock:
+            thread, self._thread = self._thread, None
+        if thread is not None:
+            thread.submit(self._free).result()
+            thread.shutdown()
+
+    def _do(self, work: Callable[[], T]) -> T:
+        with self._lock:
+            if self._thread is None:
+                self._thread = ThreadPoolExecutor(1, "orchard-camera")
+            future = self._thread.submit(work)
+        return future.result()
+
+    def _free(self) -> None:
+        for renderer in self._renderers.values():
+            renderer.close()
+        self._renderers.clear()
+
+    def _renderer(self, size: tuple[int, int]) -> Any:
+        if size not in self._renderers:
+            try:
+                self._renderers[size] = mujoco.Renderer(self._model, *size)
+            except Exception as fault:
+                raise ConnectorError(
+                    f"the camera cannot render ({fault}): install EGL (Debian: libegl1 libgl1 libgl1-mesa-dri), "
+                    "or open the orchard with camera=False"
+                ) from fault
+        return self._renderers[size]
+
+    def _at(self, moment: Moment, size: tuple[int, int], camera: str) -> Any:
+        scratch = self._scratch
+        scratch.qpos[:], scratch.mocap_pos[:], scratch.mocap_quat[:] = moment
+        mujoco.mj_kinematics(self._model, scratch)
+        mujoco.mj_comPos(self._model, scratch)
+        mujoco.mj_camlight(self._model, scratch)
+        renderer = self._renderer(size)
+        renderer.update_scene(scratch, camera)
+        return renderer
+
+    def _render(self, moment: Moment, size: tuple[int, int], camera: str = FRONT) -> NDArray[Any]:
+        pixels: NDArray[Any] = self._at(moment, size, camera).render().copy()
+        return pixels
+
+    def _depth(self, moment: Moment, size: tuple[int, int]) -> NDArray[np.float32]:
+        renderer = self._renderer(size)
+        renderer.enable_depth_rendering()
+        try:
+            return self._render(moment, size)
+        finally:
+            renderer.disable_depth_rendering()
+
+    def _segments(self, moment: Moment, size: tuple[int, int]) -> NDArray[np.int32]:
+        renderer = self._renderer(size)
+        renderer.enable_segmentation_rendering()
+        try:
+            seen = self._render(moment, size)
+        finally:
+            renderer.disable_segmentation_rendering()
+        geom = np.where(seen[..., 1] == mujoco.mjtObj.mjOBJ_GEOM, seen[..., 0], -1)
+        bodies: NDArray[np.int32] = self._bodies[geom]
+        return bodies
+
+    def _measure(self, moment: Moment) -> tuple[Frame, Sight]:
+        frame = Frame(self._depth(moment, self._frame_size), self._segments(moment, self._frame_size))
+        number = self._model.camera(FRONT).id
+        focal = self._frame_size[0] / 2 / math.tan(math.radians(float(self._model.cam_fovy[number])) / 2)
+        axes = self._scratch.cam_xmat[number].reshape(3, 3).copy()
+        return frame, Sight(self._scratch.cam_xpos[number].copy(), axes, focal)

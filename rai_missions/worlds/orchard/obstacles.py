@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which obstacle lies in which alley, from the seed, and what the living ones do.
+
+Rule: nothing here says what may be driven over; that is found out by driving (`crossing.py`).
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+from rai_missions.errors import UsageError
+from rai_missions.worlds.orchard.figures import FIGURES, LIVING
+from rai_missions.worlds.orchard.layout import Layout
+
+__all__ = ("Obstacle", "Walker", "place")
+
+NEVER = 99
+ODDS = (("none", 20), ("branch", 30), ("person", 16), ("animal", 16), ("crate", 6), ("log", 6), ("fallen_tree", 6))
+AWAY_M = 14.0
+"""How far beyond the mouths of the alleys a living thing stops when it walks away."""
+SPEED_MPS = {"person": 1.5, "animal": 2.6}
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """One thing in an alley."""
+
+    kind: str
+    alley: int
+    along: float = 0.55
+    """Where in the alley, from its western (0) to its eastern (1) end."""
+    across_m: float = 0.0
+    """Off the alley's middle, to the left of x."""
+    turn_deg: float = 80.0
+    heeds_after: int = 1
+    """Of the living: it walks away after so many signals (99: it never heeds them)."""
+    lingers_s: float = 40.0
+    """Of the living: so long after the tractor first came near, it walks away by itself."""
+
+    @property
+    def living(self) -> bool:
+        return self.kind in LIVING
+
+    def place_m(self, layout: Layout) -> tuple[float, float]:
+        return self.along * layout.length_m, layout.centre_m(self.alley) + self.across_m
+
+
+def place(seed: int, layout: Layout, wanted: Sequence[str | None | Mapping[str, Any]] | None) -> tuple[Obstacle, ...]:
+    """The obstacles of an orchard, at most one an alley.
+
+    Args:
+        seed: What is not said is drawn from it.
+        layout: The orchard.
+        wanted: A kind for each alley in turn (None or `none`: nothing), or a mapping of `Obstacle`'s fields; left
+            out, the kinds are drawn, too.
+
+    Raises:
+        UsageError: A kind or a field does not exist, or there are more obstacles than alleys.
+    """
+    rng = random.Random(f"orchard {seed}")
+    drawn = [_draw(rng, alley) for alley in range(layout.alleys)]
+    if wanted is None:
+        return tuple(obstacle for obstacle in drawn if obstacle.kind != "none")
+    if len(wanted) > layout.alleys:
+        raise UsageError(f"obstacles: {len(wanted)} obstacles for {layout.alleys} alleys; at most one an alley")
+    chosen = (_chosen(what, drawn[alley]) for alley, what in enumerate(wanted))
+    return tuple(obstacle for obstacle in chosen if obstacle.kind != "none")
+
+
+def _draw(rng: random.Random, alley: int) -> Obstacle:
+    kind = rng.choices([kind for kind, _ in ODDS], [odds for _, odds in ODDS])[0]
+    along, across, turn = rng.uniform(0.45, 0.65), rng.uniform(-0.2, 0.2), rng.uniform(70, 110)
+    heeds, lingers = rng.choice((1, 2, NEVER)), rng.uniform(30, 60)
+    if kind in LIVING:
+        turn = rng.uniform(0, 360)
+    return Obstacle(kind, alley, round(along, 3), round(across, 3), round(turn, 1), heeds, round(lingers, 1))
+
+
+def _chosen(what: str | None | Mapping[str, Any], drawn: Obstacle) -> Obstacle:
+    said = dict(what) if isinstance(what, Mapping) else {"kind": what or "none"}
+    known = [field.name for field in fields(Obstacle)]
+    unknown = sorted(set(said) - set(known))
+    if unknown:
+        raise UsageError(f"obstacles: no field {unknown[0]!r}; there are: {', '.join(known)}")
+    if said.get("kind") not in (*FIGURES, "none"):
+        raise UsageError(f"obstacles: no kind {said.get('kind')!r}; there are: {', '.join(FIGURES)}, none")
+    return Obstacle(**{**{field: getattr(drawn, field) for field in known}, **said})
+
+
+class Walker:
+    """A living obstacle that may walk away: along the alley, away from the tractor, out to the meadow."""
+
+    def __init__(self, obstacle: Obstacle, layout: Layout) -> None:
+        self.obstacle, self._layout = obstacle, layout
+        self.x, self.y = obstacle.place_m(layout)
+        self.heading = math.radians(obstacle.turn_deg)
+        self._signals = 0
+        self._met_at: float | None = None
+        self._goals: list[tuple[float, float]] = []
+        self._is_leaving = False
+
+    def signal(self, tractor_x: float) -> None:
+        """The tractor sounded its horn and flashed its lights nearby."""
+        self._signals += 1
+        if self._signals >= self.obstacle.heeds_after:
+            self._leave(tractor_x)
+
+    def step(self, at: float, period_s: float, tractor: tuple[float, float]) -> bool:
+        """Live on for a period; whether it moved."""
+        if self._met_at is None and math.hypot(tractor[0] - self.x, tractor[1] - self.y) < 9.0:
+            self._met_at = at
+        if self._met_at is not None and at - self._met_at > self.obstacle.lingers_s:
+            self._leave(tractor[0] if abs(tractor[1] - self.y) < self._layout.radius_m else -1.0)
+        if not self._goals:
+            return False
+        self._walk(SPEED_MPS[self.obstacle.kind] * period_s)
+        return True
+
+    def _leave(self, tractor_x: float) -> None:
+        if self._is_leaving:
+            return
+        self._is_leaving = True
+        away = self._layout.length_m + AWAY_M if tractor_x < self.x else -AWAY_M
+        middle = self._layout.centre_m(self.obstacle.alley)
+        self._goals = [(self.x + math.copysign(1.0, away - self.x), middle), (away, middle)]
+
+    def _walk(self, step_m: float) -> None:
+        (x, y) = self._goals[0]
+        left = math.hypot(x - self.x, y - self.y)
+        if left <= step_m:
+            self.x, self.y = self._goals.pop(0)
+            return
+        self.heading = math.atan2(y - self.y, x - self.x)
+        self.x += math.cos(self.heading) * step_m
+        self.y += math.sin(self.heading) * step_m

@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The orchard: a tractor, its autonomy and its surroundings, stepped in simulated time.
+
+Rule: what is published comes from sensors, from the battery or from the judge of the physics; nobody is told what the
+autonomy merely believes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from rai_missions.connectors.connector import Close, Connector
+from rai_missions.worlds.orchard import interface, scene
+from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
+from rai_missions.worlds.orchard.autonomy import Autonomy
+from rai_missions.worlds.orchard.battery import Battery
+from rai_missions.worlds.orchard.beams import Beams
+from rai_missions.worlds.orchard.camera import Camera
+from rai_missions.worlds.orchard.counter import AlleyCounter
+from rai_missions.worlds.orchard.crossing import Judge
+from rai_missions.worlds.orchard.detector import Detector, Errors
+from rai_missions.worlds.orchard.layout import Layout
+from rai_missions.worlds.orchard.obstacles import Walker, place
+from rai_missions.worlds.orchard.route import Lattice
+from rai_missions.worlds.orchard.tractor import Pose, Tractor
+
+__all__ = ("Orchard",)
+
+HEARD_M = 15.0
+"""How far the horn is heard."""
+HOME_M = 1.5
+FAST, SLOW = 4, 20
+"""Periods between two messages: 5 Hz and 1 Hz."""
+
+
+class Orchard:
+    """A `World`: the simulated orchard with one tractor.
+
+    Args:
+        seed: Decides what is not said: the obstacles, what the living do, how the detector errs.
+        alleys: How many.
+        length_m: Of an alley.
+        obstacles: A kind for each alley in turn (`branch`, `log`, `crate`, `person`, `animal`, `fallen_tree`, `none`), or
+            a mapping of the fields of `Obstacle`; None: drawn from the seed.
+        detector: Fields of `Errors`.
+        battery: `capacity_wh` and `charge` (0 to 1).
+        attempts: How often the autonomy tries an alley before it gives it up.
+        camera: Without it there are no pictures and no detected obstacles, and no OpenGL is needed.
+        shadows: Prettier, slower pictures.
+        robot: The name that topics and services begin with.
+    """
+
+    period_s = 0.05
+
+    def __init__(
+        self,
+        seed: int = 7,
+        *,
+        alleys: int = 6,
+        length_m: float = 20.0,
+        obstacles: Sequence[str | None | Mapping[str, Any]] | None = None,
+        detector: Mapping[str, Any] | Errors | None = None,
+        battery: Mapping[str, float] | None = None,
+        attempts: int = 3,
+        camera: bool = True,
+        shadows: bool = False,
+        robot: str = "tractor1",
+    ) -> None:
+        self.layout = Layout(alleys, length_m)
+        self.obstacles = place(seed, self.layout, obstacles)
+        self.model = scene.build(self.layout, self.obstacles, shadows=shadows)
+        self.data = mujoco.MjData(self.model)
+        self.tractor = Tractor(self.model, self.data)
+        self.judge = Judge(self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles))
+        self.counter, self.battery = AlleyCounter(self.layout), Battery(**(battery or {}))
+        lattice = Lattice(self.layout)
+        self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over)
+        self.camera = Camera(self.model) if camera else None
+        self._bodies = [self.model.body(f"obstacle_{n}").id for n in range(len(self.obstacles))]
+        self._detector = (
+            Detector(self.camera, self._bodies, self.obstacles, Errors.of(detector), seed) if self.camera else None
+        )
+        self._beams = Beams(self.model, self.data)
+        self._walkers = {n: Walker(o, self.layout) for n, o in enumerate(self.obstacles) if o.living}
+        self._robot, self._steps, self._range_m = robot, 0, None
+        self._lock = threading.RLock()
+        self._outbox: list[Callable[[], None]] = []
+        self._home = NavigateToPose(self.autonomy, self._outbox.append, lattice)
+        self._cross = Cross(self.autonomy, self._outbox.append, self.judge)
+        self._connector: Connector | None = None
+        self._closes: list[Close] = []
+        self._told: dict[str, Any] = {}
+        self.substeps = round(self.period_s / scene.TIMESTEP_S)
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def at(self) -> float:
+        """Simulated seconds since the start."""
+        return round(self._steps * self.period_s, 9)
+
+    @property
+    def pose(self) -> Pose:
+        return self.tractor.pose
+
+    @property
+    def is_home(self) -> bool:
+        pose = self.pose
+        return math.dist(pose[:2], self.layout.home[:2]) <= HOME_M and abs(pose.speed) < 0.1
+
+    def open(self, connector: Connector) -> None:
+        """Put the tractor's topics, services and actions on a connector."""
+        self._connector = connector
+        services = {
+            "continue": self._continue,
+            "current_state": self._current_state,
+            "flash": self._flash,
+            "replan": self._replan,
+            "stop": self._stop,
+        }
+        for name, answer in services.items():
+            self._closes.append(connector.serve(self._name(name), interface.TRIGGER, self._locked(answer)))
+        actions = (
+            ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
+            (self._name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
+        )
+        for action, type_name, server in actions:
+            self._closes.append(connector.offer(action, type_name, _Front(server, self._lock, self._flush)))
+
+    def step(self) -> None:
+        """Go one period on: drive, let physics happen, look, and publish what happened."""
+        with self._lock:
+            self._drive()
+            self._move_the_living()
+            self._let_physics_happen()
+            self._steps += 1
+            self._account()
+            self._tell()
+        self._flush()
+
+    def close(self) -> None:
+        for close in self._closes:
+            close()
+        self._closes.clear()
+        if self.camera is not None:
+            self.camera.close()
+
+    def fingerprint(self) -> str:
+        """SHA-256 of the physical state: two runs that agree to the bit have the same."""
+        state = np.concatenate([self.data.qpos, self.data.qvel, self.data.mocap_pos.ravel()])
+        return hashlib.sha256(state.tobytes()).hexdigest()
+
+    def _drive(self) -> None:
+        pose = self.pose
+        if self._steps % 2 == 0:
+            self._range_m = self._beams.ahead_m(*pose[:3]) if self.autonomy.watches else None
+        if self.battery.is_empty and self.autonomy.is_driving:
+            self.autonomy.stop()
+        speed, curvature = self.autonomy.step(pose, self._range_m)
+        self.tractor.command(speed, curvature, self.period_s)
+
+    def _move_the_living(self) -> None:
+        here = self.pose[:2]
+        for number, walker in self._walkers.items():
+            if walker.step(self.at, self.period_s, here):
+                mocap = self.model.body_mocapid[self._bodies[number]]
+                self.data.mocap_pos[mocap, :2] = walker.x, walker.y
+                half = walker.heading / 2
+                self.data.mocap_quat[mocap] = math.cos(half), 0.0, 0.0, math.sin(half)
+
+    def _let_physics_happen(self) -> None:
+        """Where something may touch, contacts are looked at in finer steps, so that none is missed."""
+        at_once = 2 if self._is_something_near() else self.substeps
+        for _ in range(self.substeps // at_once):
+            mujoco.mj_step(self.model, self.data, at_once)
+            self.judge.watch(self.pose, at_once * scene.TIMESTEP_S, driving=self.autonomy.is_driving)
+
+    def _is_something_near(self) -> bool:
+        pose = self.pose
+        away = self.places - (pose.x + math.cos(pose.heading), pose.y + math.sin(pose.heading))
+        return bool(np.any(np.hypot(away[:, 0], away[:, 1]) < 4.5))
+
+    @property
+    def places(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Where the obstacles are now: x and y, a row each."""
+        return np.asarray(self.data.xpos[self._bodies, :2]).reshape(-1, 2)
+
+    def _account(self) -> None:
+        pose = self.pose
+        self.counter.see(pose.x, pose.y)
+        self.battery.drain(self.tractor.power_w, self.period_s)
+        crossing = self.judge.crossing
+        if crossing is not None and crossing.outcome == "failed" and self.autonomy.is_crossing:
+            self.autonomy.stop()
+        self._home.step(self.at, pose)
+        self._cross.step(self.at, pose)
+
+    def _tell(self) -> None:
+        at, pose = self.at, self.pose
+        if self._steps % FAST == 1:
+            self._publish("pose", interface.pose_stamped(pose, at))
+            self._look(pose)
+        if self._steps % SLOW == 1:
+            self._publish("battery", interface.battery_state(self.battery.percentage, self.battery.voltage, at))
+        crossing = self.judge.crossing
+        facts: dict[str, Any] = {
+            "state": self.autonomy.word,
+            "alleys_driven": len(self.counter.alleys),
+            "at_home": self.is_home,
+            "touched_living": bool(self.judge.touched),
+        }
+        if crossing is not None:
+            facts["passed"] = crossing.outcome == "passed"
+        for name, fact in facts.items():
+            if self._steps % SLOW == 1 or self._told.get(name) != fact:
+                self._told[name] = fact
+                self._publish(name, {"data": fact})
+        if crossing is not None and self._told.get("crossing") != (crossing.start, crossing.outcome):
+            self._told["crossing"] = (crossing.start, crossing.outcome)
+            self._publish("crossing", interface.text(crossing.facts()))
+
+    def _look(self, pose: Pose) -> None:
+        if self.camera is None or self._detector is None:
+            return
+        moment = self.camera.moment(self.data)
+        picture = self.camera.picture(moment, f"{self._robot}/camera@{self.at:.3f}")
+        self._publish("camera_image_color", interface.image(picture, self.at))
+        if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
+            fact = self._detector.look(moment, self.places, pose)
+            if fact is not None:
+                self._publish("obstacle", interface.text(fact))
+
+    def _hand_over(self, distance_m: float) -> None:
+        self.judge.begin(self.pose, distance_m)
+
+    def _continue(self) -> dict[str, Any]:
+        done = self.autonomy.proceed()
+        return interface.trigger(done, "The vehicle continues the mission" if done else "There is nothing to continue")
+
+    def _replan(self) -> dict[str, Any]:
+        done = self.autonomy.replan()
+        return interface.trigger(done, "The current mission was aborted" if done else "The vehicle is in no alley")
+
+    def _stop(self) -> dict[str, Any]:
+        self.autonomy.stop()
+        return interface.trigger(True, "The vehicle was stopped")
+
+    def _current_state(self) -> dict[str, Any]:
+        return interface.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
+
+    def _flash(self) -> dict[str, Any]:
+        pose = self.pose
+        for walker in self._walkers.values():
+            if math.dist((walker.x, walker.y), pose[:2]) < HEARD_M:
+                walker.signal(pose.x)
+        return interface.trigger(True, "Flashing triggered.")
+
+    def _name(self, name: str) -> str:
+        return f"/{self._robot}/{name}"
+
+    def _locked(self, answer: Callable[[], dict[str, Any]]) -> Callable[[Any], dict[str, Any]]:
+        def answered(_request: Any) -> dict[str, Any]:
+            with self._lock:
+                return answer()
+
+        return answered
+
+    def _publish(self, name: str, message: dict[str, Any]) -> None:
+        connector = self._connector
+        if connector is not None:
+            self._outbox.append(lambda: connector.publish(self._name(name), interface.TOPICS[name], message))
+
+    def _flush(self) -> None:
+        """Send what is in the outbox, with no lock held."""
+        with self._lock:
+            out, self._outbox[:] = list(self._outbox), []
+        for send in out:
+            send()
+
+
+class _Front:
+    """An action server behind the world's lock; its reports go out once the lock is free."""
+
+    def __init__(self, server: NavigateToPose | Cross, lock: threading.RLock, flush: Callable[[], None]) -> None:
+        self._server, self._lock, self._flush = server, lock, flush
+
+    def accept(self, goal_id: str, goal: Any, report: Any) -> None:
+        with self._lock:
+            self._server.accept(goal_id, goal, report)
+        self._flush()
+
+    def cancel(self, goal_id: str) -> None:
+        with self._lock:
+            self._server.cancel(goal_id)
+        self._flush()

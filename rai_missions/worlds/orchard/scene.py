@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The orchard as one MuJoCo model: ground, light, trees, obstacles, tractor.
+
+Geom groups: 0 ground and trunks, 1 crowns, 2 tractor and obstacles as they are seen, 3 obstacles, 4 trunks and 5 the
+tractor as they collide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from rai_missions.worlds.orchard import figures, textures, tractor
+from rai_missions.worlds.orchard.layout import Layout
+from rai_missions.worlds.orchard.meshes import Mesh
+from rai_missions.worlds.orchard.obstacles import Obstacle
+
+__all__ = ("TIMESTEP_S", "build")
+
+TIMESTEP_S = 0.005
+CROWNS, TRUNKS = 5, 3
+TREE_GHOST = 'contype="0" conaffinity="0"'
+
+
+def build(layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = False, trees: bool = True) -> Any:
+    """Compile the orchard.
+
+    Args:
+        layout: Where everything stands.
+        obstacles: What lies in the alleys; their bodies are called `obstacle_0`, `obstacle_1`, ...
+        shadows: Cast shadows and smooth edges: prettier, and several times slower to render.
+        trees: Leave the trees out for a portrait.
+    """
+    middle = layout.length_m / 2, layout.centre_m(layout.alleys - 1) / 2
+    xml = f"""<mujoco model="orchard"><compiler angle="degree"/>
+<option timestep="{TIMESTEP_S}" integrator="implicitfast" cone="elliptic" impratio="3"/>
+<visual><global offwidth="1280" offheight="960"/>
+ <quality shadowsize="{2048 if shadows else 0}" offsamples="{4 if shadows else 0}" numslices="16" numstacks="10"/>
+ <map znear="0.01" fogstart="2.4" fogend="7" zfar="10" shadowclip="1.2"/>
+ <headlight ambient=".44 .44 .47" diffuse=".24 .24 .24" specular="0 0 0"/>
+ <rgba fog=".78 .86 .93 1" haze=".78 .86 .93 1"/></visual>
+<default><default class="tyre"><geom condim="4" friction="1.0 .01 .01" solref=".02 1.2"/></default></default>
+<asset>{_materials()}{_mesh_list()}</asset>
+<statistic extent="12" center="{middle[0]} {middle[1]} 1"/>
+<worldbody>
+ <light directional="true" pos="10 6 20" dir="-.35 -.45 -.8" diffuse=".75 .72 .64" specular=".2 .2 .2"
+  castshadow="{str(shadows).lower()}"/>
+ <geom name="ground" type="plane" size="120 120 1" material="grass" friction="1 .01 .01"/>
+ {_trees(layout) if trees else ""}
+ {"".join(_obstacle(number, obstacle, layout) for number, obstacle in enumerate(obstacles))}
+ {tractor.body(*layout.home)}
+</worldbody>
+<contact>{tractor.CONTACT}</contact><actuator>{tractor.ACTUATORS}</actuator></mujoco>"""
+    return mujoco.MjModel.from_xml_string(xml, _assets())
+
+
+def _obstacle(number: int, obstacle: Obstacle, layout: Layout) -> str:
+    x, y = obstacle.place_m(layout)
+    return figures.figure(obstacle.kind, f"obstacle_{number}", x, y, obstacle.turn_deg)
+
+
+def _materials() -> str:
+    surfaces = "".join(
+        f'<texture name="{name}" type="2d" file="{name}.png"/>'
+        f'<material name="{name}" texture="{name}" specular="{shine}" shininess=".1" {repeat}/>'
+        for name, shine, repeat in (
+            ("grass", 0, 'texrepeat="60 60"'),
+            ("leaf", 0.05, ""),
+            ("bark", 0.05, ""),
+            ("wood", 0.1, ""),
+        )
+    )
+    sky = '<texture type="skybox" builtin="gradient" rgb1=".35 .58 .88" rgb2=".85 .91 .96" width="128" height="768"/>'
+    return sky + surfaces + '<material name="paint" rgba=".06 .42 .15 1" specular=".6" shininess=".7"/>'
+
+
+def _mesh_list() -> str:
+    names = [name for name in _assets() if name.endswith(".obj")]
+    return "".join(f'<mesh name="{name[:-4]}" file="{name}" inertia="shell"/>' for name in names)
+
+
+@cache
+def _assets() -> dict[str, bytes]:
+    """Every file that the model names, made once a process."""
+    pictures = {
+        "grass.png": textures.grass(),
+        "leaf.png": textures.leaves(),
+        "bark.png": textures.bark(),
+        "wood.png": textures.wood(),
+    }
+    crowns = {f"crown{k}.obj": _crown(k) for k in range(CROWNS)}
+    trunks = {f"trunk{k}.obj": _trunk(k) for k in range(TRUNKS)}
+    return {**pictures, **crowns, **trunks, **tractor.meshes(), **figures.meshes()}
+
+
+def _trees(layout: Layout) -> str:
+    rng = np.random.default_rng(5)
+    out = []
+    for x, y in layout.trees():
+        turn, lean, high = rng.uniform(0, 360), rng.normal(size=2) * 0.06, rng.uniform(2.1, 2.4)
+        crown, trunk = rng.integers(CROWNS), rng.integers(TRUNKS)
+        out.append(
+            f'<body pos="{x + lean[0]:.3f} {y + lean[1]:.3f} 0" euler="0 0 {turn:.0f}">'
+            f'<geom type="mesh" mesh="trunk{trunk}" material="bark" {TREE_GHOST} group="0"/>'
+            f'<geom type="mesh" mesh="crown{crown}" material="leaf" pos="0 0 {high:.2f}" {TREE_GHOST} group="1"/>'
+            f'<geom type="cylinder" pos="0 0 .8" size=".14 .8" group="4"/></body>'
+        )
+    return "".join(out)
+
+
+def _crown(seed: int) -> bytes:
+    rng = np.random.default_rng(100 + seed)
+    radii = (rng.uniform(0.95, 1.15), rng.uniform(0.95, 1.15), rng.uniform(1.0, 1.25))
+    mesh = Mesh().ellipsoid((0, 0, 0), radii, lumps=9, rng=rng)
+    return mesh.leaves(radii, 46, rng).fruit(radii, 9, rng).obj()
+
+
+def _trunk(seed: int) -> bytes:
+    rng = np.random.default_rng(200 + seed)
+    spine = np.zeros((4, 3))
+    spine[:, 2] = (-0.05, 0.4, 0.85, 1.3)
+    spine[1:, :2] = np.cumsum(rng.normal(size=(3, 2)) * 0.04, 0)
+    mesh = Mesh().tube(spine.tolist(), [0.16, 0.12, 0.11, 0.1], 6)
+    for k in range(4):
+        turn = k * 1.57 + rng.random()
+        out = np.array([np.cos(turn) * 0.22, np.sin(turn) * 0.22, 0.24])
+        mesh.tube([(spine[3 - k % 2] + out * step).tolist() for step in (0, 1.2, 2.6)], [0.07, 0.05, 0.025], 4)
+    return mesh.obj()

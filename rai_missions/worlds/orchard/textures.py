@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Surfaces grown from noise: grass, leaves, bark, planks, as PNG bytes."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+__all__ = ("bark", "grass", "leaves", "png", "wood")
+
+Field = NDArray[np.float64]
+
+
+def png(pixels: Field) -> bytes:
+    """Pixels (rows, columns, 3), 0 to 255, as a PNG file."""
+    out = io.BytesIO()
+    Image.fromarray(np.clip(pixels, 0, 255).astype(np.uint8)).save(out, "PNG")
+    return out.getvalue()
+
+
+def grass(size: int = 512) -> bytes:
+    """Mown grass with patches of soil; it tiles."""
+    rng = np.random.default_rng(0)
+    shade, blades = _noise(size, rng), rng.random((size, size))
+    green = np.stack([66 + 52 * shade + 22 * blades, 96 + 62 * shade + 30 * blades, 34 + 24 * shade + 8 * blades], -1)
+    soil = np.stack([118 + 50 * shade + 22 * blades, 92 + 40 * shade + 18 * blades, 62 + 30 * shade + 12 * blades], -1)
+    bare = np.clip((_noise(size, rng, persistence=0.8) - 0.55) * 5, 0, 1)[..., None] * 0.5
+    green *= (0.86 + 0.28 * rng.random((size, size)) ** 3)[..., None]
+    return png(green * (1 - bare) + soil * bare)
+
+
+def leaves(size: int = 256) -> bytes:
+    """Leaves over shade; the far corner is red, for fruit."""
+    rng = np.random.default_rng(1)
+    pixels = np.full((size, size, 3), (34, 60, 24), float)
+    y, x = np.mgrid[:size, :size]
+    for _ in range(800):
+        (cx, cy), turn, length = rng.random(2) * size, rng.random() * np.pi, rng.uniform(6, 14)
+        dx, dy = (x - cx + size / 2) % size - size / 2, (y - cy + size / 2) % size - size / 2
+        u, v = dx * np.cos(turn) + dy * np.sin(turn), dy * np.cos(turn) - dx * np.sin(turn)
+        inside = (u / length) ** 2 + (v / (length * 0.42)) ** 2 < 1
+        pixels[inside] = np.array([74, 122, 42]) * rng.uniform(0.6, 1.25) + (u[inside] / length * 14)[:, None]
+    pixels[: size // 12, -size // 12 :] = (190, 32, 24)
+    return png(pixels)
+
+
+def bark(size: int = 128) -> bytes:
+    """Furrowed bark."""
+    rng = np.random.default_rng(2)
+    shade, furrow = _noise(size, rng), np.repeat(rng.random((1, size)), size, 0)
+    deep = shade * furrow
+    return png(np.stack([95 + 60 * deep + 20 * shade, 72 + 45 * deep + 15 * shade, 52 + 30 * deep], -1))
+
+
+def wood(size: int = 256) -> bytes:
+    """Planks with dark gaps between them."""
+    rng = np.random.default_rng(3)
+    shade = _noise(size, rng)
+    pixels = np.stack([165 + 50 * shade, 120 + 40 * shade, 72 + 30 * shade], -1)
+    for gap in range(0, size, size // 5):
+        pixels[gap : gap + 5] *= 0.35
+    pixels[:, :8] *= 0.5
+    pixels[:, -8:] *= 0.5
+    return png(pixels)
+
+
+def _noise(size: int, rng: np.random.Generator, octaves: int = 6, persistence: float = 0.55) -> Field:
+    """Fractal noise, 0 to 1, that tiles."""
+    total, weight = np.zeros((size, size)), 0.0
+    for octave in range(octaves):
+        cells = min(2 ** (octave + 2), size)
+        coarse = np.pad(rng.random((cells, cells)), ((0, 1), (0, 1)), mode="wrap")
+        step = np.arange(size) * cells / size
+        low, part = step.astype(int), (step % 1) ** 2 * (3 - 2 * (step % 1))
+        rows = coarse[low] * (1 - part)[:, None] + coarse[low + 1] * part[:, None]
+        total += persistence**octave * (rows[:, low] * (1 - part) + rows[:, low + 1] * part)
+        weight += persistence**octave
+    return total / weight
