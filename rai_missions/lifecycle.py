@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two small fixed machines: the mode of a run, and who holds control of the actuators.
+
+Rule: this is the only place that knows `transitions`; no mission draws these states, and every agent reads them here.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from transitions import Machine, MachineError
+
+from rai_missions.errors import UsageError
+from rai_missions.step import Step
+
+__all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status")
+
+MODES = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
+CONTROLLERS = ("autonomy", "agent", "operator", "nobody")
+
+ALIVE = ["running", "paused", "canceling"]
+MODE_ROWS: list[dict[str, Any]] = [
+    {"trigger": "start", "source": "ready", "dest": "running"},
+    {"trigger": "pause", "source": "running", "dest": "paused"},
+    {"trigger": "resume", "source": "paused", "dest": "running"},
+    {"trigger": "cancel", "source": ["running", "paused"], "dest": "canceling"},
+    {"trigger": "canceled", "source": ["running", "canceling"], "dest": "canceled"},
+    {"trigger": "succeeded", "source": "running", "dest": "succeeded"},
+    {"trigger": "failed", "source": ["ready", "running"], "dest": "failed"},
+    {"trigger": "aborted", "source": ["running"], "dest": "aborted"},
+    {"trigger": "kill", "source": ALIVE, "dest": "aborted"},
+]
+CONTROL_ROWS: list[dict[str, Any]] = [
+    {"trigger": "hand_to_autonomy", "source": ["autonomy", "agent", "operator"], "dest": "autonomy"},
+    {"trigger": "hand_to_agent", "source": ["autonomy", "agent", "operator"], "dest": "agent"},
+    {"trigger": "hand_to_operator", "source": "*", "dest": "operator"},
+    {"trigger": "hand_to_nobody", "source": "*", "dest": "nobody"},
+]
+
+
+class Status(NamedTuple):
+    """What every other agent reads instead of remembering it."""
+
+    revision: int
+    """Counts every change; a reader with a lower one is out of date."""
+    mode: str
+    """One of `MODES`."""
+    control: str
+    """One of `CONTROLLERS`."""
+    active: tuple[str, ...]
+    """The active states, sorted."""
+    outcome: str | None = None
+    why: str = ""
+
+
+def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:
+    """A flat machine in the only setting that is safe: no `to_…` shortcuts, an illegal trigger is an error."""
+    return Machine(
+        states=list(states), transitions=rows, initial=initial, auto_transitions=False, ignore_invalid_triggers=False
+    )
+
+
+class Control:
+    """Who holds control. It is handed over by request and acknowledgement; a command of anybody else is refused."""
+
+    def __init__(self, holder: str = "autonomy") -> None:
+        self._machine = _machine(CONTROL_ROWS, CONTROLLERS, holder)
+        self.requested: str | None = None
+        """Whom it was asked for and has not reached yet."""
+
+    @property
+    def holder(self) -> str:
+        return str(self._machine.state)
+
+    def refuses(self, to: str, by: str) -> str:
+        """Why a handover may not be asked for; empty if it may.
+
+        Raises:
+            UsageError: Nobody of that name can hold control.
+        """
+        if to not in CONTROLLERS:
+            raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(CONTROLLERS)}")
+        if self.holder == "nobody" and by != "operator":
+            return "control is with nobody since the stop; only the operator can lift it"
+        if self.holder == "operator" and by not in ("operator",) and to != "nobody":
+            return "the operator has control and has not given it back"
+        return ""
+
+    def request(self, to: str, by: str) -> str:
+        """Ask for a handover; returns why not, or empty."""
+        why = self.refuses(to, by)
+        if not why:
+            self.requested = to
+        return why
+
+    def acknowledge(self, to: str) -> None:
+        """The handover has happened where the actuators are.
+
+        Raises:
+            UsageError: It may not happen from here.
+        """
+        if self.holder == "nobody" and to == "nobody":
+            return
+        lifted = self.holder == "nobody" and to != "operator"
+        try:
+            if lifted:
+                self._machine.hand_to_operator()
+            getattr(self._machine, f"hand_to_{to}")()
+        except MachineError as error:
+            raise UsageError(f"control cannot go from '{self.holder}' to '{to}': {error}") from None
+        self.requested = None
+
+    def permits(self, by: str) -> bool:
+        """Whether a command of somebody may reach the actuators now."""
+        return self.holder == by
+
+
+class Lifecycle:
+    """The mode of one run, with its revision."""
+
+    def __init__(self) -> None:
+        self._machine = _machine(MODE_ROWS, MODES, "ready")
+        self.control = Control()
+        self.revision = 0
+        self._last: tuple[Any, ...] = ()
+
+    @property
+    def mode(self) -> str:
+        return str(self._machine.state)
+
+    def refuses(self, command: str) -> str:
+        """Why a command makes no sense now; empty if it does."""
+        if command not in self._machine.get_triggers(self.mode):
+            return f"the mission is {self.mode}; it cannot {command} now"
+        return ""
+
+    def observe(self, step: Step, *, mode: str, holder: str, active: frozenset[str]) -> Status | None:
+        """Follow a step; the new status if anything in it changed.
+
+        Args:
+            step: What has happened.
+            mode: The chart's: `ready`, `running`, `paused`, `canceling` or `ended`.
+            holder: Who holds control.
+            active: The active states.
+
+        Raises:
+            UsageError: The step went a way that no mission may go.
+        """
+        target = step.outcome if mode == "ended" and step.outcome else mode
+        if target != self.mode:
+            self._go(target)
+        if holder != self.control.holder:
+            self.control.acknowledge(holder)
+        status = (target, holder, tuple(sorted(active)), step.outcome, step.why if step.outcome else "")
+        if status == self._last:
+            return None
+        self._last = status
+        self.revision += 1
+        return Status(self.revision, *status)
+
+    def _go(self, target: str) -> None:
+        named = {"running": "start" if self.mode == "ready" else "resume", "paused": "pause", "canceling": "cancel"}
+        trigger = named.get(target, target)
+        if target == "aborted" and self.mode != "running":
+            trigger = "kill"
+        if target == "canceled" and self.mode == "paused":
+            self._machine.cancel()
+        try:
+            getattr(self._machine, trigger)()
+        except MachineError:
+            raise UsageError(f"a run cannot go from '{self.mode}' to '{target}'") from None
