@@ -36,7 +36,7 @@ class TreeState(NamedTuple):
     nodes: Mapping[str, Any] = {}
     """Path of the node → what it remembers."""
     leaves: Mapping[str, Leaf] = {}
-    """Path of each action, call or decision leaf that is running or whose end has not been read yet."""
+    """Path of each action, call or decision leaf that is running, or whose outcome the next tick will read."""
 
 
 class Ticked(NamedTuple):
@@ -54,14 +54,19 @@ class Ticked(NamedTuple):
     published: tuple[tuple[str, Mapping[str, Any]], ...] = ()
     """Topic and message of each `publish` leaf."""
     trace: tuple[tuple[str, str, Status], ...] = ()
-    """What was called, in order: (path, `initialise` | `update` | `terminate`, status), as py_trees orders them."""
+    """What was called, in order: (path, `initialise` | `update` | `terminate`, status), as py_trees orders them.
+
+    The status is what the node had before (`initialise`), says (`update`), or has from now on (`terminate`).
+    """
+    again: bool = False
+    """The tree wants the next tick at once, with the same view: something ended that is to begin anew."""
 
 
 class Ticker(Protocol):
     """Compiled for one tree."""
 
     def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
-        """Tick once.
+        """Tick once, as py_trees does.
 
         Args:
             state: As the last tick left it; `TreeState()` for the first.
@@ -77,6 +82,9 @@ class Ticker(Protocol):
 
     def reads(self, state: TreeState) -> frozenset[str]:
         """The keys whose change wants a tick; `*` for any."""
+
+    def shifted(self, state: TreeState, by_s: float) -> TreeState:
+        """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""
 
 
 class Trees(Protocol):

@@ -56,7 +56,7 @@ class WaitLeaf(TreeNode, word="wait_s"):
 
 
 class SetLeaf(TreeNode, word="set"):
-    """Writes a key of the mission; words as the effect's. Fails, and writes nothing, where there is no value that fits."""
+    """Writes a key of the mission; words as the effect's. Without a value that fits it fails."""
 
     positional: ClassVar = ("set", "value")
     set: Name
@@ -88,7 +88,8 @@ class DecisionLeaf(TreeNode, word="decision"):
     """Asks, then runs the subtree of the option; an option without one is success."""
 
     decision: Asked
-    then: dict[Name, NODE] = Field(default_factory=dict)  # type: ignore[valid-type]
+    then: dict[Name, NODE] = Field(default_factory=dict)
+    """Option → what is done then."""
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         for option, subtree in self.then.items():

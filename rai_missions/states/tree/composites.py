@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nodes with several children, under py_trees' names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from rai_missions.states.tree.node import NODE, TreeNode
+from rai_missions.written import Bool, Integer, fault
+
+__all__ = ("Branch", "ParallelTree", "Selector", "Sequence")
+
+
+def _listed(given: Any) -> Any:
+    return tuple(given) if isinstance(given, list) else given
+
+
+Children = Annotated[tuple[NODE, ...], BeforeValidator(_listed), Field(min_length=1)]
+Numbers = Annotated[tuple[Integer, ...], BeforeValidator(_listed), Field(min_length=1)]
+
+
+class Branch(TreeNode):
+    """A composite: it has children."""
+
+    def children(self) -> tuple[TreeNode, ...]:
+        """In the order written."""
+        given: tuple[TreeNode, ...] = getattr(self, self.word)
+        return given
+
+    def branches(self) -> Iterator[tuple[str, TreeNode]]:
+        for index, child in enumerate(self.children()):
+            yield f"{self.word}/{index}", child
+
+
+class Sequence(Branch, word="sequence"):
+    """One after the other, until one fails."""
+
+    positional: ClassVar = ("sequence",)
+    sequence: Children
+    memory: Bool = True
+    """Goes on at the running child; without it, from the first at each tick."""
+
+
+class Selector(Branch, word="selector"):
+    """One after the other, until one succeeds."""
+
+    positional: ClassVar = ("selector",)
+    selector: Children
+    memory: Bool = False
+    """Goes on at the running child; without it, a higher one that stops failing takes over."""
+
+
+class ParallelTree(Branch, word="parallel"):
+    """All at each tick; fails with the first that fails."""
+
+    positional: ClassVar = ("parallel",)
+    parallel: Children
+    policy: Literal["success_on_all", "success_on_one"] | Numbers = "success_on_all"
+    """Whose success is enough: all, one, or the children with these numbers (from 0)."""
+    synchronise: Bool = True
+    """A child that has succeeded is not ticked again. With `success_on_one` there is no such child."""
+
+    @model_validator(mode="after")
+    def _policy_names_children(self) -> Self:
+        if isinstance(self.policy, tuple):
+            last = len(self.parallel) - 1
+            for number in self.policy:
+                if not 0 <= number <= last:
+                    raise fault("policy", f"'policy' names child {number}; the children have the numbers 0 to {last}")
+        return self

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nodes that change what their one child says, under py_trees' names."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from rai_missions.guards.guard import Guard
+from rai_missions.states.tree.node import NODE, Decorator
+from rai_missions.written import Integer, Name, Number, kind_of
+
+__all__ = (
+    "Condition", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "OneShot", "PassThrough", "Repeat",
+    "Retry", "RunningIsFailure", "RunningIsSuccess", "StatusToBlackboard", "SuccessIsFailure", "SuccessIsRunning",
+    "Timeout",
+)  # fmt: skip
+
+
+class Inverter(Decorator, word="inverter"):
+    """Success is failure, failure is success."""
+
+    child: NODE = Field(alias="inverter")
+
+
+class FailureIsSuccess(Decorator, word="failure_is_success"):
+    """Never fails."""
+
+    child: NODE = Field(alias="failure_is_success")
+
+
+class FailureIsRunning(Decorator, word="failure_is_running"):
+    """Begins its child again until it succeeds."""
+
+    child: NODE = Field(alias="failure_is_running")
+
+
+class SuccessIsFailure(Decorator, word="success_is_failure"):
+    """Never succeeds."""
+
+    child: NODE = Field(alias="success_is_failure")
+
+
+class SuccessIsRunning(Decorator, word="success_is_running"):
+    """Begins its child again until it fails."""
+
+    child: NODE = Field(alias="success_is_running")
+
+
+class RunningIsFailure(Decorator, word="running_is_failure"):
+    """Fails where its child would need time; what the child has begun is ended."""
+
+    child: NODE = Field(alias="running_is_failure")
+
+
+class RunningIsSuccess(Decorator, word="running_is_success"):
+    """Succeeds where its child would need time; what the child has begun is ended."""
+
+    child: NODE = Field(alias="running_is_success")
+
+
+class PassThrough(Decorator, word="pass_through"):
+    """Says what its child says: a name in the picture."""
+
+    child: NODE = Field(alias="pass_through")
+
+
+class OneShot(Decorator, word="one_shot"):
+    """Runs to its end once in the life of the tree; afterwards that end is repeated."""
+
+    child: NODE = Field(alias="one_shot")
+    policy: Literal["on_completion", "on_successful_completion"] = "on_completion"
+    """Which end counts: any, or only success."""
+
+
+class Retry(Decorator, word="retry"):
+    """Begins its child again until it succeeds; fails with the failure that has this number."""
+
+    positional: ClassVar = ("child", "num_failures")
+    num_failures: Annotated[Integer, Field(ge=1)] = Field(alias="retry")
+
+
+class Repeat(Decorator, word="repeat"):
+    """Begins its child again until it has succeeded so often; -1 is for ever. A failure ends it."""
+
+    positional: ClassVar = ("child", "num_success")
+    num_success: Annotated[Integer, Field(ge=1)] | Literal[-1] = Field(alias="repeat")
+
+
+class Timeout(Decorator, word="timeout"):
+    """Fails when its child takes so long, in seconds."""
+
+    positional: ClassVar = ("child", "duration_s")
+    duration_s: Annotated[Number, Field(gt=0)] = Field(alias="timeout")
+
+
+class EternalGuard(Decorator, word="eternal_guard"):
+    """Runs its child while a guard is true; else it fails and what runs inside is ended."""
+
+    positional: ClassVar = ("child", "guard")
+    guard: kind_of(Guard) = Field(alias="eternal_guard")  # type: ignore[valid-type]
+
+
+class Condition(Decorator, word="condition"):
+    """Waits until its child says this, and succeeds then; never fails."""
+
+    positional: ClassVar = ("child", "status")
+    status: Literal["success", "failure", "running"] = Field(alias="condition")
+
+
+class StatusToBlackboard(Decorator, word="status_to_blackboard"):
+    """Writes what its child says under a key of the mission: `success`, `failure` or `running`."""
+
+    positional: ClassVar = ("child", "key")
+    key: Name = Field(alias="status_to_blackboard")

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a node of a behaviour tree is, as an author writes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, ClassVar
+
+from rai_missions.written import Kind, Text, kind_of
+
+__all__ = ("NODE", "Decorator", "TreeNode", "depth", "tree_paths")
+
+
+class TreeNode(Kind, family="tree node"):
+    """A node of a tree."""
+
+    name: Text = ""
+    """For pictures; without it the node is called by its word."""
+
+    def branches(self) -> Iterator[tuple[str, TreeNode]]:
+        """Its children, each with the pointer from here."""
+        return iter(())
+
+
+NODE = kind_of(TreeNode)
+
+
+class Decorator(TreeNode):
+    """Changes what its one child says."""
+
+    positional: ClassVar[tuple[str, ...]] = ("child",)
+
+    child: NODE  # type: ignore[valid-type]
+
+    def branches(self) -> Iterator[tuple[str, TreeNode]]:
+        yield type(self).model_fields["child"].alias or "child", self.child
+
+
+def tree_paths(root: TreeNode, path: str = "") -> Iterator[tuple[str, TreeNode]]:
+    """Every node, outer before inner, with its path from the root: `sequence/0/child`; the root's own is empty."""
+    yield path, root
+    for pointer, child in root.branches():
+        yield from tree_paths(child, f"{path}/{pointer}" if path else pointer)
+
+
+def depth(given: Any) -> int:
+    """How deep objects, lists and nodes are nested in one another."""
+    deepest, rest = 0, [(given, 1)]
+    while rest:
+        item, level = rest.pop()
+        deepest = max(deepest, level)
+        if isinstance(item, TreeNode):
+            inner: Any = [child for _, child in item.branches()]
+        else:
+            inner = item.values() if isinstance(item, dict) else item if isinstance(item, list | tuple) else ()
+        rest += [(each, level + 1) for each in inner]
+    return deepest

@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: Apache-2.0
+"""py_trees' composites and decorators, traced, restorable, and with the time that they are given.
+
+Rule: what a node does stays py_trees' own, but for two things: time comes from the view, and an old branch ends before
+the one that takes over starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from py_trees import composites, decorators
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from rai_missions.guards.guard import Test
+from rai_missions.trees.round import Round
+
+__all__ = (
+    "LOOPS", "Condition", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "Live", "OneShot",
+    "Parallel", "PassThrough", "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess", "Selector", "Sequence",
+    "StatusToBlackboard", "SuccessIsFailure", "SuccessIsRunning", "Timeout", "word",
+)  # fmt: skip
+
+INVALID, RUNNING, SUCCESS, FAILURE = Status.INVALID, Status.RUNNING, Status.SUCCESS, Status.FAILURE
+WORDS: dict[Status, Any] = {status: status.value.lower() for status in Status}
+STATUSES = {word: status for status, word in WORDS.items()}
+
+
+def word(status: Status) -> Any:
+    """A status as it is written outside."""
+    return WORDS[status]
+
+
+class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
+    """Mixed into a behaviour: where it stands, its trace, and what of it outlives a tick."""
+
+    path: str
+    round: Round
+
+    def initialise(self) -> None:
+        self.round.trace.append((self.path, "initialise", WORDS[self.status]))
+        super().initialise()
+
+    def update(self) -> Status:
+        trace = self.round.trace
+        place = len(trace)
+        trace.append((self.path, "update", "invalid"))
+        status: Status = super().update()
+        trace[place] = (self.path, "update", WORDS[status])
+        return status
+
+    def terminate(self, new_status: Status) -> None:
+        self.round.trace.append((self.path, "terminate", WORDS[new_status]))
+        super().terminate(new_status)
+
+    def kept(self) -> dict[str, Any]:
+        """What it remembers besides its status, as plain values; left out is what it has when it is made."""
+        return {}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Be again as `kept` told."""
+
+    def deadline(self) -> float | None:
+        """The instant at which time alone changes something, while it runs."""
+        return None
+
+
+class Composite(Live, composites.Composite if TYPE_CHECKING else object):  # type: ignore[misc]
+    def place(self) -> int:
+        """The number of the current child; -1 for none."""
+        return -1 if self.current_child is None else self.children.index(self.current_child)
+
+    def kept(self) -> dict[str, Any]:
+        return {} if self.current_child is None else {"child": self.place()}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        self.current_child = self.children[memory["child"]] if "child" in memory else None
+
+
+class _OldFirst(Composite):
+    """A composite in which a child can take over from one that still runs: the old one ends first.
+
+    py_trees ticks the child that takes over and then stops the others. Nothing of the second depends on the first, so
+    the two are told in the other order; leaves are started and ended after the tick, the ended ones first.
+    """
+
+    _moved: tuple[int, int] | None = None
+    """Where in the trace the child that takes over begins and ends."""
+
+    def tick(self) -> Iterator[Behaviour]:
+        trace, old = self.round.trace, self.current_child if self.status is RUNNING else None
+        mark, self._moved = len(trace), None
+        for node in super().tick():
+            if node is self:
+                self._tell_old_first()
+            elif node.parent is self:
+                over = old is not None and node is not old and old.status is RUNNING and self.takes_over(node)
+                self._moved = (mark, len(trace)) if over else None
+                mark = len(trace)
+            yield node
+
+    def takes_over(self, child: Behaviour) -> bool:
+        """Whether a child that was ticked now stands in for the one that runs."""
+        return child.status is RUNNING
+
+    def _tell_old_first(self) -> None:
+        if self._moved is not None:
+            (begin, end), self._moved, trace = self._moved, None, self.round.trace
+            trace[begin:] = trace[end:] + trace[begin:end]
+
+    def stop(self, new_status: Status = INVALID) -> None:
+        if new_status is not INVALID:
+            self._tell_old_first()
+        super().stop(new_status)
+
+
+class Sequence(_OldFirst, composites.Sequence):
+    pass
+
+
+class Selector(_OldFirst, composites.Selector):
+    def takes_over(self, child: Behaviour) -> bool:
+        return child.status is not FAILURE
+
+
+class Parallel(Composite, composites.Parallel):
+    pass
+
+
+class Decorator(Live, decorators.Decorator if TYPE_CHECKING else object):  # type: ignore[misc]
+    pass
+
+
+class Inverter(Decorator, decorators.Inverter):
+    pass
+
+
+class FailureIsSuccess(Decorator, decorators.FailureIsSuccess):
+    pass
+
+
+class FailureIsRunning(Decorator, decorators.FailureIsRunning):
+    pass
+
+
+class SuccessIsFailure(Decorator, decorators.SuccessIsFailure):
+    pass
+
+
+class SuccessIsRunning(Decorator, decorators.SuccessIsRunning):
+    pass
+
+
+class RunningIsFailure(Decorator, decorators.RunningIsFailure):
+    pass
+
+
+class RunningIsSuccess(Decorator, decorators.RunningIsSuccess):
+    pass
+
+
+class PassThrough(Decorator, decorators.PassThrough):
+    pass
+
+
+class Condition(Decorator, decorators.Condition):
+    pass
+
+
+class OneShot(Decorator, decorators.OneShot):
+    def kept(self) -> dict[str, Any]:
+        return {} if self.final_status is None else {"end": WORDS[self.final_status]}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        self.final_status = STATUSES[memory["end"]] if "end" in memory else None
+
+
+class Retry(Decorator, decorators.Retry):
+    def kept(self) -> dict[str, Any]:
+        return {"failures": self.failures} if self.status is RUNNING else {}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        self.failures = memory.get("failures", 0)
+
+
+class Repeat(Decorator, decorators.Repeat):
+    def kept(self) -> dict[str, Any]:
+        counts = self.status is RUNNING and self.num_success > 0
+        return {"success": self.success} if counts else {}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        self.success = memory.get("success", 0)
+
+
+class _Timed(decorators.Timeout):
+    """py_trees' Timeout, with the time of the tick, and at the deadline as well as after it."""
+
+    round: Round
+
+    def initialise(self) -> None:
+        self.finish_time = self.round.sight.at + self.duration
+
+    def update(self) -> Status:
+        if self.decorated.status is RUNNING and self.round.sight.at >= self.finish_time:
+            self.decorated.stop(INVALID)
+            return FAILURE
+        return self.decorated.status
+
+
+class Timeout(Decorator, _Timed):
+    def kept(self) -> dict[str, Any]:
+        return {"until": self.finish_time} if self.status is RUNNING else {}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        self.finish_time = memory.get("until", 0.0)
+
+    def deadline(self) -> float | None:
+        return self.finish_time
+
+
+class _Mirror(decorators.Decorator):
+    """Says what its child says."""
+
+    def update(self) -> Status:
+        return self.decorated.status
+
+
+class EternalGuard(Decorator, _Mirror):
+    """py_trees' EternalGuard without its client of the global blackboard."""
+
+    test: Test
+
+    def tick(self) -> Iterator[Behaviour]:
+        if self.test(self.round.sight) is not True:
+            self.stop(FAILURE)
+            yield self
+        else:
+            yield from super().tick()
+
+
+class _Report(_Mirror):
+    """py_trees' StatusToBlackboard, writing a key of the mission where it says something new."""
+
+    key: str
+    round: Round
+
+    def update(self) -> Status:
+        status = self.decorated.status
+        entry = self.round.sight.board.get(self.key)
+        if entry is None or entry.value != WORDS[status]:
+            self.round.write(self.key, WORDS[status])
+        return status
+
+
+class StatusToBlackboard(Decorator, _Report):
+    pass
+
+
+LOOPS = (Retry, Repeat, FailureIsRunning, SuccessIsRunning, Condition)
+"""Decorators that say they run while their child has ended: at the next tick it begins anew."""

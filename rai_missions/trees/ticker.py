@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One compiled tree: restored from its state, ticked once, and read back.
+
+Rule: the live behaviours are only where a tick is worked out; all that they remember is in the `TreeState`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.blackboard import Key
+from rai_missions.guards.guard import View
+from rai_missions.states.ticker import Leaf, Ticked, TreeState
+from rai_missions.states.tree import TreeNode
+from rai_missions.trees.leaves import Ask, Errand
+from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, Live
+from rai_missions.trees.planting import Planter
+from rai_missions.trees.round import Round, Sight
+from rai_missions.trees.watch import Watch
+
+__all__ = ("TreeTicker",)
+
+PLAIN = {word: {"status": word} for word in STATUSES}
+"""What a node remembers that remembers nothing but its status."""
+
+
+class TreeTicker:
+    """Ticks one tree. Two of them share nothing, and a state may be given to any that was compiled for the same tree.
+
+    Args:
+        root: The tree.
+        place: Its JSON pointer in the mission.
+        keys: The mission's keys.
+        state: The state that runs it.
+    """
+
+    def __init__(self, root: TreeNode, place: str, keys: Mapping[str, Key], state: str) -> None:
+        self.round, self.state = Round(), state
+        planter = Planter(place, keys, state, self.round)
+        self.root: Any = planter.plant(root)
+        self.live: dict[str, Live] = {path: planted.behaviour for path, planted in planter.planted.items()}
+        self.errands = [node for node in self.live.values() if isinstance(node, Errand | Ask)]
+        self.watch = Watch(planter.planted)
+        self._shown: TreeState | None = None
+
+    def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
+        sight = self._restore(state, view)
+        self._shown = None
+        pending = {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome}
+        self.round.begin(sight, {**pending, **outcomes} if pending else outcomes)
+        before = self.watch.loops_running()
+        self.root.tick_once()
+        return self._ticked(sight, again=self.watch.again(before, written=bool(self.round.writes)))
+
+    def stop(self, state: TreeState, view: View) -> Ticked:
+        sight = self._restore(state, view)
+        self._shown = None
+        self.round.begin(sight, {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome})
+        self.root.stop(INVALID)
+        return self._ticked(sight)
+
+    def wake_at(self, state: TreeState, view: View) -> float:
+        return self.watch.wake_at(self.root, self._restore(state, view))
+
+    def reads(self, state: TreeState) -> frozenset[str]:
+        self._recall(state)
+        return self.watch.reads(self.root)
+
+    def shifted(self, state: TreeState, by_s: float) -> TreeState:
+        """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""
+        nodes = {}
+        for path, memory in state.nodes.items():
+            late = {word: memory[word] + by_s for word in ("until", "began") if word in memory}
+            held = {name: since + by_s for name, since in memory.get("held", {}).items()}
+            nodes[path] = {**memory, **late, **({"held": held} if held else {})}
+        return state._replace(nodes=nodes)
+
+    def _restore(self, state: TreeState, view: View) -> Sight:
+        self._recall(state)
+        root = state.nodes.get("", {})
+        sight = Sight(view, self.state, root.get("began", view.at), root.get("held", {}))
+        return self.watch.hold(sight)
+
+    def _recall(self, state: TreeState) -> None:
+        if self._shown is not None and state is self._shown:
+            return
+        self._shown = None
+        for path, node in self.live.items():
+            memory = state.nodes.get(path) or PLAIN["invalid"]
+            node.status = STATUSES[memory.get("status", "invalid")]
+            node.recall(memory)
+        self._shown = state
+
+    def _ticked(self, sight: Sight, *, again: bool = False) -> Ticked:
+        done, status = self.round, WORDS[self.root.status]
+        if done.writes:
+            sight = self.watch.hold(sight)
+        leaves = {node.path: Leaf(node.run) for node in self.errands if node.awaited}
+        self._shown = TreeState(self._memories(sight), leaves)
+        started, ended = tuple(done.started), tuple(done.ended)
+        writes, published, trace = tuple(done.writes), tuple(done.published), tuple(done.trace)
+        return Ticked(self._shown, status, started, ended, writes, published, trace, again and status == "running")
+
+    def _memories(self, sight: Sight) -> dict[str, Any]:
+        memories: dict[str, Any] = {}
+        for path, node in self.live.items():
+            status, memory = WORDS[node.status], node.kept()
+            if memory:
+                memories[path] = {"status": status, **memory}
+            elif status != "invalid":
+                memories[path] = PLAIN[status]
+        held = {"held": dict(sight.held)} if sight.held else {}
+        memories[""] = {**memories.get("", PLAIN[WORDS[INVALID]]), "began": sight.began, **held}
+        return memories
