@@ -6,10 +6,10 @@ Rule: whatever a mission means stands in it as data; nothing in it can be execut
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.blackboard import Key
 from rai_missions.guards.guard import Guard
@@ -66,11 +66,20 @@ class Mission(Written):
     ready_s: Seconds = 10.0
     """How long the start waits for the robot keys that are not optional."""
 
-    def __init__(self, *given: Any, **words: Any) -> None:
+    def __init__(self, /, *given: Any, **words: Any) -> None:
         if "keys" in words:
             words["blackboard"] = words.pop("keys")
-        words.pop("$schema", None)
         super().__init__(*given, **words)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_schema(cls, given: Any) -> Any:
+        """`$schema` is for editors."""
+        if isinstance(given, Mapping) and "$schema" in given:
+            return {word: value for word, value in given.items() if word != "$schema"}
+        return given
 
     def walk(self) -> Iterator[tuple[str, str, State]]:
         """Every state in document order as (JSON pointer, name, state), outer before inner."""

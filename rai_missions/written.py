@@ -6,8 +6,7 @@ Rule: whatever an author can write stands in a `Written`; unknown words are refu
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import (
@@ -19,9 +18,13 @@ from pydantic import (
     PlainSerializer,
     PlainValidator,
     Strict,
+    ValidationError,
     WithJsonSchema,
 )
 from pydantic_core import PydanticCustomError
+
+from rai_missions.errors import DefinitionError
+from rai_missions.faults import faults_of, suggestion
 
 __all__ = (
     "Bool",
@@ -46,18 +49,8 @@ PATH = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 
 
 def fault(kind: str, sentence: str) -> PydanticCustomError:
-    """A fault of the author, as pydantic wants it raised inside a validator; the sentence reaches the author as it is."""
+    """A fault of the author, as pydantic wants it raised in a validator; the sentence reaches the author as it is."""
     return PydanticCustomError(kind, "{sentence}", {"sentence": sentence})
-
-
-def suggestion(given: str, known: Iterable[str]) -> str:
-    """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
-    known = sorted(set(known))
-    close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
-    if close:
-        return f"; did you mean '{close[0]}'?"
-    shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
-    return f"; there is: {shown}" if shown else ""
 
 
 def _key_text(value: Any) -> Any:
@@ -124,15 +117,29 @@ Json = Annotated[Any, AfterValidator(_frozen)]
 class Written(BaseModel):
     """A frozen model with the format's words as aliases; in Python its main words may be given by position."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
     positional: ClassVar[tuple[str, ...]] = ()
     """The fields that Python authors may give by position, in this order."""
 
-    def __init__(self, *given: Any, **words: Any) -> None:
+    def __init__(self, /, *given: Any, **words: Any) -> None:
+        """Build in Python, by field names (`from_`) or by the format's words.
+
+        Raises:
+            DefinitionError: With every fault; places begin at this object.
+        """
         if len(given) > len(self.positional):
             raise TypeError(f"{type(self).__name__} takes {len(self.positional)} values by position: {self.positional}")
-        super().__init__(**dict(zip(self.positional, given, strict=False)), **words)
+        words = dict(zip(self.positional, given, strict=False)) | words
+        aliases = {name: field.alias for name, field in type(self).model_fields.items() if field.alias}
+        words = {aliases.get(name, name): value for name, value in words.items()}
+        try:
+            super().__init__(**words)
+        except ValidationError as error:
+            raise DefinitionError(faults_of(error, type(self), words), f"{type(self).__name__}(…)") from None
+
+    # Else pydantic takes whatever stands inside another model through here too, and JSON could use Python's names.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     def written(self) -> dict[str, Any]:
         """As JSON has it: aliases, and no word that says what would be so anyway."""
@@ -173,7 +180,11 @@ class Kind(Written):
         if given:
             raise fault("kinds", f"a {cls.family} is one thing, this is {len(given)}: {', '.join(given)}; keep one")
         unknown = next((str(word) for word in data), "")
-        raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}" + (suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"))
+        raise fault(
+            "kind",
+            f"no {cls.family} is written {sorted(map(str, data))}"
+            + (suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"),
+        )
 
     @classmethod
     def read(cls, data: Any) -> Any:

@@ -99,12 +99,14 @@ class Decision(State, word="decision"):
 
     decision: Asked
 
-    def __init__(self, *given: Any, **words: Any) -> None:
+    def __init__(self, /, *given: Any, **words: Any) -> None:
         if "decision" not in words:
             asked = {name: words.pop(name) for name in list(words) if name in Asked.model_fields}
             words["decision"] = Asked(*given, **asked)
             given = ()
         super().__init__(*given, **words)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | frozenset(self.decision.options)

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a model refuses, told to the author: each fault with its JSON pointer, in a plain sentence.
+
+Rule: no sentence of pydantic's reaches an author.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from rai_missions.errors import Fault
+
+__all__ = ("faults_of", "pointer", "shown", "suggestion")
+
+KEY = "[key]"
+"""pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
+
+
+def suggestion(given: str, known: Iterable[str]) -> str:
+    """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
+    known = sorted(set(known))
+    close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
+    return f"; there is: {shown}" if shown else ""
+
+
+def shown(value: Any, length: int = 60) -> str:
+    """A value as the author wrote it, cut short; text in single quotes."""
+    if isinstance(value, str):
+        text = value if len(value) <= length else value[: length - 1] + "…"
+        return "'" + text.encode("utf-8", "backslashreplace").decode() + "'"
+    if isinstance(value, Mapping | list | tuple):
+        kind, count = ("an object", "words") if isinstance(value, Mapping) else ("a list", "items")
+        if len(value) > 4:
+            return f"{kind} of {len(value)} {count}"
+    try:
+        text = json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError, RecursionError):
+        text = repr(value)
+    text = text.encode("utf-8", "backslashreplace").decode()
+    return text if len(text) <= length else text[: length - 1] + "…"
+
+
+def pointer(steps: Iterable[str | int]) -> str:
+    """A JSON pointer (RFC 6901)."""
+    return "".join("/" + str(step).replace("~", "~0").replace("/", "~1") for step in steps)
+
+
+def faults_of(error: ValidationError, model: type[BaseModel], data: Any) -> Iterator[Fault]:
+    """What a validation found, one fault a place and sentence.
+
+    Args:
+        error: What validating `data` as `model` raised.
+        model: Tells which words there are.
+        data: Tells which of pydantic's steps are places in the document.
+    """
+    told: set[tuple[str, str]] = set()
+    for item in error.errors(include_url=False):
+        steps, on_name, rest = _steps(item["loc"], data)
+        place = pointer(steps)
+        # The branches of a union are no places: what the first of them says is enough.
+        seen = (place, "" if rest else item["type"] + str(item["loc"]))
+        if seen in told:
+            continue
+        told.add(seen)
+        yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps)))
+
+
+def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool, bool]:
+    """The steps that are places in the document, whether the last one's name is meant, and whether some are left out."""
+    if loc and loc[-1] == KEY:
+        return list(loc[:-1]), True, False
+    steps: list[str | int] = []
+    for step in loc:
+        listed = isinstance(data, list | tuple) and isinstance(step, int) and step < len(data)
+        if not listed and not (isinstance(data, Mapping) and step in data):
+            break
+        data = data[step]
+        steps.append(step)
+    return steps, False, len(steps) < len(loc)
+
+
+def _model_at(model: type[BaseModel], data: Any, steps: Iterable[str | int]) -> type[BaseModel] | None:
+    """The model as which a place, or what holds it, is read."""
+    kind: Any = model
+    found: type[BaseModel] | None = None
+    for step in (*steps, None):
+        kind = _bare(kind)
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            choose = getattr(kind, "choose", None)
+            if choose is not None and isinstance(data, Mapping):
+                try:
+                    kind = kind.kinds[choose(data)]  # type: ignore[attr-defined]
+                except ValueError:
+                    return None
+            found = kind
+            field = next((each for name, each in kind.model_fields.items() if (each.alias or name) == step), None)
+            kind = field.annotation if field is not None else None
+        elif get_origin(kind) in (dict, tuple):
+            arguments = get_args(kind)
+            kind = arguments[1] if get_origin(kind) is dict else arguments[0]
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            break
+    return found
+
+
+def _bare(kind: Any) -> Any:
+    """A type without its annotations and without the choice of None."""
+    while True:
+        if get_origin(kind) is Annotated:
+            kind = get_args(kind)[0]
+            continue
+        members = [each for each in get_args(kind) if each is not type(None)]
+        if type(None) in get_args(kind) and len(members) == 1:
+            kind = members[0]
+            continue
+        return kind
+
+
+def _thing(model: type[BaseModel] | None) -> str:
+    """What a model stands for, with its article."""
+    if model is None:
+        return "this"
+    family, word = getattr(model, "family", ""), getattr(model, "word", "")
+    name = f"{family} with '{word}'" if family and word else family or model.__name__.lower()
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+def _words(model: type[BaseModel] | None) -> list[str]:
+    return [field.alias or name for name, field in model.model_fields.items()] if model else []
+
+
+def _sentence(item: Any, on_name: bool, model: type[BaseModel] | None) -> str:
+    kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
+    if kind == "int_type" and item["loc"][-1] == "int":
+        kind = "float_type"  # the first branch of `int | float`
+    if "sentence" in ctx:
+        return str(ctx["sentence"])
+    if kind == "missing":
+        return f"'{item['loc'][-1]}' is missing; {_thing(model)} needs it"
+    if kind == "extra_forbidden":
+        word = str(item["loc"][-1])
+        return f"{_thing(model)} has no {shown(word)}{suggestion(word, _words(model))}"
+    if kind == "string_pattern_mismatch":
+        return _misnamed(str(given), ctx.get("pattern", ""))
+    if kind == "literal_error":
+        choices = re.findall(r"'([^']*)'", ctx["expected"])
+        near = suggestion(given, choices) if isinstance(given, str) and choices else f"; it is {ctx['expected']}"
+        return f"no such choice: {shown(given)}{near}"
+    if kind in WANTED:
+        return f"{shown(given)} is {WANTED[kind]}"
+    if kind in BOUNDED:
+        return BOUNDED[kind](given, ctx)
+    return f"{shown(given)} cannot stand here: {item['msg'][:1].lower()}{item['msg'][1:]}"
+
+
+WANTED: Mapping[str, str] = {
+    "string_type": "not text; write a word in quotes",
+    "bool_type": "neither true nor false; write one of them, without quotes",
+    "int_type": "not a whole number; write one, without quotes",
+    "int_from_float": "not a whole number; write one without a fraction",
+    "float_type": "not a number; write one, without quotes",
+    "finite_number": "not finite; write a number that JSON has",
+    "dict_type": "not an object; write {…}",
+    "model_type": "not an object; write {…}",
+    "model_attributes_type": "not an object; write {…}",
+    "mapping_type": "not an object; write {…}",
+    "tuple_type": "not a list; write […]",
+    "list_type": "not a list; write […]",
+}
+"""pydantic's type of a fault → what the given value is, and what would be right."""
+
+BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
+    "greater_than": lambda given, ctx: f"{shown(given)} is too small; it must be more than {ctx['gt']:g}",
+    "greater_than_equal": lambda given, ctx: f"{shown(given)} is too small; it must be {ctx['ge']:g} or more",
+    "less_than": lambda given, ctx: f"{shown(given)} is too large; it must be less than {ctx['lt']:g}",
+    "less_than_equal": lambda given, ctx: f"{shown(given)} is too large; it must be {ctx['le']:g} or less",
+    "too_short": lambda given, ctx: f"{ctx['actual_length']} given, and at least {ctx['min_length']} is needed",
+    "too_long": lambda given, ctx: f"{ctx['actual_length']} given, and there may be {ctx['max_length']} at the most",
+}
+
+
+def _misnamed(given: str, pattern: str) -> str:
+    """Why a word is no name, and the nearest that is one."""
+    near = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given)
+    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near.lower()).strip("_/.0123456789")
+    hint = f"; did you mean '{near}'?" if near and len(near) <= 60 and re.match(pattern, near) else ""
+    if r"\." in pattern:
+        return f"{shown(given)} is neither a key nor a field of one; write it like 'obstacle.height_m'{hint}"
+    return f"{shown(given)} is not a name; a name is lower case letters, digits and '_', a letter first{hint}"
