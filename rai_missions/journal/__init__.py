@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The journal: what a run did, row by row, written ahead of its effects and read back as the same values."""
+
+from rai_missions.journal.chain import read, verify
+from rai_missions.journal.codec import decode, encode
+from rai_missions.journal.compare import difference
+from rai_missions.journal.record import Record
+from rai_missions.journal.rows import Confirmation, Header, Note, Row, StepRow
+from rai_missions.journal.writer import Journal, versions
+
+__all__ = (
+    "Confirmation", "Header", "Journal", "Note", "Record", "Row", "StepRow", "decode", "difference", "encode", "read",
+    "verify", "versions",
+)  # fmt: skip

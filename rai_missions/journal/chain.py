@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a journal is the one that was written: every fault at once, each with its row.
+
+Rule: nobody reads a journal whose chain is broken; a run that is half believed is worse than none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.journal.database import SqliteError
+from rai_missions.journal.record import Raw, Record
+from rai_missions.journal.rows import GENESIS, StepRow, chained
+
+__all__ = ("read", "verify")
+
+MOST_FAULTS = 100
+
+
+def read(path: Path | str) -> Record:
+    """Opens a journal whose chain holds; nothing is changed by that, neither the file nor its folder.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal, or it was altered: every fault with its row.
+    """
+    record = Record(path)
+    faults = _collected(_chain_faults(record))
+    if faults:
+        record.close()
+        raise DefinitionError(faults, str(path))
+    return record
+
+
+def verify(path: Path | str) -> tuple[Fault, ...]:
+    """All that is wrong with a journal: its chain, rows that hold no value, steps that are missing, pictures, the file.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+    """
+    try:
+        record = Record(path)
+    except DefinitionError as error:
+        return error.faults
+    with record:
+        return _collected(_all_faults(record))
+
+
+def _all_faults(record: Record) -> Iterator[Fault]:
+    yield from _chain_faults(record)
+    yield from _row_faults(record)
+    yield from _blob_faults(record)
+    for sentence in record.damage():
+        yield Fault("", f"the file is damaged: {sentence}")
+
+
+def _chain_faults(record: Record) -> Iterator[Fault]:
+    expected, before = 0, GENESIS
+    for raw in record.raw():
+        number = raw[0]
+        if number != expected:
+            yield Fault(f"row {expected}", f"missing: row {number} comes next; rows were taken out after the run")
+        elif sentence := _altered(raw, before):
+            yield Fault(f"row {number}", f"{sentence}; the journal was altered after the run")
+        if number == 0:
+            yield from _header_faults(record)
+        expected, before = number + 1, str(raw[3])
+    if expected == 0:
+        yield Fault("row 0", "missing: the journal is empty; give a file that a run has written")
+
+
+def _altered(raw: Raw, before: str) -> str:
+    number, kind, content, digest = raw
+    if not (isinstance(kind, str) and isinstance(content, str) and isinstance(digest, str)):
+        return "its parts are not text"
+    if chained(before, number, kind, content) != digest:
+        return f"its hash '{digest:.12}…' is not that of its content and the row before"
+    return ""
+
+
+def _header_faults(record: Record) -> tuple[Fault, ...]:
+    try:
+        _ = record.header
+    except DefinitionError as error:
+        return error.faults
+    return ()
+
+
+def _row_faults(record: Record) -> Iterator[Fault]:
+    seq = 0
+    for raw in record.raw():
+        try:
+            row = record.row(raw) if raw[0] else None
+        except DefinitionError as error:
+            yield from error.faults
+            continue
+        if isinstance(row, StepRow):
+            if row.step.seq != seq + 1:
+                yield Fault(f"row {row.row}", f"step {row.step.seq} comes after step {seq}; {seq + 1} was expected")
+            seq = row.step.seq
+
+
+def _blob_faults(record: Record) -> Iterator[Fault]:
+    for digest in record.blobs():
+        try:
+            record.blob(digest)
+        except DefinitionError as error:
+            yield from error.faults
+
+
+def _collected(faults: Iterator[Fault]) -> tuple[Fault, ...]:
+    """The faults as far as they can be found, in a bounded number."""
+    found: list[Fault] = []
+    try:
+        for fault in faults:
+            found.append(fault)
+            if len(found) == MOST_FAULTS:
+                found.append(Fault("", f"there are more faults; these are the first {MOST_FAULTS}"))
+                break
+    except SqliteError as error:
+        found.append(Fault("", f"the file is damaged, and cannot be read to its end: {error}"))
+    return tuple(found)

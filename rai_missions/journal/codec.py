@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Steps as JSON, and back, exactly: `decode(encode(step)) == step`.
+
+Rule: a field that is left out has its default; a field that a Step comes to hold later needs no change here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, TypeVar, cast
+
+from rai_missions.errors import UsageError
+from rai_missions.event import Event
+from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to_json
+from rai_missions.step import Ask, Effect, Move, Step
+from rai_missions.verdict import Evidence, Offer, Question
+
+__all__ = ("decode", "encode")
+
+Writer = Callable[[Any, Keep], Any]
+Reader = Callable[[Any, Fetch], Any]
+Value = TypeVar("Value")
+
+
+class Form(NamedTuple):
+    """How one field is written and read."""
+
+    write: Writer
+    read: Reader
+
+
+def _same(value: Any, _: object) -> Any:
+    return value
+
+
+def _checked(*kinds: type) -> Form:
+    def read(value: Any, fetch: Fetch) -> Any:
+        if type(value) not in kinds:
+            raise ValueError(f"{value!r:.60} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs")
+        return value
+
+    return Form(_same, read)
+
+
+def _tuple_of(form: Form) -> Form:
+    def write(value: Any, keep: Keep) -> Any:
+        return [form.write(item, keep) for item in value]
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        if not isinstance(value, list):
+            raise ValueError(f"{value!r:.60} stands where a list belongs")
+        return tuple([form.read(item, fetch) for item in value])
+
+    return Form(write, read)
+
+
+def _pair(second: Form) -> Form:
+    def write(value: Any, keep: Keep) -> Any:
+        return [value[0], second.write(value[1], keep)]
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        name, item = value
+        return TEXT.read(name, fetch), second.read(item, fetch)
+
+    return Form(write, read)
+
+
+TEXT, INTEGER, NUMBER, TRUTH = _checked(str), _checked(int), _checked(float, int), _checked(bool, type(None))
+VALUE = Form(lambda value, keep: to_json(value), from_json)
+"""Any value; also the form of every field that the tables below do not name."""
+SHOWN = Form(to_json, from_json)
+"""What somebody is asked about: the bytes of its pictures are kept."""
+TEXTS = _tuple_of(TEXT)
+
+
+def _record(kind: type[Any], /, **forms: Form) -> Form:
+    """The form of a named tuple, written as an object of its fields."""
+    defaults = kind._field_defaults
+    table = tuple(
+        (name, defaults.get(name, ...), forms.get(name) or _usual(defaults.get(name))) for name in kind._fields
+    )
+
+    def write(value: Any, keep: Keep) -> Any:
+        return {
+            name: form.write(item, keep)
+            for (name, default, form), item in zip(table, value, strict=True)
+            if item is not default
+        }
+
+    by_name = {name: form for name, _, form in table}
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        if not isinstance(value, dict):
+            raise ValueError(f"{value!r:.60} stands where an object belongs")
+        unknown = sorted(value.keys() - by_name.keys())
+        if unknown:
+            raise ValueError(f"a {kind.__name__} has no {unknown[0]!r}")
+        return kind(**{name: by_name[name].read(item, fetch) for name, item in value.items()})
+
+    return Form(write, read)
+
+
+def _usual(default: Any) -> Form:
+    """The form of a field that no table names: a record where its default is one, else any value."""
+    return _record(type(default)) if hasattr(default, "_fields") else VALUE
+
+
+EVENT = _record(Event, name=TEXT, at=NUMBER, kind=TEXT, number=INTEGER)
+MOVE = _record(Move, taken=TEXTS, exited=TEXTS, entered=TEXTS, trigger=TEXT)
+QUESTION = _record(
+    Question,
+    number=INTEGER,
+    owner=TEXT,
+    asked=TEXT,
+    text=TEXT,
+    options=_tuple_of(_record(Offer, name=TEXT, about=TEXT)),
+    evidence=_tuple_of(_record(Evidence, key=TEXT, value=SHOWN, fresh=_checked(bool))),
+    refused=TEXTS,
+    tools=TEXTS,
+)
+
+
+def _snake(name: str) -> str:
+    return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
+
+
+EFFECTS: Mapping[type[Any], tuple[str, Form]] = {
+    kind: (_snake(kind.__name__), _record(kind, **({"question": QUESTION} if kind is Ask else {})))
+    for kind in cast("tuple[type[Any], ...]", Effect.__args__)
+}
+"""Each effect is written as `{"start_goal": {…}}`."""
+EFFECT_WORDS = dict(EFFECTS.values())
+
+
+def _write_effect(effect: Any, keep: Keep) -> Any:
+    word, form = EFFECTS[type(effect)]
+    return {word: form.write(effect, keep)}
+
+
+def _read_effect(written: Any, fetch: Fetch) -> Any:
+    ((word, fields),) = written.items()
+    if word not in EFFECT_WORDS:
+        raise ValueError(f"no effect is written {word!r:.60}; there is: {', '.join(EFFECT_WORDS)}")
+    return EFFECT_WORDS[word].read(fields, fetch)
+
+
+STEP = _record(
+    Step,
+    seq=INTEGER,
+    at=NUMBER,
+    event=EVENT,
+    moves=_tuple_of(MOVE),
+    guards=_tuple_of(_pair(TRUTH)),
+    writes=_tuple_of(_pair(VALUE)),
+    effects=_tuple_of(Form(_write_effect, _read_effect)),
+    why=TEXT,
+    notes=TEXTS,
+)
+
+
+def _nowhere(ref: str, digest: str) -> Callable[[], bytes]:
+    def missing() -> bytes:
+        raise UsageError(f"picture '{ref}' was read without its bytes; read the journal that holds them")
+
+    return missing
+
+
+def encode(step: Step, keep: Keep = keep_nothing) -> dict[str, Any]:
+    """A step as JSON.
+
+    Args:
+        step: Any step of a chart.
+        keep: Stores the bytes of a picture that a question shows; all others are written as references alone.
+
+    Raises:
+        UsageError: A value in it that a journal cannot hold.
+    """
+    return cast("dict[str, Any]", STEP.write(step, keep))
+
+
+def decode(written: Any, fetch: Fetch = _nowhere) -> Step:
+    """The step that `encode` wrote.
+
+    Raises:
+        ValueError: It is no step; also `TypeError` for a field that is missing.
+    """
+    return cast("Step", STEP.read(written, fetch))

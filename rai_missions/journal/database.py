@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one door to SQLite: a journal's file is made, locked, opened for writing and opened for reading here.
+
+Rule: reading changes nothing, not even the folder; one process writes, and its lock dies with it.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+import sqlite3
+import tempfile
+from pathlib import Path
+
+from rai_missions.errors import DefinitionError, Fault, UsageError
+
+__all__ = ("FORMAT", "Lock", "SqliteError", "open_to_read", "open_to_write")
+
+SqliteError = sqlite3.Error
+
+APPLICATION = 0x5241494D
+"""`RAIM` in the file's header: what tells a journal from other SQLite files."""
+FORMAT = 1
+COLUMNS = {
+    "rows": "number INTEGER PRIMARY KEY, kind TEXT NOT NULL, content TEXT NOT NULL, hash TEXT NOT NULL",
+    "blobs": "sha256 TEXT PRIMARY KEY, media_type TEXT NOT NULL, bytes BLOB NOT NULL",
+}
+TABLES = {name: f"CREATE TABLE {name} ({columns})" for name, columns in COLUMNS.items()}
+LONGEST_BYTES = 64 * 1024 * 1024
+"""No row and no picture is longer."""
+TRIES = 20
+"""How often a journal that is being written is copied before its reader gives up."""
+
+
+class Lock:
+    """The right to write a journal: held by one process, given back by its end, however it ends.
+
+    Two readings of one file in one process share SQLite's own locks, and closing any descriptor of the file would drop
+    them; that is why whoever reads in the process that writes reads through this descriptor.
+
+    Raises:
+        UsageError: Somebody else has it, or the file cannot be opened for writing.
+    """
+
+    held: dict[tuple[int, int], int] = {}  # noqa: RUF012 - one table a process is the point
+    """(device, inode) → descriptor, of the journals this process writes."""
+
+    def __init__(self, path: Path, *, new: bool) -> None:
+        try:
+            if not new and _identity(path) in self.held:
+                raise UsageError(f"{path} is being written by this process already; close that journal first")
+            self.descriptor = os.open(path, os.O_RDWR | (os.O_CREAT | os.O_EXCL if new else 0), 0o644)
+        except FileExistsError:
+            raise UsageError(
+                f"{path} is there already, and a journal is never overwritten; name another file"
+            ) from None
+        except OSError as error:
+            raise UsageError(f"a journal cannot be written at {path}: {error.strerror}; name another file") from None
+        try:
+            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self.descriptor)
+            raise UsageError(
+                f"{path} is being written by another process; wait for its end or name another file"
+            ) from None
+        self._key = _identity(path)
+        self.held[self._key] = self.descriptor
+
+    def release(self) -> None:
+        """Give it back; doing so twice changes nothing."""
+        if self.held.pop(self._key, None) is not None:
+            os.close(self.descriptor)
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    found = path.stat()
+    return found.st_dev, found.st_ino
+
+
+def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
+    """A connection whose every commit survives the end of the process, though not always a loss of power.
+
+    Write-ahead log with `synchronous=NORMAL`: a commit is in the system's hands when it returns, and on the disk at
+    the next checkpoint. Locking is exclusive, so there is no file of shared memory.
+    """
+    if not new:
+        open_to_read(path).close()  # whatever is no journal is left as it is
+    connection = sqlite3.connect(_uri(path, "rw"), uri=True, isolation_level=None, check_same_thread=False, timeout=0)
+    try:
+        for pragma in ("locking_mode=EXCLUSIVE", "journal_mode=WAL", "synchronous=NORMAL", "trusted_schema=OFF"):
+            connection.execute(f"PRAGMA {pragma}").fetchall()
+        if new:
+            marks = [f"PRAGMA application_id={APPLICATION}", f"PRAGMA user_version={FORMAT}"]
+            connection.executescript("; ".join(["BEGIN", *marks, *TABLES.values(), "COMMIT"]))
+    except BaseException:
+        connection.close()
+        raise
+    return connection
+
+
+def open_to_read(path: Path) -> sqlite3.Connection:
+    """A connection to what stands in a journal now, also while another process writes it or after it was killed.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal of this format.
+    """
+    try:
+        if not path.is_file():
+            raise UsageError(f"no journal at {path}: {'that is no file' if path.exists() else 'there is no such file'}")
+        if not os.access(path, os.R_OK):
+            raise UsageError(f"the journal {path} cannot be read: permission denied")
+        connection = _opened(path.resolve())
+    except OSError as error:
+        raise UsageError(f"the journal {path} cannot be read: {error.strerror}") from None
+    except sqlite3.Error as error:
+        raise DefinitionError(
+            [Fault("", f"no journal: {error}; give a file that a run has written")], str(path)
+        ) from None
+    try:
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
+        connection.execute("PRAGMA trusted_schema=OFF")
+        check_is_journal(connection, path)
+    except BaseException:
+        connection.close()
+        raise
+    return connection
+
+
+def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
+    """Whether a file is a journal of this format, and nothing else: no view or trigger that would run on reading.
+
+    Raises:
+        DefinitionError: It is not.
+    """
+    try:
+        application = connection.execute("PRAGMA application_id").fetchone()[0]
+        version = connection.execute("PRAGMA user_version").fetchone()[0]
+        found = connection.execute("SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL").fetchall()
+    except sqlite3.Error as error:
+        raise DefinitionError(
+            [Fault("", f"no journal: {error}; give a file that a run has written")], str(path)
+        ) from None
+    if application != APPLICATION:
+        sentence = "a SQLite file, but no journal; give a file that a run has written"
+    elif version != FORMAT:
+        sentence = f"a journal of format {version}; this program reads format {FORMAT}"
+    elif dict(found) != TABLES:
+        sentence = (
+            f"its tables are not those of a journal: {', '.join(sorted(str(name) for name, _ in found)) or 'none'}"
+        )
+    else:
+        return
+    raise DefinitionError([Fault("", sentence)], str(path))
+
+
+def _opened(path: Path) -> sqlite3.Connection:
+    log = Path(f"{path}-wal")
+    if not (log.exists() and log.stat().st_size):
+        return sqlite3.connect(
+            _uri(path, "ro") + "&immutable=1", uri=True, isolation_level=None, check_same_thread=False
+        )
+    with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
+        copy = Path(folder) / "journal"
+        _copy(path, log, copy)
+        connection = sqlite3.connect(copy, isolation_level=None, check_same_thread=False)
+        try:  # once the log is folded in, the open descriptor is all that is needed, and the copy is gone at the end
+            connection.execute("PRAGMA journal_mode=DELETE").fetchall()
+            connection.execute("PRAGMA query_only=ON")
+        except BaseException:
+            connection.close()
+            raise
+        return connection
+
+
+def _copy(path: Path, log: Path, copy: Path) -> None:
+    """Copies a journal and its log as of one moment.
+
+    While the log's header stays the same, whatever a checkpoint moves into the file is still in the log as well; so a
+    file copied before its log is whole again once the log is read over it (sqlite.org/fileformat2.html, section 4).
+    """
+    for _ in range(TRIES):
+        before = _head(log)
+        descriptor = Lock.held.get(_identity(path))
+        if descriptor is None:
+            shutil.copyfile(path, copy)
+        else:
+            _copy_from(descriptor, copy)
+        if log.exists():
+            shutil.copyfile(log, f"{copy}-wal")
+        if before == _head(log):
+            return
+    raise UsageError(f"{path} is being written too fast to be read; read it when the run has ended")
+
+
+def _copy_from(descriptor: int, copy: Path) -> None:
+    with copy.open("wb") as target:
+        while piece := os.pread(descriptor, 1 << 20, target.tell()):
+            target.write(piece)
+
+
+def _head(log: Path) -> bytes:
+    try:
+        with log.open("rb") as file:
+            return file.read(32)
+    except FileNotFoundError:
+        return b""
+
+
+def _uri(path: Path, mode: str) -> str:
+    return f"{path.resolve().as_uri()}?mode={mode}"

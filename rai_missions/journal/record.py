@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A journal that is read.
+
+Rule: what is read comes back as the values that were written, or as a `DefinitionError` that names the row.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import weakref
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.journal.database import open_to_read
+from rai_missions.journal.rows import Confirmation, Header, Note, Row, StepRow, parsed, read_header
+from rai_missions.step import Step
+
+__all__ = ("Raw", "Record")
+
+Made = TypeVar("Made")
+Raw = tuple[int, Any, Any, Any]
+"""A row as it stands in the file: number, kind, content and hash."""
+BAD = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
+"""What a row that is none raises on its way to a value."""
+
+
+class Record:
+    """What stood in a journal when it was opened. A context manager.
+
+    Made by `read`, which checks it first; opened by itself, nothing is known of it but that it is a journal.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal of this format.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        self._database = open_to_read(self.path)
+        self._close = weakref.finalize(self, self._database.close)
+
+    @property
+    def header(self) -> Header:
+        """Row 0."""
+        _, kind, content, _ = next(self.raw(), (0, "", "{}", ""))
+        return self._made(0, "header", lambda: read_header(kind, content, self._fetch))
+
+    @property
+    def seal(self) -> str:
+        """The hash of the last row. Noted elsewhere, it proves later that no row was taken away or added."""
+        found = self._database.execute("SELECT hash FROM rows ORDER BY number DESC LIMIT 1").fetchone()
+        return str(found[0]) if found else ""
+
+    def rows(self) -> Iterator[Row]:
+        """The steps, confirmations and notes, in the order in which they were written.
+
+        Raises:
+            DefinitionError: A row that is none of them.
+        """
+        return (self.row(raw) for raw in self.raw() if raw[0])
+
+    def entries(self) -> Iterator[StepRow]:
+        """The steps, each with what the engine knew right before: what a replay needs."""
+        return (row for row in self.rows() if isinstance(row, StepRow))
+
+    def steps(self) -> Iterator[Step]:
+        """The steps, equal to those that were written."""
+        return (row.step for row in self.entries())
+
+    def confirmations(self) -> dict[int, str]:
+        """Number of a start or question → how it was performed; the last word counts."""
+        return {row.number: row.how for row in self.rows() if isinstance(row, Confirmation)}
+
+    def notes(self) -> tuple[Note, ...]:
+        """The notes, in order."""
+        return tuple(row for row in self.rows() if isinstance(row, Note))
+
+    def last(self) -> StepRow | None:
+        """The last step; a run that was not cut short ended with its `outcome`."""
+        found = self._database.execute("SELECT * FROM rows WHERE kind = 'step' ORDER BY number DESC LIMIT 1").fetchone()
+        row = self.row(found) if found else None
+        return row if isinstance(row, StepRow) else None
+
+    def raw(self) -> Iterator[Raw]:
+        """Every row as it stands, unread."""
+        found = self._database.execute("SELECT number, kind, content, hash FROM rows ORDER BY number")
+        for raw in found:  # noqa: UP028 - `yield from` would close the cursor, which a closed record no longer can
+            yield raw
+
+    def row(self, raw: Raw) -> Row:
+        """A row's value.
+
+        Raises:
+            DefinitionError: It has none.
+        """
+        number, kind, content, _ = raw
+        return self._made(number, kind, lambda: parsed(number, kind, content, self._fetch))
+
+    def blob(self, digest: str) -> bytes:
+        """The bytes of a SHA-256.
+
+        Raises:
+            UsageError: They are not kept here.
+            DefinitionError: They are not what was kept.
+        """
+        found = self._database.execute("SELECT bytes FROM blobs WHERE sha256 = ?", (digest,)).fetchone()
+        if found is None:
+            raise UsageError(f"the journal {self.path} holds no bytes with the hash '{digest}'")
+        data = found[0]
+        if not isinstance(data, bytes) or hashlib.sha256(data).hexdigest() != digest:
+            sentence = "its bytes do not have the hash under which they are kept; the journal was altered after the run"
+            raise DefinitionError([Fault(f"picture {digest:.12}…", sentence)], str(self.path))
+        return data
+
+    def blobs(self) -> Iterator[str]:
+        """The hashes of the bytes that are kept."""
+        for (digest,) in self._database.execute("SELECT sha256 FROM blobs ORDER BY rowid"):
+            yield str(digest)
+
+    def damage(self) -> Iterator[str]:
+        """What SQLite finds wrong with the file."""
+        for (sentence,) in self._database.execute("PRAGMA integrity_check(10)"):
+            if sentence != "ok":
+                yield str(sentence)
+
+    def close(self) -> None:
+        """Ends the reading; the bytes of pictures that nobody asked for are out of reach then."""
+        self._close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _fetch(self, ref: str, digest: str) -> Callable[[], bytes]:
+        def fetched() -> bytes:
+            if not digest:
+                raise UsageError(f"the journal {self.path} keeps pictures that a question showed, and not '{ref}'")
+            return self.blob(digest)
+
+        return fetched
+
+    def _made(self, number: int, kind: Any, make: Callable[[], Made]) -> Made:
+        try:
+            return make()
+        except BAD as error:
+            said = f"'{error.args[0]}' is missing" if isinstance(error, KeyError) else str(error)
+            fault = Fault(f"row {number}", f"no {kind!s:.20} can be read here: {said:.200}")
+            raise DefinitionError([fault], str(self.path)) from None

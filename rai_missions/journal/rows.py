@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What stands in a journal's rows, and the chain of hashes that holds them together.
+
+Rule: a row's content is JSON text, and its hash covers that text byte for byte; nothing is worked out anew to check it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.errors import UsageError
+from rai_missions.journal.codec import decode
+from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to_json
+from rai_missions.step import Step
+
+__all__ = (
+    "GENESIS", "Confirmation", "Header", "Note", "Row", "StepRow", "chained", "parsed", "read_header", "text_of",
+    "written_header",
+)  # fmt: skip
+
+GENESIS = "0" * 64
+"""What row 0 follows."""
+
+
+class Header(NamedTuple):
+    """Row 0: what is needed to run it all again."""
+
+    mission: str
+    """The mission as `dump` writes it."""
+    profile: str = ""
+    """The robot profile as it was read; empty for a run without one."""
+    arguments: Mapping[str, Any] = {}
+    """Argument key → its value in this run."""
+    run: str = ""
+    """The run's id; `Journal.create` makes one where it is empty."""
+    started: str = ""
+    """Wall time at the start, ISO 8601 with its zone; filled in where it is empty."""
+    versions: Mapping[str, str] = {}
+    """`rai_missions`, `python` and whatever else may explain a difference; filled in where it is empty."""
+
+
+class StepRow(NamedTuple):
+    """A step, and what the engine knew right before it."""
+
+    row: int
+    step: Step
+    since: float
+    """The engine's clock right before the event was taken, seconds."""
+    before: tuple[tuple[str, Any, float], ...] = ()
+    """The blackboard writes that enabled nothing since the row before: key, value and stamp, the newest of a key."""
+
+
+class Confirmation(NamedTuple):
+    """An effect was performed: by the number of its start or question, and how it went."""
+
+    row: int
+    number: int
+    how: str
+
+
+class Note(NamedTuple):
+    """Something a reader should know that is no step."""
+
+    row: int
+    text: str
+    data: Any = None
+
+
+Row = StepRow | Confirmation | Note
+
+
+def chained(before: str, number: int, kind: str, content: str) -> str:
+    """A row's hash: SHA-256, in hex, of the four parts joined by line feeds.
+
+    Args:
+        before: The hash of the row before; `GENESIS` for row 0.
+        number: The row's own, from 0.
+        kind: `header`, `step`, `confirmation` or `note`.
+        content: JSON text.
+    """
+    return hashlib.sha256(f"{before}\n{number}\n{kind}\n{content}".encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def text_of(content: Any) -> str:
+    """JSON text, ASCII alone, without spaces.
+
+    Raises:
+        UsageError: Something in it that JSON has not.
+    """
+    try:
+        return json.dumps(content, separators=(",", ":"), allow_nan=False)
+    except (ValueError, TypeError) as error:
+        raise UsageError(
+            f"a journal holds plain data: {error}; make plain data of it before it becomes a step"
+        ) from None
+
+
+def written_header(header: Header, keep: Keep = keep_nothing) -> str:
+    """The content of row 0."""
+    return text_of({**header._asdict(), "format": 1, "arguments": to_json(header.arguments, keep)})
+
+
+def read_header(kind: str, content: str, fetch: Fetch) -> Header:
+    """The header in row 0.
+
+    Raises:
+        ValueError, TypeError, KeyError: There is none in it.
+    """
+    if kind != "header":
+        raise ValueError(f"a {kind!r:.20} stands in its place")
+    fields = _object(content)
+    if fields.pop("format") != 1:
+        raise ValueError("its 'format' is not 1")
+    texts = [fields[name] for name in ("mission", "profile", "run", "started")]
+    if not all(isinstance(text, str) for text in texts) or not isinstance(fields["versions"], dict):
+        raise ValueError("its words are not text")
+    return Header(**{**fields, "arguments": from_json(fields["arguments"], fetch)})
+
+
+def parsed(number: int, kind: str, content: str, fetch: Fetch) -> Row:
+    """A row as it was written.
+
+    Raises:
+        ValueError, TypeError, KeyError: It is none.
+    """
+    if kind not in READERS:
+        raise ValueError(f"a row is one of {', '.join(READERS)}, not {kind!r:.40}")
+    return READERS[kind](number, _object(content), fetch)
+
+
+def _object(content: str) -> dict[str, Any]:
+    try:
+        found = json.loads(content, parse_constant=_refused)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+    if not isinstance(found, dict):
+        raise ValueError(f"{found!r:.60} stands where an object belongs")
+    return found
+
+
+def _refused(word: str) -> Any:
+    raise ValueError(f"{word} is no JSON")
+
+
+def _step(number: int, fields: dict[str, Any], fetch: Fetch) -> StepRow:
+    before = tuple((str(key), from_json(value, fetch), float(at)) for key, value, at in fields.get("before", ()))
+    return StepRow(number, decode(fields["step"], fetch), float(fields["since"]), before)
+
+
+def _confirmation(number: int, fields: dict[str, Any], fetch: Fetch) -> Confirmation:
+    return Confirmation(number, int(fields["number"]), str(fields["how"]))
+
+
+def _note(number: int, fields: dict[str, Any], fetch: Fetch) -> Note:
+    return Note(number, str(fields["text"]), from_json(fields.get("data"), fetch))
+
+
+READERS: Mapping[str, Callable[[int, dict[str, Any], Fetch], Row]] = {
+    "step": _step,
+    "confirmation": _confirmation,
+    "note": _note,
+}

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A journal that is being written.
+
+Rule: when `write` has returned, the row outlives the process. Only then may the step's effects be performed.
+"""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import platform
+import threading
+import uuid
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.event import Image
+from rai_missions.journal.codec import encode
+from rai_missions.journal.database import Lock, SqliteError, open_to_write
+from rai_missions.journal.rows import GENESIS, Header, chained, text_of, written_header
+from rai_missions.journal.values import to_json
+from rai_missions.step import Step
+
+__all__ = ("Journal", "versions")
+
+MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg"}
+Redact = Callable[[str], str]
+"""Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
+
+
+def versions() -> dict[str, str]:
+    """What a run depends on, for its header."""
+    from importlib.metadata import PackageNotFoundError, version  # slow to import, and wanted once a run
+
+    found = {"python": platform.python_version(), "format": "1"}
+    with suppress(PackageNotFoundError):
+        found["rai_missions"] = version("rai-missions")
+    return found
+
+
+class Journal:
+    """Appends rows to a journal. Made by `create` or `open`; safe to use from several threads.
+
+    Survives: the end of the process at any instant, `kill -9` included, loses no row that `write` has returned from.
+    After a loss of power the journal is still whole, but rows of the last seconds may be missing at its end.
+    """
+
+    def __init__(self, path: Path, lock: Lock, *, new: bool, redact: Redact | None) -> None:
+        self.path, self._lock, self._redact = path, lock, redact
+        self._alone = threading.Lock()
+        self._open = True
+        try:
+            self._database = open_to_write(path, new=new)
+        except SqliteError as error:
+            raise UsageError(f"a journal cannot be written at {path}: {error}; name another file") from None
+        self._number, self._hash = -1, GENESIS
+
+    @classmethod
+    def create(cls, path: Path | str, header: Header, *, redact: Redact | None = None) -> Self:
+        """A new journal with its row 0.
+
+        Raises:
+            UsageError: The file is there already, or none can be written there.
+        """
+        path = Path(path)
+        lock = Lock(path, new=True)
+        try:
+            journal = cls(path, lock, new=True, redact=redact)
+            journal._append("header", written_header(_filled(header)))
+        except BaseException:
+            lock.release()
+            for left in (path, path.with_name(f"{path.name}-wal")):
+                left.unlink(missing_ok=True)
+            raise
+        return journal
+
+    @classmethod
+    def open(cls, path: Path | str, *, redact: Redact | None = None) -> Self:
+        """A journal that is there, to go on with.
+
+        Raises:
+            UsageError: There is none, or another process writes it.
+            DefinitionError: It is no journal of this format.
+        """
+        path = Path(path)
+        lock = Lock(path, new=False)
+        try:
+            journal = cls(path, lock, new=False, redact=redact)
+            last = journal._database.execute("SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1").fetchone()
+            if last is not None:
+                journal._number, journal._hash = last
+        except BaseException:
+            lock.release()
+            raise
+        return journal
+
+    def write(self, step: Step, *, since: float, quiet: Iterable[tuple[str, Any, float]] = ()) -> int:
+        """Writes a step, and gives the number of its row.
+
+        Args:
+            step: What an event did.
+            since: The engine's clock right before the event was taken, seconds.
+            quiet: The blackboard writes that enabled nothing since the last row: key, value, stamp; newest of a key.
+
+        Raises:
+            ConnectorError: The row was not written: the disk is full or gone. Nothing of the step may be performed.
+            UsageError: A value in it that a journal cannot hold, or the journal is closed.
+        """
+        pictures: dict[str, Image] = {}
+        before = [[key, to_json(value), at] for key, value, at in quiet]
+        content: dict[str, Any] = {"since": since, **({"before": before} if before else {})}
+        content["step"] = encode(step, lambda image: _digest(image, pictures))
+        return self._append("step", text_of(content), pictures)
+
+    def confirm(self, number: int, how: str) -> int:
+        """Writes that an effect was performed, by the number of its start or question; raises as `write` does."""
+        return self._append("confirmation", text_of({"number": number, "how": how}))
+
+    def note(self, text: str, data: Any = None) -> int:
+        """Writes something that a reader should know; raises as `write` does."""
+        return self._append("note", text_of({"text": text, "data": to_json(data)}))
+
+    def put_blob(self, data: bytes, media_type: str) -> str:
+        """Keeps bytes, each content once, and gives their SHA-256 in hex; raises as `write` does."""
+        digest = hashlib.sha256(data).hexdigest()
+        with self._alone:
+            self._run([(BLOB, (digest, media_type, data))], f"a picture of {len(data)} bytes")
+        return digest
+
+    def close(self) -> None:
+        """Ends the writing; doing so twice changes nothing."""
+        with self._alone:
+            if self._open:
+                self._open = False
+                with suppress(SqliteError):  # a disk that is full or gone: the rows are in the log, which reading knows
+                    self._database.close()
+                self._lock.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _append(self, kind: str, content: str, pictures: dict[str, Image] | None = None) -> int:
+        if self._redact is not None:
+            content = self._redact(content)
+        with self._alone:
+            number = self._number + 1
+            digest = chained(self._hash, number, kind, content)
+            blobs = [(BLOB, (name, _media_type(image), image.data)) for name, image in (pictures or {}).items()]
+            self._run([*blobs, (ROW, (number, kind, content, digest))], f"row {number}")
+            self._number, self._hash = number, digest
+        return number
+
+    def _run(self, statements: list[tuple[str, tuple[Any, ...]]], what: str) -> None:
+        """All or nothing; a single statement is a transaction by itself."""
+        if not self._open:
+            raise UsageError(f"the journal {self.path} is closed; open it again to write")
+        try:
+            if len(statements) > 1:
+                self._database.execute("BEGIN")
+            for statement, values in statements:
+                self._database.execute(statement, values)
+            if len(statements) > 1:
+                self._database.execute("COMMIT")
+        except SqliteError as error:
+            with suppress(SqliteError):
+                self._database.rollback()
+            raise ConnectorError(f"the journal {self.path} cannot be written: {error}; {what} is lost") from error
+
+
+ROW = "INSERT INTO rows VALUES (?, ?, ?, ?)"
+BLOB = "INSERT OR IGNORE INTO blobs VALUES (?, ?, ?)"
+
+
+def _filled(header: Header) -> Header:
+    return header._replace(
+        run=header.run or uuid.uuid4().hex,
+        started=header.started or datetime.datetime.now(datetime.UTC).isoformat(timespec="milliseconds"),
+        versions=header.versions or versions(),
+    )
+
+
+def _media_type(image: Image) -> str:
+    raw = f"application/octet-stream; encoding={image.encoding}; width={image.width}; height={image.height}"
+    return MEDIA_TYPES.get(image.encoding, raw)
+
+
+def _digest(image: Image, pictures: dict[str, Image]) -> str:
+    try:
+        digest = image.digest
+    except Exception:  # noqa: BLE001 - whoever is asked meets the same fault; the step is not lost for a picture
+        return ""
+    pictures[digest] = image
+    return digest

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is written comes back equal, and what cannot is refused."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+
+from rai_missions.errors import UsageError
+from rai_missions.event import Event, Image
+from rai_missions.journal import decode, difference, encode
+from rai_missions.journal.values import from_json, to_json
+from rai_missions.step import Ask, Handover, Move, Step
+from rai_missions.verdict import Evidence, Question
+from tests.journal.generated import steps, values
+
+
+def through_json(content: Any) -> Any:
+    return json.loads(json.dumps(content, allow_nan=False))
+
+
+@given(steps)
+def test_a_step_comes_back_as_it_was(step: Step) -> None:
+    back = decode(through_json(encode(step)))
+    assert back == step
+    assert difference(step, back) == ""
+
+
+@given(values)
+def test_a_value_comes_back_with_its_types(value: Any) -> None:
+    back = from_json(through_json(to_json(value)), lambda ref, digest: bytes)
+    assert back == value
+    assert repr(back) == repr(value)
+
+
+@given(steps)
+def test_a_step_reads_back_from_what_it_was_written_as_and_writes_the_same_again(step: Step) -> None:
+    written = through_json(encode(step))
+    assert through_json(encode(decode(written))) == written
+
+
+@given(steps, steps)
+def test_a_difference_is_found_exactly_where_there_is_one(one: Step, other: Step) -> None:
+    assert (difference(one, other) == "") == (repr(one) == repr(other))
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (float("nan"), "NaN"),
+        ({"a": [b"raw"]}, "not b'raw' (bytes)"),
+        ({1: "one"}, "are text, not 1; write '1'"),
+        ({"a": {2, 3}}, "(set)"),
+    ],
+)
+def test_what_cannot_come_back_is_refused(value: Any, said: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        encode(Step(1, 0.0, Event("found", 0.0, {"it": value})))
+    assert said in str(refused.value)
+
+
+def test_only_the_pictures_of_a_question_are_kept() -> None:
+    shown, seen = (Image(f"camera@{number}", 2, 2, "rgb8", bytes([number] * 12)) for number in (1, 2))
+    question = Question(1, "assessing", "agent", "What now?", (), (Evidence("camera", shown, 0.1, True),))
+    step = Step(1, 0.0, Event("anomaly", 0.0, {"seen": seen}), writes=(("camera", seen),), effects=(Ask(question),))
+    kept: list[Image] = []
+
+    def keep(image: Image) -> str:
+        kept.append(image)
+        return image.digest
+
+    written = encode(step, keep)
+    assert kept == [shown]
+    assert written["effects"][0]["ask"]["question"]["evidence"][0]["value"]["sha256"] == shown.digest
+    assert "sha256" not in written["writes"][0][1]
+
+
+def test_bytes_that_were_not_kept_are_missed_only_when_they_are_wanted() -> None:
+    step = Step(1, 0.0, Event("seen", 0.0, {"it": Image("camera@1", 2, 2, "rgb8", bytes(12))}))
+    image = decode(encode(step)).event.data["it"]
+    assert (image.ref, image.width, image.encoding) == ("camera@1", 2, "rgb8")
+    with pytest.raises(UsageError, match=r"picture 'camera@1' was read without its bytes"):
+        _ = image.data
+
+
+STEP = Step(3, 1.5, Event("anomaly", 1.5), (Move((), ("driving",), ("assessing", "x")),), effects=(Handover("agent"),))
+
+
+@pytest.mark.parametrize(
+    ("got", "said"),
+    [
+        (STEP, ""),
+        (STEP._replace(why="x"), "step 3 (anomaly, 1.5 s): why was '', now it is 'x'"),
+        (
+            STEP._replace(moves=(Move((), ("driving",), ("assessing", "y")),)),
+            "step 3 (anomaly, 1.5 s): moves[0].entered[1] was 'x', now it is 'y'",
+        ),
+        (STEP._replace(effects=()), "step 3 (anomaly, 1.5 s): effects[0] was Handover(to='agent'), now it is absent"),
+        (
+            STEP._replace(event=Event("anomaly", 1.5, {"n": 1})),
+            "step 3 (anomaly, 1.5 s): event.data.n was absent, now it is 1",
+        ),
+        (STEP._replace(at=2), "step 3 (anomaly, 1.5 s): at was 1.5, now it is 2"),
+        (STEP._replace(writes=(("n", True),)), "step 3 (anomaly, 1.5 s): writes[0] was absent, now it is ('n', True)"),
+    ],
+)
+def test_a_difference_is_told_with_its_place(got: Step, said: str) -> None:
+    assert difference(STEP, got) == said
+
+
+SAID = {"seq": 1, "at": 0, "event": {"name": "x"}}
+PICTURE = {"$image": "x", "width": "2", "height": 2, "encoding": "png"}
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        [], {}, {"seq": "one"}, {**SAID, "colour": 1}, {**SAID, "event": 3}, {**SAID, "effects": [{"fly": {}}]},
+        {**SAID, "event": {"name": "x", "data": {"a": {"$code": "x"}}}}, {**SAID, "guards": [["a", 1]]},
+        {**SAID, "event": {"name": "x", "data": {"a": PICTURE}}}, {**SAID, "notes": "n"}, {**SAID, "effects": [7]},
+    ],
+)  # fmt: skip
+def test_what_is_no_step_is_not_read_as_one(written: Any) -> None:
+    with pytest.raises((ValueError, TypeError, AttributeError)):
+        decode(written)
