@@ -114,16 +114,15 @@ class TendingMachine:
             growth.notes.append(f"{self.owner}#{path} {turn.outcome.name}: {turn.outcome.why}")
 
     def _tick(self, growth: _Growth, desk: Desk) -> Turn:
-        """Tick until nothing changes: a tree that goes on at the next tick has its next tick now."""
+        """Tick, and at once again where the tree goes on by itself or a leaf has ended as soon as it was started."""
         for _ in range(MOST_TICKS):
-            before = growth.tree
             ticked = self.ticker.tick(growth.tree, desk.view, growth.outcomes)
             growth.outcomes = {}
             self._apply(growth, ticked, desk)
             if ticked.status in ("success", "failure"):
                 self._end(growth, growth.leaves, desk)
                 return growth.turn(Outcome("succeeded" if ticked.status == "success" else "failed"))
-            if growth.tree == before and not growth.outcomes:
+            if not ticked.again and not growth.outcomes:
                 return growth.turn(None)
         self._end(growth, growth.leaves, desk)
         growth.notes.append(f"the tree in '{self.owner}' was ticked {MOST_TICKS} times without coming to rest")

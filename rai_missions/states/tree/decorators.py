@@ -17,6 +17,8 @@ __all__ = (
     "Timeout",
 )  # fmt: skip
 
+GUARD = kind_of(Guard)
+
 
 class Inverter(Decorator, word="inverter"):
     """Success is failure, failure is success."""
@@ -99,7 +101,7 @@ class EternalGuard(Decorator, word="eternal_guard"):
     """Runs its child while a guard is true; else it fails and what runs inside is ended."""
 
     positional: ClassVar = ("child", "guard")
-    guard: kind_of(Guard) = Field(alias="eternal_guard")  # type: ignore[valid-type]
+    guard: GUARD = Field(alias="eternal_guard")
 
 
 class Condition(Decorator, word="condition"):

@@ -16,6 +16,8 @@ from rai_missions.written import Bool, Json, Name, Number, Path, Seconds, Text, 
 
 __all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf", "SetLeaf", "WaitLeaf")
 
+GUARD = kind_of(Guard)
+
 
 class ActionLeaf(TreeNode, word="action"):
     """A goal; as the state of the same word."""
@@ -24,7 +26,7 @@ class ActionLeaf(TreeNode, word="action"):
     action: Name
     goal: dict[Text, Json] = Field(default_factory=dict)
     result: dict[Name, Text] = Field(default_factory=dict)
-    achieved: kind_of(Guard) | None = None
+    achieved: GUARD | None = None
     settle_s: Seconds = 0.0
     cancel_s: Seconds = 5.0
     over_orphan: Bool = False
@@ -45,7 +47,7 @@ class CheckLeaf(TreeNode, word="check"):
     """Success while a guard is true, failure while it is false or unknown."""
 
     positional: ClassVar = ("check",)
-    check: kind_of(Guard)  # type: ignore[valid-type]
+    check: GUARD
 
 
 class WaitLeaf(TreeNode, word="wait_s"):
