@@ -101,7 +101,7 @@ class EternalGuard(Decorator, word="eternal_guard"):
     """Runs its child while a guard is true; else it fails and what runs inside is ended."""
 
     positional: ClassVar = ("child", "guard")
-    guard: GUARD = Field(alias="eternal_guard")
+    guard: GUARD = Field(alias="eternal_guard")  # type: ignore[valid-type]
 
 
 class Condition(Decorator, word="condition"):

@@ -26,7 +26,7 @@ class ActionLeaf(TreeNode, word="action"):
     action: Name
     goal: dict[Text, Json] = Field(default_factory=dict)
     result: dict[Name, Text] = Field(default_factory=dict)
-    achieved: GUARD | None = None
+    achieved: GUARD | None = None  # type: ignore[valid-type]
     settle_s: Seconds = 0.0
     cancel_s: Seconds = 5.0
     over_orphan: Bool = False
@@ -47,7 +47,7 @@ class CheckLeaf(TreeNode, word="check"):
     """Success while a guard is true, failure while it is false or unknown."""
 
     positional: ClassVar = ("check",)
-    check: GUARD
+    check: GUARD  # type: ignore[valid-type]
 
 
 class WaitLeaf(TreeNode, word="wait_s"):
