@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.acts import Act, act_of
@@ -127,6 +127,8 @@ class Chart:
         """Who holds control: `autonomy`, `agent`, `operator` or `nobody`."""
         self.outcome: str | None = None
         self.why = ""
+        self.quiet = False
+        """The last step did nothing but write the blackboard: it need not be written down by itself."""
         self._config: Configuration = self._graph.empty
         self._memory: dict[int, tuple[Node, ...]] = {}
         self._timers: dict[tuple[str, Any], Timer] = {}
@@ -159,6 +161,8 @@ class Chart:
         self._internal: deque[Trigger] = deque()
         self._starting: list[Node] = []
         self._refused = ""
+        self._touched = False
+        """Something that the run remembers has changed, beside the blackboard."""
 
     def _act(self, effect: Any, place: str, state: str) -> Act:
         return act_of(effect, place, state, self.mission.blackboard)
@@ -268,31 +272,23 @@ class Chart:
 
     def _acted(self, event: Event, leap: Leap, looked: list[tuple[str, Truth]]) -> Step:
         """The end of a quick step that does something on the way."""
-        if self.written or self.effects or self.notes or self.moves or self.looked:
-            self._clear()
         for act in leap.acts:
             act(self)
-        if self._internal or (self.written and self._listening):
+        written = self.written
+        if self._internal or (written and self._listening):
             self.seq -= 1
             self.moves.append(leap.move)
             self.looked += looked
             self._complete(None)
             return self._close(event)
-        wake = None if self._wake == math.inf else self._wake
-        step = _new(Step, (
-            self.seq, self.view.at, event, leap.moves, tuple(looked), tuple(self.written), None, wake,
-            tuple(self.effects), "", tuple(self.notes),
+        step: Step = _new(Step, (
+            self.seq, self.view.at, event, leap.moves, tuple(looked), tuple(written), None,
+            None if self._wake == math.inf else self._wake, tuple(self.effects), "", tuple(self.notes),
         ))  # type: ignore[type-var]  # fmt: skip
-        self._clear_quick()
+        written.clear()
+        if self.effects or self.notes:
+            self._clear()
         return step
-
-    def _clear_quick(self) -> None:
-        if self.written:
-            self.written = []
-        if self.effects:
-            self.effects = []
-        if self.notes:
-            self.notes = []
 
     def _quiet(self, event: Event, at: float, looked: tuple[tuple[str, Truth], ...] = ()) -> Step:
         """A step in which no row fired."""
@@ -343,6 +339,19 @@ class Chart:
         chart._final = nodes[saved["final"]] if saved["final"] else None
         return chart
 
+    def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:
+        """Take over what quiet steps wrote, without stepping: a replay stands where the run stood then.
+
+        Args:
+            writes: Key, value and stamp.
+            at: The time until which nothing else happened.
+            seq: The number of the last step until then.
+        """
+        for key, value, stamp in writes:
+            self.view.board[key] = Stamped(value, stamp)
+        self.view.at, self.seq = max(self.view.at, at), seq
+        self._quick = False
+
     # -- one step -------------------------------------------------------------------------------------------------
 
     def _send(self, event: Event) -> Step:
@@ -372,6 +381,9 @@ class Chart:
             self.seq, self.view.at, event, tuple(self.moves), tuple(self.looked), tuple(self.written), self.outcome,
             None if self._wake == math.inf else self._wake, tuple(self.effects), why, tuple(self.notes),
         )  # fmt: skip
+        asked = any(place.startswith("named:") for place, _ in self.looked)
+        said = self.moves or self.effects or self.notes or self._touched or self._refused or asked
+        self.quiet = not said and event.kind in ("write", "tick")
         self._clear()
         return step
 
@@ -679,10 +691,13 @@ class Chart:
     def _hold(self) -> None:
         """Remember since when the guards inside `held` have been true."""
         for memory, test in (*self._config.holds.items(), *self._always_held.items()):
-            if test(self.view) is True:
-                self.view.held.setdefault(memory, self.view.at)
-            else:
-                self.view.held.pop(memory, None)
+            true = test(self.view) is True
+            if true is not (memory in self.view.held):
+                self._touched = True
+                if true:
+                    self.view.held[memory] = self.view.at
+                else:
+                    del self.view.held[memory]
 
     # -- what acts do (Stage) -------------------------------------------------------------------------------------
 
@@ -805,6 +820,7 @@ class Chart:
 
     def _turn(self, name: str, turn: Turn) -> None:
         """Take over what a machine has made of something."""
+        self._touched = True
         for key, value in turn.writes:
             self.write_key(key, value)
         self._emit(turn.effects)
@@ -1037,6 +1053,7 @@ class Chart:
                 unknown.add(name)
         for name in sorted(unknown - self._unknown):
             self.notes.append(f"invariant '{name}' is unknown")
+        self._touched = self._touched or self._unknown != unknown
         self._unknown = frozenset(unknown)
 
     def _end(self, outcome: str, why: str) -> None:

@@ -100,9 +100,16 @@ def _said(value: Any) -> str:
 def _plain(key: str, apply: Callable[[Any, Any], Any], value: Any, *, equality: bool) -> Test:
     """The common case made short: a whole key that never goes stale, against a value."""
 
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+
     def test(view: View) -> Truth:
         entry = view.board.get(key)
-        return None if entry is None else truth(apply, entry[0], value, equality=equality)
+        if entry is None:
+            return None
+        left = entry[0]
+        if number and (left.__class__ is int or left.__class__ is float):
+            return apply(left, value)  # type: ignore[no-any-return]
+        return truth(apply, left, value, equality=equality)
 
     return test
 
