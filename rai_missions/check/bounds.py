@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What must have an end: actions, calls, decisions; and the words of decisions and trees that bound them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+
+from rai_missions.check.lexicon import Lexicon
+from rai_missions.check.places import pointer
+from rai_missions.check.survey import Spot, Survey, Work
+from rai_missions.states import Action
+from rai_missions.states.tree import ActionLeaf, DecisionLeaf, ParallelTree
+from rai_missions.verdict import schema_fault
+
+__all__ = (
+    "misspelled_answerers", "policies", "unbounded_actions", "unbounded_calls", "unbounded_decisions",
+    "unknown_branches", "wrong_parameters",
+)  # fmt: skip
+
+Found = Iterator[tuple[str, str]]
+ANSWERERS = ("agent", "operator", "rules")
+
+
+def unbounded_actions(survey: Survey) -> Found:
+    """An action has a `timeout_s`, or something around it does."""
+    for work in survey.works:
+        if isinstance(work.work, Action | ActionLeaf) and not _bounded(work):
+            yield (
+                work.place,
+                f"action '{work.work.action}' has no 'timeout_s', so it may run for ever; add one, in seconds",
+            )
+
+
+def unbounded_calls(survey: Survey) -> Found:
+    """A call has a `timeout_s`, or something around it does."""
+    for work in survey.works:
+        if not isinstance(work.work, Action | ActionLeaf) and not _bounded(work):
+            yield (
+                work.place,
+                f"call '{work.work.call}' has no 'timeout_s', so it may wait for ever; add one, in seconds",
+            )
+
+
+def _bounded(work: Work) -> bool:
+    return work.timed or work.work.timeout_s is not None or any(_timed(here) for here in work.owner.upward())
+
+
+def _timed(spot: Spot) -> bool:
+    """It is left after a while: by its timeout, or by a row that nothing but time decides."""
+    rows = (row.transition for row in spot.rows)
+    return spot.state.timeout_s is not None or any(
+        row.after_s is not None and row.when is None and bool(row.to) for row in rows
+    )
+
+
+def unbounded_decisions(survey: Survey) -> Found:
+    """A decision has a `deadline_s`, and a `fallback` for when it has passed."""
+    for asked, place, _ in survey.asked:
+        if asked.deadline_s is None:
+            yield place, "the decision has no 'deadline_s', so it may wait for an answer for ever; add one, in seconds"
+        if asked.fallback is None:
+            free = [name for name, option in asked.options.items() if option.when is None and option.parameters is None]
+            remedy = (
+                f"name an option that is always open: {', '.join(free)}"
+                if free
+                else "add an option without 'when', and name it"
+            )
+            yield place, f"the decision has no 'fallback' for when nobody answers; {remedy}"
+
+
+def misspelled_answerers(survey: Survey) -> Found:
+    """`ask` names agent, operator, rules, or a script of the program; nothing that only resembles one of these."""
+    for asked, place, _ in survey.asked:
+        for index, name in enumerate(asked.ask):
+            close = difflib.get_close_matches(name, ANSWERERS, n=1, cutoff=0.75)
+            if name not in ANSWERERS and close:
+                yield f"{place}/ask/{index}", f"nobody is called '{name}'; did you mean '{close[0]}'?"
+            elif name in asked.ask[:index]:
+                yield f"{place}/ask/{index}", f"'{name}' is asked twice; raise 'attempts' instead"
+
+
+def wrong_parameters(survey: Survey) -> Found:
+    """An option's `parameters` are a JSON Schema of an object."""
+    for asked, place, _ in survey.asked:
+        for name, option in asked.options.items():
+            if option.parameters is not None and (why := schema_fault(option.parameters)):
+                yield pointer(place, "options", name, "parameters"), f"this is no JSON Schema of an object: {why}"
+
+
+def unknown_branches(survey: Survey) -> Found:
+    """`then` in a tree names options of its decision."""
+    for _, planted in survey.planted:
+        if isinstance(planted.node, DecisionLeaf):
+            options = Lexicon("option", planted.node.decision.options)
+            for name in planted.node.then:
+                if name not in options:
+                    yield pointer(planted.place, "then", name), options.missing(name)
+
+
+def policies(survey: Survey) -> Found:
+    """A parallel's `policy` in a tree numbers children that there are, from 0."""
+    for _, planted in survey.planted:
+        node = planted.node
+        if isinstance(node, ParallelTree) and isinstance(node.policy, tuple):
+            last = len(node.parallel) - 1
+            wrong = [index for index in node.policy if not 0 <= index <= last]
+            if wrong or not node.policy:
+                given = ", ".join(map(str, wrong)) if wrong else "none"
+                yield f"{planted.place}/policy", f"'policy' numbers children from 0 to {last}, not {given}"

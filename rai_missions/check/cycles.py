@@ -1,0 +1,266 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rows without an event that can follow one another for ever, within one instant.
+
+Such a row fires as soon as its guard holds. Two facts end a cycle: a guard that the states entered make false (`in`,
+`elapsed_s`, `held`), and a key that something on the way sets. Where neither is there, the cycle is found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rai_missions.check.logic import Form, Junction, form, implies, never
+from rai_missions.check.places import guard_reads
+from rai_missions.check.reach import entered_with
+from rai_missions.check.survey import Row, Spot, Survey
+from rai_missions.effects import Effect, Set
+from rai_missions.guards import All, Any_, Elapsed, Guard, Held, In, Not, Possible
+from rai_missions.states import Final, Parallel
+
+__all__ = ("endless_cycles", "possible_cycles")
+
+Found = Iterator[tuple[str, str]]
+Truth = bool | None
+TRIES = 20
+"""From so many rows of a knot a way around is looked for."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Jump:
+    """A row without an event, and what holds once it was taken."""
+
+    row: Row
+    guard: Guard
+    form: Form
+    active: frozenset[Spot]
+    """What is certainly active then, and was entered or stayed."""
+    ends: bool
+    """The mission ends with it."""
+    stays: Spot | None
+    """The innermost state around it that is not left; None for the mission."""
+    writes: frozenset[str]
+    """Keys set on the way."""
+    reads: frozenset[str]
+
+
+class Cycle(NamedTuple):
+    """Jumps that follow one another, back to the first."""
+
+    jumps: tuple[Jump, ...]
+    certain: bool
+    """While the guard of one is true, so are all."""
+
+
+def endless_cycles(survey: Survey) -> Found:
+    """Rows without an event do not lead round in a circle while their guards stay true."""
+    return _told(survey, certain=True)
+
+
+def possible_cycles(survey: Survey) -> Found:
+    """Rows without an event do not lead round in a circle where different guards happen to be true together."""
+    return _told(survey, certain=False)
+
+
+def _told(survey: Survey, *, certain: bool) -> Found:
+    for cycle in _cycles(survey):
+        if cycle.certain is certain:
+            rows = " → ".join(jump.row.place for jump in (*cycle.jumps, cycle.jumps[0])[:12])
+            what = (
+                "this row fires again at once, for ever"
+                if len(cycle.jumps) == 1
+                else f"these rows follow one another for ever: {rows}"
+            )
+            when = "" if certain else ", whenever their guards are true together"
+            remedy = "wait for an event, set a key that the guard reads, or ask that the target is not active yet"
+            yield cycle.jumps[0].row.place, f"{what}{when}; {remedy}"
+
+
+def _cycles(survey: Survey) -> list[Cycle]:
+    """One cycle for each knot of rows, in document order; worked out once."""
+    found = survey.remembered.get("cycles")
+    if isinstance(found, list):
+        return found
+    cycles: list[Cycle] = []
+    survey.remembered["cycles"] = cycles
+    jumps = [_jump(survey, row) for row in survey.rows if row.transition.eventless]
+    loops = {index for index, jump in enumerate(jumps) if not never(jump.form) and _endless((jump,))}
+    cycles += [Cycle((jumps[index],), True) for index in sorted(loops)]
+    follows = _followers(
+        survey, [jump for index, jump in enumerate(jumps) if index not in loops and not never(jump.form)]
+    )
+    for knot in knots(follows):
+        if cycle := _around(follows, knot):
+            cycles.append(cycle)
+    return cycles
+
+
+def _jump(survey: Survey, row: Row) -> Jump:
+    guard = row.transition.when
+    assert guard is not None
+    targets = survey.found(row.transition.to)
+    active = frozenset(entered_with(survey, targets)) if targets else frozenset(row.owner.upward() if row.owner else ())
+    stays = _stays(row, targets)
+    written = _set_by(row.transition.do)
+    moved = [spot for spot in active if spot.inside(stays)] if targets else []
+    left = row.owner.upward() if row.owner is not None and targets else ()
+    written.update(*(_set_by(spot.state.entry) for spot in moved), *(_set_by(spot.state.exit) for spot in left))
+    reads = frozenset(path.partition(".")[0] for path, _ in guard_reads(guard, ""))
+    ends = any(spot.parent is None and isinstance(spot.state, Final) for spot in active)
+    return Jump(row, guard, form(guard), active, ends, stays, frozenset(written), reads)
+
+
+def _set_by(effects: Iterable[Effect]) -> set[str]:
+    return {effect.set for effect in effects if isinstance(effect, Set)}
+
+
+def _stays(row: Row, targets: list[Spot]) -> Spot | None:
+    """The innermost compound state around owner and targets (SCXML: the transition's domain)."""
+    if row.owner is None:
+        return None
+    if not targets or (row.transition.internal and all(target.inside(row.owner) for target in targets)):
+        return row.owner
+    for here in row.owner.upward():
+        if (
+            here is not row.owner
+            and not isinstance(here.state, Parallel)
+            and all(target.inside(here) for target in targets)
+        ):
+            return here
+    return None
+
+
+def _after(jump: Jump, guard: Guard, owner: Spot | None) -> Truth:
+    """What a guard says by the configuration alone once a jump is made; None where facts decide."""
+    if jump.ends:
+        return False
+    if isinstance(guard, Not):
+        value = _after(jump, guard.guard, owner)
+        return None if value is None else not value
+    if isinstance(guard, All | Any_):
+        deciding = isinstance(guard, Any_)
+        values = [_after(jump, part, owner) for part in guard.inner()]
+        return deciding if deciding in values else None if None in values else not deciding
+    if isinstance(guard, In):
+        return _active(jump, guard.state)
+    if isinstance(guard, Possible):
+        return _after(jump, guard.possible, owner)
+    if isinstance(guard, Elapsed | Held):
+        anew = owner is not None and owner.inside(jump.stays) and bool(jump.row.transition.to)
+        seconds = guard.elapsed_s if isinstance(guard, Elapsed) else guard.for_s
+        return False if anew and seconds > 0 else None
+    return None
+
+
+def _active(jump: Jump, name: str) -> Truth:
+    if any(spot.name == name for spot in jump.active):
+        return True
+    return None if any(isinstance(spot.state, Parallel) for spot in jump.active) else False
+
+
+def _followers(survey: Survey, jumps: list[Jump]) -> dict[Jump, list[Jump]]:
+    """Which jumps can be made right after which, by where they stand and what is active."""
+    owned: dict[Spot | None, list[Jump]] = {}
+    for jump in jumps:
+        owned.setdefault(jump.row.owner, []).append(jump)
+    follows: dict[Jump, list[Jump]] = {}
+    for jump in jumps:
+        candidates = [other for owner in (*jump.active, None) for other in owned.get(owner, ())]
+        follows[jump] = [
+            other
+            for other in candidates
+            if other is not jump and _after(jump, other.guard, other.row.owner) is not False
+        ]
+    return follows
+
+
+def _endless(jumps: tuple[Jump, ...]) -> bool:
+    """Whether nothing on the way round ends it."""
+    writes = frozenset[str]().union(*(jump.writes for jump in jumps))
+    if any(jump.reads & writes for jump in jumps) or never(Junction("all", tuple(jump.form for jump in jumps))):
+        return False
+    pairs = zip(jumps, (*jumps[1:], jumps[0]), strict=True)
+    return all(
+        _reachable(one, other) and _after(one, other.guard, other.row.owner) is not False for one, other in pairs
+    )
+
+
+def _reachable(one: Jump, other: Jump) -> bool:
+    """Whether the owner of a row is active once another was taken."""
+    return other.row.owner is None or other.row.owner in one.active
+
+
+def knots(follows: dict[Jump, list[Jump]]) -> list[list[Jump]]:
+    """The strongly connected parts of more than one jump (Tarjan 1972, without recursion), in document order."""
+    order = {jump: index for index, jump in enumerate(follows)}
+    low: dict[Jump, int] = {}
+    number: dict[Jump, int] = {}
+    stack: list[Jump] = []
+    waiting: set[Jump] = set()
+    found: list[list[Jump]] = []
+    for root in follows:
+        work = [(root, iter(follows[root]))] if root not in number else []
+        while work:
+            jump, successors = work[-1]
+            if jump not in number:
+                number[jump] = low[jump] = len(number)
+                stack.append(jump)
+                waiting.add(jump)
+            following = next((each for each in successors if each not in number), None)
+            if following is not None:
+                work.append((following, iter(follows[following])))
+                continue
+            work.pop()
+            low[jump] = min([low[jump], *(low[each] for each in follows[jump] if each in waiting)])
+            if low[jump] == number[jump]:
+                knot = _cut(stack, jump)
+                waiting.difference_update(knot)
+                found += [sorted(knot, key=order.__getitem__)] if len(knot) > 1 else []
+    return sorted(found, key=lambda knot: order[knot[0]])
+
+
+def _cut(stack: list[Jump], last: Jump) -> list[Jump]:
+    """Take off the top of a stack, down to and with one."""
+    taken = [stack.pop()]
+    while taken[-1] is not last:
+        taken.append(stack.pop())
+    return taken
+
+
+def _around(follows: dict[Jump, list[Jump]], knot: list[Jump]) -> Cycle | None:
+    """A way round that nothing ends: a certain one if there is one among those tried."""
+    inside = set(knot)
+    possible: Cycle | None = None
+    for start in knot[:TRIES]:
+        way = _shortest(follows, start, inside)
+        if way and _endless(way):
+            if any(all(implies(jump.form, other.form) for other in way) for jump in way[:TRIES]):
+                return Cycle(way, True)
+            possible = possible or Cycle(way, False)
+    return possible
+
+
+def _shortest(follows: dict[Jump, list[Jump]], start: Jump, inside: Collection[Jump]) -> tuple[Jump, ...]:
+    """The shortest way from a jump back to itself within a knot."""
+    before: dict[Jump, Jump | None] = {start: None}
+    wave = [start]
+    while wave:
+        nearer, wave = wave, []
+        for jump in nearer:
+            for other in follows[jump]:
+                if other is start:
+                    return _traced(before, jump)
+                if other in inside and other not in before:
+                    before[other] = jump
+                    wave.append(other)
+    return ()
+
+
+def _traced(before: dict[Jump, Jump | None], last: Jump) -> tuple[Jump, ...]:
+    way: list[Jump] = []
+    here: Jump | None = last
+    while here is not None:
+        way.append(here)
+        here = before[here]
+    return tuple(reversed(way))

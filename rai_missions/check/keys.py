@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Keys and events: unknown, written by nobody, used by nobody, or written by somebody who may not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from rai_missions.check.lexicon import Lexicon
+from rai_missions.check.paths import key_of, meaning
+from rai_missions.check.places import pointer
+from rai_missions.check.survey import Survey, Write
+from rai_missions.effects import Raise
+from rai_missions.guards import Named
+from rai_missions.states.state import ANY_EVENT
+
+__all__ = ("forbidden_writes", "unknown_keys", "unknown_payload", "unused_events", "unused_keys", "unwritten_keys")
+
+Found = Iterator[tuple[str, str]]
+
+
+def unknown_keys(survey: Survey) -> Found:
+    """What is read or written is a key of the blackboard, a field that it has, or what the row's trigger brings."""
+    for read in survey.reads:
+        if fault := meaning(survey, read).fault:
+            yield read.place, fault
+    for write in survey.writes:
+        if write.key not in survey.keys:
+            yield _place(write), survey.keys.missing(write.key)
+
+
+def _place(write: Write) -> str:
+    """Where the key itself is named."""
+    return f"{write.place}/set" if write.by in ("set", "add", "from") else write.place
+
+
+def unknown_payload(survey: Survey) -> Found:
+    """What a `raise` brings along is what its event declares."""
+    for effect, place, _ in survey.effects:
+        event = survey.mission.events.get(effect.event) if isinstance(effect, Raise) else None
+        if event is None or not event.fields or not isinstance(effect, Raise):
+            continue
+        fields = Lexicon(f"field of event '{effect.event}'", event.fields)
+        for name in effect.data:
+            if name not in fields:
+                yield pointer(place, "data", name), fields.missing(name)
+
+
+def forbidden_writes(survey: Survey) -> Found:
+    """Only keys of the source `mission` are set."""
+    whose = {
+        "robot": "the robot profile alone writes it",
+        "argument": "it is given at the start",
+        "answer": "an option's parameter writes it",
+    }
+    for write in survey.writes:
+        key = survey.mission.blackboard.get(write.key)
+        if key is not None and key.source != "mission":
+            yield (
+                _place(write),
+                f"'{write.key}' has the source '{key.source}': {whose[key.source]}; "
+                "write another key, of the source 'mission'",
+            )
+
+
+def unwritten_keys(survey: Survey) -> Found:
+    """A key that is read has an `initial`, or is written somewhere."""
+    written = {survey.keys.meant(write.key) for write in survey.writes}
+    brought = _parameters(survey)
+    read = {key_of(survey, read.path) for read in survey.reads}
+    for name, key in survey.mission.blackboard.items():
+        if name not in read or name in written or key.initial is not None:
+            continue
+        if key.source == "mission":
+            sentence = f"'{name}' is read but never written; give it an 'initial', set it, or take it from a 'result'"
+            yield pointer("/blackboard", name), sentence
+        elif key.source == "answer" and brought is not None and name not in brought:
+            sentence = (
+                f"'{name}' is read but no option has a parameter of that name; add it to an option's 'parameters'"
+            )
+            yield pointer("/blackboard", name), sentence
+
+
+def _parameters(survey: Survey) -> set[str] | None:
+    """The names of all options' parameters; None where some option takes any."""
+    names: set[str] = set()
+    for asked, _, _ in survey.asked:
+        for option in asked.options.values():
+            if option.parameters is None:
+                continue
+            properties = option.parameters.get("properties")
+            if not isinstance(properties, Mapping):
+                return None
+            names.update(properties)
+    return names
+
+
+def unused_keys(survey: Survey) -> Found:
+    """Every key is read, or is a key of the mission that is written."""
+    if any(isinstance(part, Named) for _, part, _ in survey.parts):
+        return  # a predicate of the program may read any key
+    used = {key_of(survey, read.path) for read in survey.reads} | {
+        survey.keys.meant(write.key) for write in survey.writes
+    }
+    for name in survey.mission.blackboard:
+        if name not in used:
+            yield (
+                pointer("/blackboard", name),
+                f"nothing uses '{name}'; take it away, unless the robot profile reads it",
+            )
+
+
+def unused_events(survey: Survey) -> Found:
+    """Every declared event fires a row."""
+    words = {word for row in survey.rows for word in row.transition.on}
+    if ANY_EVENT in words:
+        return
+    used = {survey.events.meant(word) for word in words}
+    for name in survey.mission.events:
+        if name not in used:
+            yield (
+                pointer("/events", name),
+                f'no row waits for \'{name}\'; add a row {{"on": "{name}", …}}, or take the event away',
+            )

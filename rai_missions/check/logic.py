@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What follows from what: guards in normal form, and whether one being true makes another true, or impossible.
+
+Rule: an answer of yes is certain; where the forms are too long or too strange to tell, it is no.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import operator
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from rai_missions.guards import All, Any_, Compare, Fresh, Guard, Held, In, Not, Possible
+
+__all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction", "conjuncts", "form", "implies", "never")
+
+NEGATED = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
+ORDERS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+LONG = 400
+"""Two guards with more parts than this between them are compared for equality only."""
+DEEP = 60
+
+
+class Atom(NamedTuple):
+    """A condition that is not taken apart further."""
+
+    kind: str
+    """`compare`, `in`, `fresh`, or `other` with the whole as text."""
+    path: str
+    op: str
+    """For comparisons the operator; else empty, or `not`."""
+    operand: Any
+    """What it is compared with; lists as tuples."""
+    other: str | None = None
+    """The other key of a comparison."""
+
+
+class Junction(NamedTuple):
+    """`all` or `any` of forms."""
+
+    word: str
+    parts: tuple[Form, ...]
+
+
+Form = Atom | Junction
+ALWAYS, NEVER = Junction("all", ()), Junction("any", ())
+
+
+def form(guard: Guard | None) -> Form:
+    """A guard with its negations pushed inwards; they mean the same in Kleene's logic, unknown included."""
+    return ALWAYS if guard is None else _form(guard, True, 0)
+
+
+def _form(guard: Guard, wanted: bool, depth: int) -> Form:
+    if depth > DEEP:
+        return Atom("other", f"#{id(guard)}", "" if wanted else "not", None)
+    if isinstance(guard, Not):
+        return _form(guard.guard, not wanted, depth + 1)
+    if isinstance(guard, All | Any_):
+        parts = tuple(_form(part, wanted, depth + 1) for part in guard.inner())
+        word = guard.word if wanted else ("any" if guard.word == "all" else "all")
+        return parts[0] if len(parts) == 1 else Junction(word, parts)
+    if isinstance(guard, Compare):
+        return _compared(guard, wanted)
+    if isinstance(guard, In | Fresh):
+        return Atom(guard.word, guard.state if isinstance(guard, In) else guard.fresh, "" if wanted else "not", None)
+    return Atom("other", _text(guard), "" if wanted else "not", None)
+
+
+def _text(guard: Guard) -> str:
+    if isinstance(guard, Held | Possible) and sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP:
+        return f"{id(guard)}"
+    return json.dumps(guard.written(), sort_keys=True, default=str)
+
+
+def _compared(guard: Compare, wanted: bool) -> Form:
+    op, operand = guard.op, guard.operand
+    if not wanted and op == "in":
+        return Atom("compare", guard.key, "not in", _hashable(operand), guard.other)
+    if not wanted:
+        op = NEGATED[op]
+    if isinstance(operand, bool) and op == "!=":
+        op, operand = "==", not operand  # a boolean that is not the one is the other, or unknown
+    return Atom("compare", guard.key, op, _hashable(operand), guard.other)
+
+
+def _hashable(value: Any) -> Any:
+    if isinstance(value, list):
+        return tuple(_hashable(item) for item in value)
+    return json.dumps(value, sort_keys=True, default=str) if isinstance(value, dict) else value
+
+
+def size(this: Form) -> int:
+    """How many parts it has, counted as far as it matters."""
+    return 1 if isinstance(this, Atom) else 1 + sum(size(part) for part in this.parts)
+
+
+def implies(one: Form, other: Form) -> bool:
+    """Whether the other is certainly true whenever the one is."""
+    if _same(one, other) or other == ALWAYS or one == NEVER:
+        return True
+    return size(one) + size(other) <= LONG and _implies(one, other, {})
+
+
+def _implies(one: Form, other: Form, known: dict[tuple[int, int], bool]) -> bool:
+    """The same for short forms; `known` remembers pairs, for nested ones would be compared over and over."""
+    pair = (id(one), id(other))
+    if pair not in known:
+        known[pair] = _worked_out(one, other, known)
+    return known[pair]
+
+
+def _worked_out(one: Form, other: Form, known: dict[tuple[int, int], bool]) -> bool:
+    if isinstance(other, Junction) and other.word == "all":
+        return all(_implies(one, part, known) for part in other.parts)
+    if isinstance(one, Junction) and one.word == "any":
+        return all(_implies(part, other, known) for part in one.parts)
+    if isinstance(other, Junction) and any(_implies(one, part, known) for part in other.parts):
+        return True
+    if isinstance(one, Junction):
+        return any(_implies(part, other, known) for part in one.parts)
+    return isinstance(other, Atom) and _atom_implies(one, other)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Equal, and not as `1` equals `true`."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_same, one, other))
+    return type(one) is type(other) and bool(one == other)
+
+
+def _atom_implies(one: Atom, other: Atom) -> bool:
+    if _same(one, other):
+        return True
+    if one.kind == "compare" and other.kind == "fresh" and not other.op:
+        return other.path in (one.path, one.other) or one.path.startswith(f"{other.path}.")
+    if one.kind != "compare" or other.kind != "compare" or one.path != other.path:
+        return False
+    if one.other is not None or other.other is not None:
+        return one.other == other.other and (one.op, other.op) in {
+            ("<", "<="), (">", ">="), ("==", "<="), ("==", ">="), ("<", "!="), (">", "!="),
+        }  # fmt: skip
+    if one.op == "==":
+        return holds(one.operand, other.op, other.operand)
+    if one.op == "in" and isinstance(one.operand, tuple):
+        return all(holds(item, other.op, other.operand) for item in one.operand)
+    return _ranges(one.op, one.operand, other.op, other.operand)
+
+
+def holds(value: Any, op: str, operand: Any) -> bool:
+    """Whether a comparison of two constants is true."""
+    if op in ("in", "not in"):
+        return isinstance(operand, list | tuple) and (any(_equal(value, item) for item in operand) is (op == "in"))
+    if op in ("==", "!="):
+        return isinstance(value, bool) is isinstance(operand, bool) and _equal(value, operand) is (op == "==")
+    try:
+        return bool(ORDERS[op](value, operand))
+    except TypeError:
+        return False
+
+
+def _equal(one: Any, other: Any) -> bool:
+    return isinstance(one, bool) is isinstance(other, bool) and bool(one == other)
+
+
+def _ranges(op: str, bound: Any, other_op: str, other_bound: Any) -> bool:
+    """Whether one side of a bound lies within what another comparison allows."""
+    if op not in ("<", "<=", ">", ">="):
+        return False
+    strict, down = len(op) == 1, op[0] == "<"
+    try:
+        if other_op == "!=":
+            beyond = other_bound > bound if down else other_bound < bound
+            return bool(beyond or (strict and other_bound == bound))
+        if other_op not in ("<", "<=", ">", ">=") or (other_op[0] == "<") is not down:
+            return False
+        within = bound < other_bound if down else bound > other_bound
+        return bool(within or (bound == other_bound and (strict or len(other_op) == 2)))
+    except TypeError:
+        return False
+
+
+def conjuncts(this: Form) -> Iterator[Form]:
+    """The parts that must all be true for it to be."""
+    if isinstance(this, Junction) and this.word == "all":
+        for part in this.parts:
+            yield from conjuncts(part)
+    else:
+        yield this
+
+
+def never(this: Form) -> bool:
+    """Whether it is certainly never true: two of its conditions exclude each other, or there is none to be true."""
+    if this == NEVER:
+        return True
+    if isinstance(this, Junction) and this.word == "any":
+        return all(never(part) for part in this.parts)
+    parts = list(conjuncts(this))[:DEEP]
+    if any(isinstance(part, Junction) and never(part) for part in parts):
+        return True
+    atoms = [part for part in parts if isinstance(part, Atom)]
+    if any(atom.op == "in" and atom.operand == () for atom in atoms):
+        return True
+    return any(_exclude(one, other) for one, other in itertools.combinations(atoms, 2))
+
+
+def _exclude(one: Atom, other: Atom) -> bool:
+    """Whether two conditions are never true together."""
+    return _atom_implies(one, _opposite(other)) or _atom_implies(other, _opposite(one))
+
+
+def _opposite(atom: Atom) -> Atom:
+    """What is false exactly where the atom is true, for what is known."""
+    if atom.kind != "compare":
+        return atom._replace(op="" if atom.op else "not")
+    if atom.op in ("in", "not in"):
+        return atom._replace(op="not in" if atom.op == "in" else "in")
+    return atom._replace(op=NEGATED[atom.op])

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Names that there are not, that there are twice, or that mean two things."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+
+from rai_missions.check.lexicon import Lexicon
+from rai_missions.check.places import pointer
+from rai_missions.check.survey import Spot, Survey
+from rai_missions.effects import Drop, Raise
+from rai_missions.guards import In, Named
+from rai_missions.mission import BUILT_IN_EVENTS
+from rai_missions.states import Decision
+from rai_missions.states.state import ANY_EVENT, OUTCOMES
+
+__all__ = (
+    "colliding_names",
+    "duplicate_states",
+    "unknown_events",
+    "unknown_ids",
+    "unknown_predicates",
+    "unknown_states",
+)
+
+Found = Iterator[tuple[str, str]]
+
+
+def duplicate_states(survey: Survey) -> Found:
+    """A state's name is unique in the mission, whatever it stands in."""
+    for spot in survey.spots:
+        first = survey.by_name[spot.name]
+        if first is not spot:
+            yield spot.place, f"a second state is called '{spot.name}', as {first.place} is; give it a name of its own"
+
+
+def unknown_states(survey: Survey) -> Found:
+    """What `to`, `initial`, `of`, `in` and `on_cancel` name is a state."""
+    for place, name in _named_states(survey):
+        if name not in survey.states:
+            yield place, survey.states.missing(name)
+
+
+def _named_states(survey: Survey) -> Iterator[tuple[str, str]]:
+    yield from _listed("/initial", survey.mission.initial)
+    if survey.mission.on_cancel is not None:
+        yield "/on_cancel", survey.mission.on_cancel
+    for spot in survey.spots:
+        yield from _listed(f"{spot.place}/initial", getattr(spot.state, "initial", ()))
+    for row in survey.rows:
+        yield from _listed(f"{row.place}/to", row.transition.to)
+        if row.transition.of is not None:
+            yield f"{row.place}/of", row.transition.of
+    for place, part, _ in survey.parts:
+        if isinstance(part, In):
+            yield f"{place}/in", part.state
+
+
+def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """One name stands at the place itself, several in a list."""
+    for index, name in enumerate(names):
+        yield (place if len(names) == 1 else f"{place}/{index}"), name
+
+
+def unknown_events(survey: Survey) -> Found:
+    """What `on` and `raise` name is an event, an outcome, or an option of the row's own decision."""
+    words = Lexicon("event or outcome", (*survey.events.known, *OUTCOMES))
+    options = {name: spot for spot in survey.spots for name in _options(spot)}
+    for row in survey.rows:
+        source = survey.spot(row.transition.of) if row.transition.of is not None else row.owner
+        own = _options(source)
+        for place, word in _listed(f"{row.place}/on", row.transition.on):
+            if word != ANY_EVENT and word not in words and word not in own:
+                yield place, _unknown_trigger(word, own, words, options)
+    for effect, place, _ in survey.effects:
+        if isinstance(effect, Raise) and effect.event not in survey.events:
+            yield f"{place}/raise", survey.events.missing(effect.event)
+
+
+def _options(spot: Spot | None) -> tuple[str, ...]:
+    return tuple(spot.state.options) if spot is not None and isinstance(spot.state, Decision) else ()
+
+
+def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, Spot]) -> str:
+    if word in options:
+        name = options[word].name
+        return f"'{word}' is an option of '{name}', and fires only rows there: move this one, or add \"of\": \"{name}\""
+    close = difflib.get_close_matches(word, own, n=1, cutoff=0.6)
+    if close:
+        return f"no event, outcome or option '{word}'; did you mean '{close[0]}'?"
+    return words.missing(word)
+
+
+def unknown_ids(survey: Survey) -> Found:
+    """What `drop` names is the `id` of a delayed `raise`."""
+    raised = [done.effect for done in survey.effects if isinstance(done.effect, Raise)]
+    ids = Lexicon("delayed 'raise' with the id", (effect.id for effect in raised if effect.id is not None))
+    for effect, place, _ in survey.effects:
+        if isinstance(effect, Drop) and effect.drop not in ids:
+            remedy = "" if ids.known else "; give the 'raise' that it takes back an 'id'"
+            yield f"{place}/drop", ids.missing(effect.drop) + remedy
+        elif isinstance(effect, Raise) and effect.id is not None and effect.after_s is None:
+            yield (
+                f"{place}/id",
+                f"'{effect.event}' is raised at once, so nothing can drop '{effect.id}'; add 'after_s' or drop the id",
+            )
+
+
+def unknown_predicates(survey: Survey) -> Found:
+    """What `named` names is a predicate that was registered, where the registered ones are known."""
+    if survey.predicates is None:
+        return
+    known = Lexicon("registered predicate", survey.predicates, "register it with --guards FILE.py")
+    for place, part, _ in survey.parts:
+        if isinstance(part, Named) and part.named not in known:
+            yield f"{place}/named", known.missing(part.named)
+
+
+def colliding_names(survey: Survey) -> Found:
+    """No event is called as an outcome, no option as an event, no key `event` or `answer`."""
+    for name in survey.mission.blackboard:
+        if name in ("event", "answer"):
+            what = "an event's payload" if name == "event" else "an option's parameters"
+            yield (
+                pointer("/blackboard", name),
+                f"a key may not be called '{name}': '{name}.…' reads {what}; choose another word",
+            )
+    for name in survey.mission.events:
+        if name in OUTCOMES:
+            yield (
+                pointer("/events", name),
+                f"an event may not be called '{name}': that is an outcome; choose another word",
+            )
+    for asked, place, _ in survey.asked:
+        for name in asked.options:
+            if name in survey.mission.events or name in BUILT_IN_EVENTS:
+                sentence = f"an option may not be called '{name}': that is an event; choose another word"
+                yield pointer(place, "options", name), sentence

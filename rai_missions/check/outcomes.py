@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Outcomes and options that nobody handles, and rows that wait for an outcome that never comes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rai_missions.check.places import pointer
+from rai_missions.check.reported import reported
+from rai_missions.check.survey import Row, Spot, Survey
+from rai_missions.states import Decision, Parallel
+from rai_missions.states.state import ANY_EVENT, OUTCOMES
+
+__all__ = ("deaf_rows", "handled", "unhandled_options", "unhandled_success", "unused_wildcards")
+
+Found = Iterator[tuple[str, str]]
+
+
+def handled(survey: Survey) -> set[tuple[str, str]]:
+    """Each (state, word) that a row of the state, or one that names it by `of`, waits for."""
+    found = survey.remembered.get("handled")
+    if not isinstance(found, set):
+        found = {
+            (source, word)
+            for row in survey.rows
+            for source in (row.transition.of or (row.owner.name if row.owner else ""),)
+            for word in row.transition.on
+        }
+        survey.remembered["handled"] = found
+    return found
+
+
+def unhandled_options(survey: Survey) -> Found:
+    """Every option of a decision has a row of its own decision."""
+    rows = handled(survey)
+    for spot in survey.spots:
+        if not isinstance(spot.state, Decision):
+            continue
+        asked = spot.state.decision
+        for name in asked.options:
+            if (spot.name, name) not in rows and name not in OUTCOMES:
+                what = f"the fallback '{name}'" if name == asked.fallback else f"option '{name}'"
+                place = pointer(spot.place, "decision", "options", name)
+                yield place, f'nobody handles {what}; add a row {{"on": "{name}", "to": …}} to \'{spot.name}\''
+
+
+def unhandled_success(survey: Survey) -> Found:
+    """The `succeeded` of an activity, and of a compound state with a final, is handled by a row of its own."""
+    ends, rows = reported(survey), handled(survey)
+    for spot in survey.spots:
+        if "succeeded" in ends.by(spot) and (spot.name, "succeeded") not in rows and not _is_region(spot):
+            yield (
+                spot.place,
+                f"nobody handles 'succeeded' of '{spot.name}', and it would stay there; "
+                'add a row {"on": "succeeded", "to": …} to it, or one without \'to\' if it is to stay',
+            )
+
+
+def _is_region(spot: Spot) -> bool:
+    """What its end means is its parallel's affair."""
+    return spot.parent is not None and isinstance(spot.parent.state, Parallel) and bool(spot.children)
+
+
+def deaf_rows(survey: Survey) -> Found:
+    """An outcome that a row waits for can be reported while the row's state is active."""
+    ends = reported(survey)
+    for row in survey.rows:
+        source = survey.spot(row.transition.of) if row.transition.of is not None else None
+        words = [word for word in row.transition.on if word in OUTCOMES and word not in survey.mission.events]
+        if source is not None and not _together(row.owner, source):
+            assert row.owner is not None
+            yield (
+                f"{row.place}/of",
+                f"'{source.name}' is never active together with '{row.owner.name}', so this row never fires; move it",
+            )
+            continue
+        possible = ends.by(source) if source is not None else ends.heard(row.owner)
+        if vain := [word for word in words if word not in possible]:
+            yield f"{row.place}/on", _vain(row, source, vain, possible)
+
+
+def _vain(row: Row, source: Spot | None, vain: list[str], possible: frozenset[str]) -> str:
+    whose = source or row.owner
+    who = f"'{whose.name}'" if whose is not None else "no state of the mission"
+    verb = "never reports" if whose is not None else "reports"
+    can = ", ".join(word for word in OUTCOMES if word in possible)
+    hint = f"it can report: {can}" if can else "it reports nothing"
+    if "unverified" in vain and whose is not None and whose.state.word == "action":
+        hint += "; 'unverified' needs an 'achieved'"
+    if "timed_out" in vain and whose is not None:
+        hint += "; 'timed_out' needs a 'timeout_s'"
+    return f"{who} {verb} {' or '.join(repr(word) for word in vain)}; {hint}"
+
+
+def _together(one: Spot | None, other: Spot) -> bool:
+    """Whether two states can be active at the same time."""
+    if one is None or one is other or one.inside(other) or other.inside(one):
+        return True
+    meeting = next((here for here in one.upward() if other.inside(here)), None)
+    return meeting is not None and isinstance(meeting.state, Parallel)
+
+
+def unused_wildcards(survey: Survey) -> Found:
+    """`*` is any declared event, so at least one is declared."""
+    if not survey.mission.events:
+        for row in survey.rows:
+            if ANY_EVENT in row.transition.on:
+                yield (
+                    f"{row.place}/on",
+                    "'*' is any declared event, and the mission declares none; declare it under /events",
+                )

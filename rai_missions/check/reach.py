@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""States that nothing leads to, and states that nothing can leave."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rai_missions.check.reported import reported
+from rai_missions.check.survey import Row, Spot, Survey
+from rai_missions.states import Final, History, Parallel
+from rai_missions.states.state import ANY_EVENT
+
+__all__ = ("dead_ends", "entered_with", "unreachable_states", "waiting_rooms")
+
+Found = Iterator[tuple[str, str]]
+
+
+class Reach:
+    """What can be active at some time, as far as the rows' targets say: guards and triggers do not count."""
+
+    def __init__(self, survey: Survey) -> None:
+        self.survey = survey
+        self.active: set[Spot] = set()
+        self._descended: set[Spot] = set()
+
+    def enter(self, targets: Iterable[Spot], *, follow: bool = True) -> None:
+        """Mark what entering the targets makes active, then (to `follow`) what the rows there lead to."""
+        todo = [(target, True) for target in targets]
+        while todo:
+            spot, descend = todo.pop()
+            for here in spot.upward():
+                if here in self.active:
+                    break
+                self.active.add(here)
+                parent = here.parent
+                if parent is not None and isinstance(parent.state, Parallel) and parent not in self.active:
+                    todo += [(region, True) for region in parent.children if region is not here]
+                if follow:
+                    todo += [(target, True) for row in here.rows for target in self.survey.found(row.transition.to)]
+            if descend and spot not in self._descended:
+                self._descended.add(spot)
+                todo += [(inner, True) for inner in default_entry(self.survey, spot)]
+
+
+def default_entry(survey: Survey, spot: Spot) -> list[Spot]:
+    """The states that entering one leads into by itself."""
+    if isinstance(spot.state, History):
+        return [spot.parent] if spot.parent is not None else []
+    if isinstance(spot.state, Parallel):
+        return [child for child in spot.children if not isinstance(child.state, History)]
+    found = [target for target in survey.found(getattr(spot.state, "initial", ())) if target.inside(spot)]
+    return found or spot.children  # an initial that is wrong is one fault, not one a child
+
+
+def entered_with(survey: Survey, targets: Iterable[Spot]) -> set[Spot]:
+    """What is active once the targets are entered, their ancestors included, history without memory."""
+    reach = Reach(survey)
+    reach.enter(targets, follow=False)
+    return reach.active
+
+
+def reached(survey: Survey) -> set[Spot]:
+    """The states that can be active; worked out once."""
+    found = survey.remembered.get("reached")
+    if not isinstance(found, set):
+        mission, reach = survey.mission, Reach(survey)
+        reach.enter(survey.found(mission.initial) or survey.top)
+        for row in mission.transitions:
+            reach.enter(survey.found(row.to))
+        reach.enter(survey.found((mission.on_cancel,) if mission.on_cancel is not None else ()))
+        found = survey.remembered["reached"] = reach.active
+    return found
+
+
+def unreachable_states(survey: Survey) -> Found:
+    """Every state is entered: by a row, an `initial`, a history, as a region, or by `on_cancel`."""
+    active = reached(survey)
+    lost = [
+        spot
+        for spot in survey.spots
+        if spot not in active and (spot.parent is None or spot.parent in active) and survey.by_name[spot.name] is spot
+    ]
+    led = {target for spot in lost for each in _subtree(survey, spot) for target in _targets(survey, each, spot)}
+    explained: set[Spot] = set()
+    reach = Reach(survey)
+    for heads in ([spot for spot in lost if spot not in led], lost):
+        for spot in heads:
+            if spot not in explained and spot not in reach.active:
+                explained.add(spot)
+                reach.enter([spot])
+    for spot in lost:
+        if spot in explained:
+            yield (
+                spot.place,
+                f'nothing leads to \'{spot.name}\'; add a row with "to": "{spot.name}", or take the state away',
+            )
+
+
+def _subtree(survey: Survey, spot: Spot) -> list[Spot]:
+    return survey.spots[spot.index : spot.last + 1]
+
+
+def _targets(survey: Survey, spot: Spot, whole: Spot) -> Iterator[Spot]:
+    """Where rows inside a lost state lead to outside it, as the outermost lost states."""
+    for row in spot.rows:
+        for target in survey.found(row.transition.to):
+            for here in target.upward():
+                if here is not whole and not here.inside(whole):
+                    yield here
+
+
+def dead_ends(survey: Survey) -> Found:
+    """A state that only waits has a row, here or further out, that can fire and leaves it."""
+    for spot in _waiting(survey):
+        if not any(_frees(survey, row, spot) for row in (*_rows_here(spot), *_own_rows(survey))):
+            yield (
+                spot.place,
+                f"nothing can leave '{spot.name}': it is not final, runs nothing, "
+                "and no row that can fire leads out of it; add a row, or make it final",
+            )
+
+
+def waiting_rooms(survey: Survey) -> Found:
+    """A state that only waits is left by more than the mission's own rows without an event, which protect."""
+    for spot in _waiting(survey):
+        if any(_frees(survey, row, spot) for row in _rows_here(spot)):
+            continue
+        rows = [row for row in _own_rows(survey) if _frees(survey, row, spot)]
+        if rows and all(row.transition.eventless for row in rows):
+            places = ", ".join(row.place for row in rows[:4])
+            yield (
+                spot.place,
+                f"only the mission's own {places} can leave '{spot.name}'; give it a row of its own, or make it final",
+            )
+
+
+def _waiting(survey: Survey) -> Iterator[Spot]:
+    """The reachable states that run nothing and are left by rows alone."""
+    for spot in survey.spots:
+        ends = isinstance(spot.state, Final | History) or spot.children or spot.state.activity()
+        timed = any(here.state.timeout_s is not None for here in spot.upward())
+        if not ends and not timed and spot in reached(survey):
+            yield spot
+
+
+def _rows_here(spot: Spot) -> Iterator[Row]:
+    """The rows of the state and its ancestors."""
+    for here in spot.upward():
+        yield from here.rows
+
+
+def _own_rows(survey: Survey) -> list[Row]:
+    """The mission's own rows, which stand last."""
+    return survey.rows[len(survey.rows) - len(survey.mission.transitions) :]
+
+
+def _frees(survey: Survey, row: Row, spot: Spot) -> bool:
+    """Whether a row can fire while the state is active, and leads elsewhere."""
+    transition = row.transition
+    if not transition.to or all(survey.spot(name) is spot for name in transition.to):
+        return False
+    if not transition.on:
+        return True
+    if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in transition.on):
+        return True
+    outcomes = _heard_over(survey, row, spot)
+    return any(word in outcomes for word in transition.on)
+
+
+def _heard_over(survey: Survey, row: Row, spot: Spot) -> frozenset[str]:
+    """The outcomes that a row can hear while a state that runs nothing is active: those of regions beside it."""
+    if row.transition.of is not None:
+        source = survey.spot(row.transition.of)
+        return reported(survey).by(source) if source is not None else frozenset()
+    for here in spot.upward():
+        if isinstance(here.state, Parallel) and (here is row.owner or row.owner is None or here.inside(row.owner)):
+            return reported(survey).heard(row.owner)
+    return frozenset()

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rows that never fire: an earlier one of the same state always comes first, or the guard cannot be true."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+from rai_missions.check.logic import ALWAYS, Form, form, implies, never
+from rai_missions.check.survey import Row, Survey
+from rai_missions.states.state import ANY_EVENT
+
+__all__ = ("impossible_guards", "overlapping_rows")
+
+Found = Iterator[tuple[str, str]]
+NEAR = 64
+"""So many earlier rows of the same trigger are compared with; more of them make a long table, not a mistake."""
+
+
+def overlapping_rows(survey: Survey) -> Found:
+    """No row comes after one of the same state that fires whenever it would."""
+    for _, rows in itertools.groupby(survey.rows, key=lambda row: row.owner):
+        earlier: dict[tuple[str, str], list[tuple[Row, Form]]] = {}
+        for row in rows:
+            guard = form(row.transition.when)
+            words = _triggers(row)
+            if not never(guard):
+                before = [_first(survey, earlier, word, guard) for word in words]
+                if before and all(found is not None for found in before):
+                    yield row.place, _overlap(row, [found for found in before if found is not None])
+                elif row.transition.after_s is not None and (late := _late(earlier, row.transition.after_s)):
+                    yield (
+                        row.place,
+                        f"this row never fires: {late.place} leaves the state before; swap their times",
+                    )
+            for word in words:
+                earlier.setdefault(word, []).append((row, guard))
+
+
+def _triggers(row: Row) -> list[tuple[str, str]]:
+    """What can fire a row: each word of `on` with the state that it is `of`, the time, or nothing."""
+    transition = row.transition
+    if transition.after_s is not None:
+        return [("after_s", str(transition.after_s))]
+    return [(word, transition.of or "") for word in transition.on] or [("", "")]
+
+
+def _first(
+    survey: Survey, earlier: dict[tuple[str, str], list[tuple[Row, Form]]], word: tuple[str, str], guard: Form
+) -> Row | None:
+    """The earlier row that fires whenever this guard is true and this trigger comes."""
+    declared = word[0] in survey.mission.events
+    rows = earlier.get(word, []) + (earlier.get((ANY_EVENT, ""), []) if declared else [])
+    for row, other in (*rows[:NEAR], *rows[NEAR:][-NEAR:]):
+        if other == ALWAYS or implies(guard, other):
+            return row
+    return None
+
+
+def _late(earlier: dict[tuple[str, str], list[tuple[Row, Form]]], after_s: float) -> Row | None:
+    """A row that has left the state by then, whatever is known."""
+    for (word, _), rows in earlier.items():
+        for row, guard in rows[:NEAR] if word == "after_s" else ():
+            sooner = row.transition.after_s is not None and row.transition.after_s < after_s
+            if sooner and guard == ALWAYS and row.transition.to and not row.transition.internal:
+                return row
+    return None
+
+
+def _overlap(row: Row, before: list[Row]) -> str:
+    places = ", ".join(dict.fromkeys(found.place for found in before))
+    when = "its guard holds" if row.transition.when is not None else "its trigger comes"
+    verb = "comes" if len({found.place for found in before}) == 1 else "come"
+    return f"this row never fires: whenever {when}, {places} {verb} first; put the narrower row first, or take one away"
+
+
+def impossible_guards(survey: Survey) -> Found:
+    """A guard can be true: it does not ask for two things that exclude each other."""
+    for guard, place, role, _ in survey.guards:
+        if role != "invariant" and never(form(guard)):
+            yield (
+                place,
+                f"this can never be true: {guard.words():.200}; keep one of the conditions that exclude each other",
+            )
