@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A chat model as whoever is asked: it may wish for an option, and that is all.
+
+Rule: whatever the model does – raise, hang, babble, flood – its question is answered once, in time, and the next one
+is taken.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal, get_args
+
+from langchain_core.language_models import BaseChatModel
+from langchain_core.tools import BaseTool
+from pydantic import SecretStr
+
+from rai_missions.agents.modes import Mode, takes_images
+from rai_missions.agents.pending import Pending
+from rai_missions.agents.reading import Reading
+from rai_missions.agents.redact import Redaction
+from rai_missions.agents.thought import Manner, Spent, Thought, is_read_only
+from rai_missions.agents.watch import DeadlineWatch
+from rai_missions.embodiment.identity import Identity
+from rai_missions.errors import UsageError
+from rai_missions.verdict import Question
+from rai_missions.written import suggestion
+
+__all__ = ("DecisionAgent",)
+
+LONGEST_WHY = 300
+
+
+class DecisionAgent:
+    """Asks a langchain chat model, each question on a thread of its own.
+
+    Args:
+        model: Who is asked.
+        identity: Who the model is, as an embodied being; shown with each question.
+        tools: What it may look things up with, where a question names it; only those marked read-only are ever run.
+        mode: How it is asked: by a JSON Schema, by one function an option, in plain text; `auto` finds out.
+        images: Whether it is shown pictures; `auto`: if its profile says that it takes them.
+        at_once: How many questions may be in work; one that hangs counts until it comes back.
+        longest_s: Wall time for one question, where neither it nor its budget sets one.
+
+    Raises:
+        UsageError: No such mode.
+    """
+
+    def __init__(
+        self,
+        model: BaseChatModel,
+        identity: Identity | None = None,
+        tools: Sequence[BaseTool] = (),
+        *,
+        mode: Literal["auto", "json_schema", "tools", "text"] = "auto",
+        images: Literal["auto", "yes", "no"] = "auto",
+        at_once: int = 4,
+        longest_s: float = 300.0,
+    ) -> None:
+        for given, known, what in (
+            (mode, ("auto", *get_args(Mode)), "mode"),
+            (images, ("auto", "yes", "no"), "images"),
+        ):
+            if given not in known:
+                raise UsageError(f"{what} '{given}' does not exist{suggestion(given, known)}")
+        self._redaction = Redaction(_secrets_of(model))
+        self._manner = Manner(
+            model,
+            mode,
+            {tool.name: tool for tool in tools if is_read_only(tool)},
+            identity,
+            takes_images(model) if images == "auto" else images == "yes",
+            self._redaction.text,
+        )
+        self._at_once, self._longest_s = at_once, longest_s
+        self._unfit: set[Mode] = set()
+        self._lock = threading.Lock()
+        self._pending: dict[int, Pending] = {}
+        self._threads: set[threading.Thread] = set()
+        self._watch = DeadlineWatch()
+
+    def run(self) -> None:
+        """Nothing to begin: a question finds its own thread."""
+
+    def stop(self, within_s: float = 1.0) -> None:
+        """Drop every question and wait for those that think, so long at most: what hangs never holds up the program."""
+        with self._lock:
+            dropped, threads = list(self._pending.values()), list(self._threads)
+            self._pending.clear()
+        for pending in dropped:
+            pending.close()
+        self._watch.look()
+        ends = time.monotonic() + within_s
+        for thread in threads:
+            if thread is not threading.current_thread():
+                thread.join(max(0.0, ends - time.monotonic()))
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        """Think about a question on a thread of its own."""
+        pending = Pending(question, answer, longest_s=self._longest_s)
+        thought = Thought(pending, self._manner, frozenset(self._unfit))
+        # Python cannot end a thread that hangs in a model: a daemon does not hold up the program's end.
+        thread = threading.Thread(target=self._work, args=(thought,), name=f"question {question.number}", daemon=True)
+        with self._lock:
+            busy = len(self._threads)
+            if busy < self._at_once:
+                self._threads.add(thread)
+                self._pending[question.number] = pending
+        if busy >= self._at_once:
+            pending.tell({"absent": f"the model has not come back from {busy} earlier questions"})
+            return
+        self._watch.add(pending, lambda: self._give_up(thought))
+        thread.start()
+
+    def withdraw(self, number: int) -> None:
+        """The question is no longer asked; what comes back is dropped."""
+        with self._lock:
+            pending = self._pending.pop(number, None)
+        if pending is not None and pending.close():
+            self._watch.look()
+
+    def _work(self, thought: Thought) -> None:
+        pending = thought.pending
+        said = self._answer(thought)
+        with self._lock:
+            self._threads.discard(threading.current_thread())
+            if self._pending.get(pending.question.number) is pending:
+                del self._pending[pending.question.number]
+        if pending.tell(said):
+            self._watch.look()
+
+    def _answer(self, thought: Thought) -> dict[str, Any]:
+        try:
+            reading = thought.think()
+        except Spent as spent:
+            reading = Reading(failed=str(spent))
+        except BaseException as error:  # noqa: BLE001 - even an exit that the model asks for is only a failed answer
+            reading = Reading(failed=f"the model raised {type(error).__name__}: {_first_line(error)}")
+        if reading.wish:
+            self._unfit.update(thought.unfit)
+            return self._told(thought, reading.wish)
+        return self._told(thought, {"failed": self._redaction.text(reading.failed)[:LONGEST_WHY]})
+
+    def _give_up(self, thought: Thought) -> None:
+        pending = thought.pending
+        pending.tell(self._told(thought, {"failed": f"no answer within {pending.taken_s:.1f} s"}))
+
+    def _told(self, thought: Thought, said: Mapping[str, Any]) -> dict[str, Any]:
+        cleaned: dict[str, Any] = self._redaction.json({**said, "usage": thought.usage()})
+        return cleaned
+
+
+def _first_line(error: BaseException) -> str:
+    try:
+        return (str(error).strip().splitlines() or [""])[0]
+    except Exception:  # noqa: BLE001 - an exception that cannot say what it is
+        return ""
+
+
+def _secrets_of(model: BaseChatModel) -> Iterable[str]:
+    """The keys that a model was made with."""
+    return [value.get_secret_value() for value in vars(model).values() if isinstance(value, SecretStr)]

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a chat model can do, found out without asking it: structured output, calls of tools, pictures.
+
+Rule: what a model's class and profile say is believed until a call shows otherwise; then the next mode is tried.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from langchain_core.language_models import BaseChatModel
+from langchain_core.runnables import Runnable, RunnableSequence
+from langchain_core.tools import BaseTool
+
+from rai_missions.agents.reading import callable_name
+from rai_missions.verdict import Offer, Question
+
+__all__ = (
+    "Bound", "Mode", "bound", "calls_tools", "fills_schemas", "modes_of", "takes_images", "tool_specifications",
+    "wish_schema",
+)  # fmt: skip
+
+Bound = Runnable[Any, Any]
+"""Takes messages, gives a message."""
+Mode = Literal["json_schema", "tools", "text"]
+WHY = {"type": "string", "maxLength": 120, "description": "The reason, in a few words."}
+NO_PARAMETERS = {"type": "object", "properties": {}, "additionalProperties": False}
+
+
+def modes_of(model: BaseChatModel, wanted: str, *, uses_tools: bool) -> tuple[Mode, ...]:
+    """The ways in which a model can be asked for one option, best first.
+
+    Args:
+        model: Whoever is asked.
+        wanted: `auto`, or the one mode to use.
+        uses_tools: Read-only tools may be used while it thinks; they need calls of tools.
+    """
+    if wanted != "auto":
+        return (wanted,)  # type: ignore[return-value]  # checked where the agent is made
+    able: list[Mode] = ["json_schema"] if fills_schemas(model) else []
+    if calls_tools(model):
+        able.insert(0 if uses_tools else len(able), "tools")
+    return (*able, "text")
+
+
+def calls_tools(model: BaseChatModel) -> bool:
+    """Whether tools can be bound to a model, by its profile, else by its class."""
+    said = _profile(model).get("tool_calling")
+    return bool(said) if said is not None else type(model).bind_tools is not BaseChatModel.bind_tools
+
+
+def fills_schemas(model: BaseChatModel) -> bool:
+    """Whether a model's class takes `method="json_schema"`, and its profile does not deny it."""
+    if _profile(model).get("structured_output") is False:
+        return False
+    method = inspect.signature(type(model).with_structured_output).parameters.get("method")
+    return method is not None and "json_schema" in str(method.annotation)
+
+
+def takes_images(model: BaseChatModel) -> bool:
+    """Whether a model's profile says that it takes pictures; a model without a profile is not sent any."""
+    return bool(_profile(model).get("image_inputs"))
+
+
+def _profile(model: BaseChatModel) -> Mapping[str, Any]:
+    return getattr(model, "profile", None) or {}
+
+
+def bound(model: BaseChatModel, mode: Mode, question: Question, tools: Mapping[str, BaseTool]) -> Bound:
+    """The model, set up to answer a question in a mode; its answers are messages, to be read by ourselves."""
+    if mode == "json_schema":
+        return _unparsed(model.with_structured_output(wish_schema(question.options), method="json_schema"))
+    if mode == "tools":
+        offered: list[Any] = [*tools.values(), *tool_specifications(question.options)]
+        try:
+            return model.bind_tools(offered, tool_choice="any")
+        except (NotImplementedError, TypeError, ValueError):
+            return model.bind_tools(offered)
+    return model
+
+
+def _unparsed(chain: Runnable[Any, Any]) -> Bound:
+    """The model at the head of a chain that would parse what it says, or raise on it.
+
+    The chain that keeps the raw answer is of no use: its pool of threads holds up the program's end where one hangs.
+    """
+    return chain.first if isinstance(chain, RunnableSequence) else chain
+
+
+def wish_schema(offers: Sequence[Offer]) -> dict[str, Any]:
+    """The JSON Schema of an answer to these offers; the reason first, since it is to come before the choice."""
+    properties: dict[str, Any] = {"why": WHY, "option": {"type": "string", "enum": [offer.name for offer in offers]}}
+    given = [dict(offer.parameters) for offer in offers if offer.parameters]
+    if given:
+        free = [NO_PARAMETERS] if len(given) < len(offers) else []
+        choices = [*free, *given]
+        properties["parameters"] = choices[0] if len(choices) == 1 else {"anyOf": choices}
+    return {
+        "title": "answer",
+        "description": "The option chosen, and why.",
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+        "additionalProperties": False,
+    }
+
+
+def tool_specifications(offers: Sequence[Offer]) -> list[dict[str, Any]]:
+    """One function an option, in the form that every provider's package understands."""
+    return [
+        {
+            "type": "function",
+            "function": {
+                "name": callable_name(offer.name),
+                "description": f"Choose this option: {offer.about or offer.name}",
+                "parameters": _with_why(dict(offer.parameters or NO_PARAMETERS)),
+            },
+        }
+        for offer in offers
+    ]
+
+
+def _with_why(schema: dict[str, Any]) -> dict[str, Any]:
+    properties = schema.get("properties", {})
+    return schema if "why" in properties else schema | {"type": "object", "properties": {"why": WHY, **properties}}

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a model's message says: a wish for one option, calls of tools, or nothing that can be read.
+
+Rule: nothing is guessed. A wish is one call of an option, one JSON object, or one option's name and nothing else.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rai_missions.verdict import Offer, Question
+
+if TYPE_CHECKING:
+    from langchain_core.messages import AIMessage
+
+__all__ = ("Reading", "callable_name", "read")
+
+LONGEST = 20_000
+"""Characters of an answer that are read; more is refused unread."""
+LONGEST_NAME = 200
+LONGEST_WHY = 500
+CALLS = 100
+"""Calls in one message that are looked at; no budget allows as many."""
+UNREADABLE = "answered with a call whose arguments are not JSON, or are too long"
+THOUGHT = re.compile(r"<think>.*?</think>", re.DOTALL)
+"""Thinking aloud is no part of the answer; some models send it along as text."""
+
+
+class Reading(NamedTuple):
+    """What a message says; one of the three is filled."""
+
+    wish: Mapping[str, Any] | None = None
+    """`option`, `parameters`, `why`."""
+    calls: tuple[Mapping[str, Any], ...] = ()
+    """Calls of tools that are no options, as langchain has them: `name`, `args`, `id`."""
+    failed: str = ""
+
+
+def callable_name(option: str) -> str:
+    """An option's name as the name of a function: providers allow no slash in it."""
+    return option.replace("/", "__")[:64]
+
+
+def read(message: AIMessage, question: Question, clean: Callable[[str], str] = str) -> Reading:
+    """Read a model's message as an answer to a question.
+
+    Args:
+        message: What the model said.
+        question: What it was asked.
+        clean: Takes secrets out of a text; done before a text is cut, so that no half of one is left.
+    """
+    if len(message.text) > LONGEST:
+        return Reading(failed=f"answered with {len(message.text)} characters; at most {LONGEST} are read")
+    calls = list(message.tool_calls or ())
+    broken = len(message.invalid_tool_calls or ())
+    offers = {callable_name(offer.name): offer for offer in question.options}
+    options = [call for call in calls if call["name"] in offers]
+    if options and len(calls) + broken > 1:
+        return Reading(failed=f"answered with {len(calls) + broken} calls; one was asked for")
+    if options:
+        return _called(offers[options[0]["name"]], options[0]["args"], clean)
+    if calls:
+        return _asked_for(calls)
+    if broken:
+        return Reading(failed=f"answered with {broken} call{'s' * (broken > 1)} whose arguments are not JSON")
+    return _said(clean(message.text), {offer.name for offer in question.options}, clean)
+
+
+def _asked_for(calls: Sequence[Mapping[str, Any]]) -> Reading:
+    """Calls of tools, with arguments that are JSON and not long."""
+    plain = tuple({**call, "args": _plain(call["args"])} for call in calls[:CALLS])
+    if any(not isinstance(call["args"], dict) for call in plain):
+        return Reading(failed=UNREADABLE)
+    return Reading(calls=plain)
+
+
+def _called(offer: Offer, arguments: Any, clean: Callable[[str], str]) -> Reading:
+    given = _plain(arguments)
+    if not isinstance(given, dict):
+        return Reading(failed=UNREADABLE)
+    properties = (offer.parameters or {}).get("properties", {})
+    why = given.pop("why", "") if "why" not in properties else ""
+    return _wish(offer.name, given, why, clean)
+
+
+def _said(text: str, offered: Collection[str], clean: Callable[[str], str]) -> Reading:
+    text = THOUGHT.sub("", text).strip()
+    if not text:
+        return Reading(failed="answered nothing")
+    if text in offered:
+        return _wish(text, {}, "", clean)
+    found = _objects(text)
+    if found is None:
+        return Reading(failed=f"answered with JSON that is broken: {text[:120]!r}")
+    if len(found) > 1:
+        return Reading(failed=f"answered with {len(found)} objects; one was asked for")
+    if not found or "option" not in found[0]:
+        return Reading(failed=f"answered without naming an option in JSON: {text[:120]!r}")
+    given = found[0]
+    unknown = sorted(given.keys() - {"option", "parameters", "why"})
+    if unknown:
+        return Reading(failed=f"answered with {unknown[0]!r:.60}, which was not asked for; say option, parameters, why")
+    parameters = given.get("parameters")
+    return _wish(given["option"], {} if parameters is None else parameters, given.get("why", ""), clean)
+
+
+def _wish(option: Any, parameters: Any, why: Any, clean: Callable[[str], str]) -> Reading:
+    if not isinstance(option, str):
+        return Reading(failed=f"'option' is the name of one option, not {option!r:.60}")
+    if len(option) > LONGEST_NAME:
+        return Reading(failed=f"'option' is the name of one option, not {len(option)} characters")
+    if not isinstance(parameters, dict):
+        return Reading(failed=f"'parameters' is an object, not {parameters!r:.60}")
+    said = why if isinstance(why, str) else ""
+    return Reading({"option": option, "parameters": parameters, "why": clean(said)[:LONGEST_WHY]})
+
+
+def _plain(value: Any) -> Any:
+    """The value as JSON would bring it back, or None: not JSON, too deep or too long."""
+    try:
+        text = json.dumps(value, allow_nan=False)
+    except (TypeError, ValueError, RecursionError):
+        return None
+    return _loaded(text, 0)[0] if len(text) <= LONGEST else None
+
+
+def _objects(text: str) -> list[dict[str, Any]] | None:
+    """The JSON objects that stand side by side in a text; None where a brace begins something else.
+
+    What stands inside half an object is no answer: it may be an example.
+    """
+    found: list[dict[str, Any]] = []
+    start = text.find("{")
+    while start >= 0:
+        value, end = _loaded(text, start)
+        if not isinstance(value, dict):
+            return None
+        found.append(value)
+        start = text.find("{", end)
+    return found
+
+
+def _loaded(text: str, start: int) -> tuple[Any, int]:
+    """The JSON value that begins at a place, and where it ends; None, and the next place, where there is none."""
+    try:
+        value, end = DECODER.raw_decode(text, start)
+        json.dumps(
+            value, ensure_ascii=False, allow_nan=False
+        ).encode()  # half a surrogate pair could never be written down
+    except (ValueError, RecursionError):
+        return None, start + 1
+    return value, end
+
+
+def _unambiguous(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len({name for name, _ in pairs}) != len(pairs):
+        raise ValueError("a name is said twice")
+    return dict(pairs)
+
+
+def _no_number(name: str) -> Any:
+    raise ValueError(f"JSON has no {name}")
+
+
+DECODER = json.JSONDecoder(object_pairs_hook=_unambiguous, parse_constant=_no_number)

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Keeps keys and tokens out of whatever leaves this room: answers, reasons, the texts of exceptions."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+__all__ = ("Redaction",)
+
+HIDDEN = "[hidden]"
+SHORTEST = 6
+"""A shorter value is no secret, and hiding it would garble the text."""
+VARIABLES = ("_API_KEY", "_API_TOKEN", "_ACCESS_KEY", "_AUTH_TOKEN", "_SECRET")
+SHAPES = re.compile(
+    r"\b(?:sk|pk|rk|gsk|xai|pplx|hf|r8|ghp|gho|ghs|github_pat|glpat|xox[abp])[-_][A-Za-z0-9_\-]{6,}"
+    r"|\bAIza[A-Za-z0-9_\-]{10,}|\bAKIA[A-Z0-9]{12,}"
+    r"|\beyJ[A-Za-z0-9_\-]{8,}\.[A-Za-z0-9_\-]{4,}(?:\.[A-Za-z0-9_\-]*)?"
+    r"|(?i:(?<=bearer )|(?<=basic ))[A-Za-z0-9_\-.+/=]{6,}"
+    r"|(?i:(?<=api[-_ ]key[:=])|(?<=apikey[:=])|(?<=api[-_ ]key[:=] ))[^\s\"',;&]{6,}"
+)
+"""What keys look like, by the prefixes that their issuers give them, or by the words before them."""
+
+
+class Redaction:
+    """Hides secrets by their shape, by the values of `*_API_KEY` variables, and the ones it is told.
+
+    Args:
+        secrets: Further values never to be shown, such as a model's own key.
+    """
+
+    def __init__(self, secrets: Iterable[str] = ()) -> None:
+        self._secrets = frozenset(secret for secret in secrets if len(secret) >= SHORTEST)
+
+    def text(self, text: str) -> str:
+        """The text without secrets."""
+        known = {value for name, value in os.environ.items() if name.upper().endswith(VARIABLES)}
+        for secret in sorted(self._secrets | known, key=len, reverse=True):
+            if len(secret) >= SHORTEST:
+                text = text.replace(secret, HIDDEN)
+        return SHAPES.sub(HIDDEN, text)
+
+    def json(self, value: Any) -> Any:
+        """A JSON value in which no text holds a secret."""
+        if isinstance(value, str):
+            return self.text(value)
+        if isinstance(value, Mapping):
+            return {self.text(name): self.json(item) for name, item in value.items()}
+        return [self.json(item) for item in value] if isinstance(value, list) else value
