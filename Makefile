@@ -42,7 +42,9 @@ drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simul
 	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) -m "" --timeout 3600 $(TESTS)
 
 bench: .venv/.ready-bench ## Measure against the peers
-	$(BIN)/python -m benchmarks
+	@for each in benchmarks/bench_*.py; do \
+	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)"; \
+	done
 
 pictures: .venv/.ready-dev ## Draw the stored pictures anew
 	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
