@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A simulated robot and its surroundings, as a connector's peer.
 
-Rule: a world keeps no clock but its own simulated time, and the same seed and the same calls give the same run, to the bit.
+Rule: a world keeps no clock but its own simulated time, and the same seed and the same calls give the same run, to the
+bit.
 """
 
 from __future__ import annotations
@@ -60,9 +61,15 @@ def open_world(name: str, **options: Any) -> World:
         world = getattr(importlib.import_module(module), class_name)
     except ModuleNotFoundError as fault:
         raise UsageError(
-            f"the world {name!r} needs the package {fault.name!r}: pip install 'rai_missions[sim]' (Python 3.11 or newer)"
+            f"the world {name!r} needs the package {fault.name!r} (Python 3.11 or newer): "
+            "pip install 'rai_missions[sim]'"
         ) from fault
-    known = [option for option in inspect.signature(world).parameters]
+    except (ImportError, AttributeError, OSError, RuntimeError) as fault:
+        raise UsageError(
+            f"the world {name!r} cannot be drawn without a display ({fault}): install EGL (Debian: apt-get install "
+            "libegl1 libgl1 libgl1-mesa-dri), or do without pictures: MUJOCO_GL=disabled and camera=False"
+        ) from fault
+    known = list(inspect.signature(world).parameters)
     unknown = sorted(set(options) - set(known))
     if unknown:
         raise UsageError(f"the world {name!r} has no option {unknown[0]!r}; there are: {', '.join(known)}")

@@ -156,7 +156,7 @@ class Cross(OneGoal):
         if self._judge.crossing.outcome == "failed":
             self._judge.begin(self.autonomy.pose, self.autonomy.range_m or 0.0)
         self._start = self.autonomy.pose[:2]
-        return "" if self.autonomy.proceed() else "the tractor does not drive on"
+        return "" if self.autonomy.proceed(over=True) else "the tractor does not drive on"
 
     def end(self, running: Running, pose: Pose) -> tuple[str, str]:
         crossing = self._judge.crossing

@@ -19,10 +19,17 @@ __all__ = ("Autonomy", "Word")
 
 Word = Literal["STOPPED", "DRIVING", "REVERSING", "CHANGING_PATH", "FINISHED"]
 """The states of the upstream demo."""
-STOP_AT_M = 5.0
+Starts = list[tuple[tuple[Move, ...], Place]]
+STOP_AT_M, WAIT_AT_M = 5.0, 1.5
+"""In an alley it hands over for what is nearer than the first; on a headland it waits while something is nearer than
+the second."""
+LOST_M = 2.0
+"""So far off its way, it does not trust itself."""
 ACCEPTED_BEYOND_M = 2.5
 """What is driven over may lie so far beyond where it was first seen: it has a length, and it rolls."""
-CROSSING_MPS = 0.9
+CROSSING_MPS = 1.2
+LOOKS_AGAIN_S = 0.6
+"""Told to drive on, it looks for so long whether the way is still blocked."""
 ENTERED_M = 3.0
 
 
@@ -43,9 +50,11 @@ class Autonomy:
         self._from_east = [False] * lattice.layout.alleys
         self._undone = set(range(lattice.layout.alleys))
         self._blocked: set[int | None] = set()
+        self._rough: set[int | None] = set()
         self._is_parked = True
         self._is_homing = False
         self._accepted: tuple[float, float, float] | None = None
+        self._looks_s = 0.0
         self.word: Word = "CHANGING_PATH"
         self.pose = Pose(*lattice.layout.home, 0.0)
         self.range_m: float | None = None
@@ -74,13 +83,19 @@ class Autonomy:
     def is_crossing(self) -> bool:
         return self._accepted is not None
 
-    def proceed(self) -> bool:
-        """Drive on. What stands in the way now, and is seen, is accepted: the tractor drives over it."""
+    def proceed(self, *, over: bool) -> bool:
+        """Drive on.
+
+        Args:
+            over: What is in the way now is accepted: the tractor drives over it. Otherwise it looks again, and hands
+                over again if something is still there.
+        """
         if self._is_homing or (self.word == "FINISHED" and not self._undone):
             return False
         if self.is_driving:
             return True
-        if self.word == "STOPPED":
+        self._looks_s = LOOKS_AGAIN_S
+        if over and self.word == "STOPPED":
             self._accept()
         if self.word == "FINISHED":
             self._tries = [0] * len(self._tries)
@@ -122,13 +137,17 @@ class Autonomy:
         self._say()
         return True
 
-    def step(self, pose: Pose, range_m: float | None) -> tuple[float, float]:
+    def step(self, pose: Pose, range_m: float | None, period_s: float) -> tuple[float, float]:
         """The speed (m/s) and curvature (1/m) to command now."""
         self.pose, self.range_m = pose, range_m
         if self._is_parked:
             return 0.0, 0.0
         if self._is_in_the_way():
-            return self._hand_over()
+            self._looks_s -= period_s
+            return (0.0, 0.0) if self._looks_s > 0 else self._hand_over()
+        self._looks_s = 0.0
+        if self._waits() or self._is_lost():
+            return 0.0, 0.0
         before, last = self._follower.move, self._follower.moves[-1:]
         speed, bend = self._follower.step(pose)
         self._note_progress(before)
@@ -161,7 +180,7 @@ class Autonomy:
         """Go on to the nearest alley that is left: first those not tried yet."""
         move = self._follower.move
         leaving = move if move is not None and move.alley not in self._blocked and move.ahead > 0 else None
-        starts = [((), move.end)] if leaving is not None and move is not None else self._starts()
+        starts: Starts = self._starts() if leaving is None else [((), leaving.end)]
         left = self._undone - ({leaving.alley} if leaving is not None else set())
         for tries in range(self._attempts):
             choices = [self._way_into(alley, starts) for alley in sorted(left) if self._tries[alley] == tries]
@@ -174,9 +193,7 @@ class Autonomy:
         if leaving is None:
             self._is_parked, self.word = True, "FINISHED"
 
-    def _way_into(
-        self, alley: int, starts: list[tuple[tuple[Move, ...], Place]]
-    ) -> tuple[float, tuple[Move, ...]] | None:
+    def _way_into(self, alley: int, starts: Starts) -> tuple[float, tuple[Move, ...]] | None:
         """To one of an alley's mouths – after a failed attempt the other one – and through it."""
         ends = (not self._from_east[alley],) if self._tries[alley] else (True, False)
         mouths = {self._lattice.mouth(alley, east=east, heading=2 if east else 0) for east in ends}
@@ -190,15 +207,16 @@ class Autonomy:
         return cost, (*moves, self._lattice.through(alley, start))
 
     def _is_passable(self, alley: int) -> bool:
-        return alley not in self._blocked
+        """Whether to pass through on the way to somewhere else: not where something was in the way."""
+        return alley not in self._blocked and alley not in self._rough
 
-    def _starts(self) -> list[tuple[tuple[Move, ...], Place]]:
+    def _starts(self) -> Starts:
         """Where a new way can begin: at the end of the present move, or behind, out of an alley backwards."""
         move = self._follower.move
         if move is None:
             return [((), self._here)]
         rest = self._follower.rest_of_move()
-        starts: list[tuple[tuple[Move, ...], Place]] = []
+        starts: Starts = []
         if rest is not None and not (move.ahead > 0 and move.alley in self._blocked):
             starts.append(((rest,), rest.end))
         if move.alley is not None and move.ahead > 0:
@@ -213,16 +231,27 @@ class Autonomy:
             return False
         return self._accepted is None or self._hit_m() > self._accepted[2]
 
+    def _waits(self) -> bool:
+        """Whether somebody is in the way where nothing should be: on a headland."""
+        move = self._follower.move
+        on_headland = move is not None and move.alley is None and move.ahead > 0
+        return on_headland and self.range_m is not None and self.range_m < WAIT_AT_M
+
+    def _is_lost(self) -> bool:
+        if self._follower.off_m(self.pose) > LOST_M:
+            self.stop()
+        return self._is_parked
+
     def _hit_m(self) -> float:
         """Where the nearest thing ahead is, along the tractor's way."""
         way = self._accepted or (math.cos(self.pose.heading), math.sin(self.pose.heading), 0.0)
         return self.pose.x * way[0] + self.pose.y * way[1] + NOSE_M + (self.range_m or 0.0)
 
     def _hand_over(self) -> tuple[float, float]:
-        distance = self.range_m or 0.0
+        distance, move = self.range_m or 0.0, self._follower.move
+        assert move is not None and move.alley is not None
+        self._rough.add(move.alley)
         if self._is_homing:
-            move = self._follower.move
-            assert move is not None and move.alley is not None
             self._blocked.add(move.alley)
             goal = self._follower.moves[-1].end
             if not self.go_to(goal):

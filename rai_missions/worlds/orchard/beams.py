@@ -13,8 +13,9 @@ from rai_missions.worlds.orchard.tractor import NOSE_M
 
 __all__ = ("Beams",)
 
-HALF_WIDTH_M, ACROSS = 1.25, 9
-HEIGHTS_M = (0.09, 0.3, 0.9)
+HALF_WIDTH_M, ACROSS = 1.25, 13
+HEIGHTS_M = (0.09, 0.3, 0.55, 0.9, 1.3)
+"""Closer together than anything that must be seen is wide."""
 REACH_M = 12.0
 
 
@@ -29,11 +30,18 @@ class Beams:
     def __init__(self, model: Any, data: Any) -> None:
         self._model, self._data = model, data
         self._body = model.body("tractor").id
-        self._groups = np.array([0, 0, 0, 1, 1, 0], np.uint8)
+        self._everything = np.array([0, 0, 0, 1, 1, 0], np.uint8)
+        self._but_trees = np.array([0, 0, 0, 1, 0, 0], np.uint8)
         self._hit = np.array([-1], np.int32)
 
-    def ahead_m(self, x: float, y: float, heading: float) -> float | None:
-        """From the nose to the nearest thing ahead in the tractor's own width, if there is one within 12 m."""
+    def ahead_m(self, x: float, y: float, heading: float, *, trees: bool) -> float | None:
+        """From the nose to the nearest thing ahead in the tractor's own width, if there is one within 12 m.
+
+        Args:
+            x, y, heading: Where the tractor is.
+            trees: Whether trunks count; when it turns among them, the map has them.
+        """
+        groups = self._everything if trees else self._but_trees
         ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
         nearest = REACH_M
         for across in np.linspace(-HALF_WIDTH_M, HALF_WIDTH_M, ACROSS):
@@ -41,6 +49,6 @@ class Beams:
                 [x + ahead[0] * NOSE_M - ahead[1] * across, y + ahead[1] * NOSE_M + ahead[0] * across, 0.0]
             )
             for start[2] in HEIGHTS_M:
-                found = mujoco.mj_ray(self._model, self._data, start, ahead, self._groups, 1, self._body, self._hit)
+                found = mujoco.mj_ray(self._model, self._data, start, ahead, groups, 1, self._body, self._hit)
                 nearest = found if 0 <= found < nearest else nearest
         return float(nearest) if nearest < REACH_M else None

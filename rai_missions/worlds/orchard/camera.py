@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from rai_missions.errors import ConnectorError
+from rai_missions.errors import UsageError
 from rai_missions.event import Image
 
 __all__ = ("Camera", "Frame", "Moment", "Sight")
@@ -74,6 +74,10 @@ class Camera:
         self._thread: ThreadPoolExecutor | None = None
         self._lock = threading.Lock()
 
+    def check(self) -> None:
+        """Make sure that it can render; a `UsageError` says what is missing."""
+        self._do(lambda: self._renderer(self._frame_size))
+
     def moment(self, data: Any) -> Moment:
         """Keep the present moment, to be rendered later or never."""
         return Moment(data.qpos.copy(), data.mocap_pos.copy(), data.mocap_quat.copy())
@@ -123,7 +127,7 @@ class Camera:
             try:
                 self._renderers[size] = mujoco.Renderer(self._model, *size)
             except Exception as fault:
-                raise ConnectorError(
+                raise UsageError(
                     f"the camera cannot render ({fault}): install EGL (Debian: libegl1 libgl1 libgl1-mesa-dri), "
                     "or open the orchard with camera=False"
                 ) from fault
@@ -158,7 +162,8 @@ class Camera:
             seen = self._render(moment, size)
         finally:
             renderer.disable_segmentation_rendering()
-        geom = np.where(seen[..., 1] == mujoco.mjtObj.mjOBJ_GEOM, seen[..., 0], -1)
+        # int(): numpy compares with an enum member pixel by pixel, in Python
+        geom = np.where(seen[..., 1] == int(mujoco.mjtObj.mjOBJ_GEOM), seen[..., 0], -1)
         bodies: NDArray[np.int32] = self._bodies[geom]
         return bodies
 

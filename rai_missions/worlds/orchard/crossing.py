@@ -8,6 +8,7 @@ touched at all.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -18,9 +19,9 @@ from rai_missions.worlds.orchard.tractor import TAIL_M, Pose, Tractor
 
 __all__ = ("Crossing", "Judge", "Outcome")
 
-Outcome = Literal["open", "passed", "failed"]
+Outcome = Literal["open", "passed", "failed", "left"]
 PUSHED_M, TILTED_DEG, STRUCK_N, STUCK_S = 1.0, 18.0, 25_000.0, 6.0
-EXTENT = {
+EXTENT: Mapping[Any, Callable[[Any, Any], float]] = {
     mujoco.mjtGeom.mjGEOM_SPHERE: lambda size, axes: size[0],
     mujoco.mjtGeom.mjGEOM_CAPSULE: lambda size, axes: size[0] + size[1] * abs(axes[2]),
     mujoco.mjtGeom.mjGEOM_CYLINDER: lambda size, axes: size[1] * abs(axes[2]) + size[0] * math.hypot(axes[0], axes[1]),
@@ -55,6 +56,7 @@ class Crossing:
     moved_m: float = 0.0
     """How far the obstacle is from where it was at the handover."""
     stuck_s: float = 0.0
+    touched_living: bool = False
 
     def facts(self) -> dict[str, Any]:
         """The measures, as plain data."""
@@ -92,13 +94,20 @@ class Judge:
         far = here + 2.5 + distance_m + 0.5 if number is None else self._reach(number, along)[1]
         self.crossing = Crossing(number, along, far, self._place(number))
 
+    def leave(self) -> None:
+        """The tractor goes another way: the obstacle stays where it is, not passed."""
+        if self.crossing is not None and self.crossing.outcome == "open":
+            self.crossing.outcome = "left"
+
     def watch(self, pose: Pose, period_s: float, *, driving: bool) -> None:
         """Look at the contacts of this instant."""
         forces = self._contacts()
-        self.touched |= {number for number, _, _ in forces if self._living[number]}
+        touched = {number for number, _, _ in forces if self._living[number]}
+        self.touched |= touched
         crossing = self.crossing
         if crossing is None or crossing.outcome != "open":
             return
+        crossing.touched_living = crossing.touched_living or bool(touched)
         self._measure(crossing, forces)
         crossing.stuck_s = crossing.stuck_s + period_s if driving and abs(pose.speed) < 0.05 else 0.0
         crossing.why = self._fault(crossing)
@@ -138,7 +147,7 @@ class Judge:
 
     def _fault(self, crossing: Crossing) -> str:
         lives = crossing.number is not None and self._living[crossing.number]
-        if self.touched:
+        if crossing.touched_living:
             return "touched something alive"
         if not lives and crossing.moved_m > PUSHED_M:
             return f"pushed it {crossing.moved_m:.1f} m along instead of driving over it"

@@ -24,7 +24,7 @@ from rai_missions.worlds.orchard.tractor import NOSE_M, Pose
 
 __all__ = ("Detector", "Errors")
 
-RANGE_M, HALF_WIDTH_M, FEWEST_PIXELS = 12.0, 1.7, 12
+RANGE_M, HALF_WIDTH_M, FEWEST_PIXELS = 10.0, 1.7, 12
 MOVED_M = 0.01
 
 
@@ -97,7 +97,7 @@ class Detector:
         dx, dy = places[:, 0] - pose.x, places[:, 1] - pose.y
         ahead = dx * math.cos(pose.heading) + dy * math.sin(pose.heading) - NOSE_M
         aside = np.abs(dy * math.cos(pose.heading) - dx * math.sin(pose.heading))
-        return bool(np.any((ahead > -2) & (ahead < RANGE_M + 2) & (aside < 3.5)))
+        return bool(np.any((ahead > -2) & (ahead < RANGE_M + 1) & (aside < 2.5)))
 
     def _measured(self, moment: Moment, places: NDArray[np.float64], pose: Pose) -> dict[int, tuple[float, float]]:
         """Distance and height of what is in sight; nothing is rendered while nothing has moved."""

@@ -15,6 +15,7 @@ __all__ = ("FIGURES", "LIVING", "figure", "meshes")
 LIVING = frozenset({"person", "animal"})
 GHOST = 'contype="0" conaffinity="0" mass="0" group="2"'
 SOLID = 'group="3" condim="6" friction="1.2 .05 .02" solref=".01 1"'
+TWIGGY = 'group="3" condim="6" friction="1.2 .05 .06" solref=".01 1"'
 """Rolling friction: without it a branch is bulldozed for metres instead of being driven over."""
 SKIN, VEST, TROUSERS, BOOTS, HAIR = ".86 .66 .53 1", ".95 .45 .08 1", ".16 .21 .36 1", ".14 .1 .08 1", ".2 .12 .07 1"
 WOOL, HIDE = ".92 .9 .84 1", ".13 .11 .1 1"
@@ -22,7 +23,7 @@ WOOL, HIDE = ".92 .9 .84 1", ".13 .11 .1 1"
 FIGURES = {
     "branch": f"""<geom type="mesh" mesh="branch" material="bark" {GHOST}/>
  <geom type="mesh" mesh="twigs" material="leaf" {GHOST}/>
- <geom type="capsule" fromto="-1.15 0 0 1.1 0 0" size=".065" mass="12" {SOLID}/>""",
+ <geom type="capsule" fromto="-1.15 0 0 1.1 0 0" size=".065" mass="12" {TWIGGY}/>""",
     "log": f"""<geom type="mesh" mesh="log" material="bark" {GHOST}/>
  <geom type="cylinder" euler="0 90 0" size=".215 1.17" material="wood" {GHOST}/>
  <geom type="cylinder" euler="0 90 0" size=".22 1.2" mass="180" {SOLID}/>""",
@@ -32,11 +33,13 @@ FIGURES = {
  <geom type="mesh" mesh="fallen_crown" material="leaf" {GHOST}/>
  <geom type="capsule" fromto="-1.9 0 0 1.0 0 0" size=".16" mass="260" {SOLID}/>
  <geom type="ellipsoid" pos="1.7 0 .3" size=".8 .6 .46" mass="60" group="3"/>""",
-    "person": f"""<geom type="mesh" mesh="skin" rgba="{SKIN}" {GHOST}/><geom type="mesh" mesh="vest" rgba="{VEST}" {GHOST}/>
+    "person": f"""<geom type="mesh" mesh="skin" rgba="{SKIN}" {GHOST}/>
+ <geom type="mesh" mesh="vest" rgba="{VEST}" {GHOST}/>
  <geom type="mesh" mesh="stripes" rgba=".93 .95 .8 1" {GHOST}/><geom type="mesh" mesh="hair" rgba="{HAIR}" {GHOST}/>
  <geom type="mesh" mesh="trousers" rgba="{TROUSERS}" {GHOST}/><geom type="mesh" mesh="boots" rgba="{BOOTS}" {GHOST}/>
  <geom type="capsule" fromto="0 0 .3 0 0 1.5" size=".25" group="3"/>""",
-    "animal": f"""<geom type="mesh" mesh="fleece" rgba="{WOOL}" {GHOST}/><geom type="mesh" mesh="hide" rgba="{HIDE}" {GHOST}/>
+    "animal": f"""<geom type="mesh" mesh="fleece" rgba="{WOOL}" {GHOST}/>
+ <geom type="mesh" mesh="hide" rgba="{HIDE}" {GHOST}/>
  <geom type="capsule" fromto="-.3 0 .55 .3 0 .55" size=".28" group="3"/>
  <geom type="sphere" pos=".58 0 .82" size=".14" group="3"/>""",
 }
@@ -71,7 +74,7 @@ def _branch(rng: np.random.Generator) -> Mesh:
 def _twigs(rng: np.random.Generator) -> Mesh:
     mesh = Mesh()
     for _ in range(3):
-        mesh.leaves((0.95, 0.4, 0.1), 9, rng, size=0.1)
+        mesh.leaves((0.95, 0.4, 0.05), 10, rng, size=0.08)
     return mesh
 
 

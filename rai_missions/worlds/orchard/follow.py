@@ -61,6 +61,13 @@ class Follower:
         """To the end of everything."""
         return self.left_m + sum(move.length_m for move in self.moves[1:])
 
+    def off_m(self, pose: Pose) -> float:
+        """How far the tractor is from where it should be."""
+        if not self.moves:
+            return 0.0
+        x, y = self._points[self._index, :2]
+        return math.hypot(pose.x - x, pose.y - y)
+
     def rest_of_move(self) -> Move | None:
         """What is left of the present move, to be driven on later."""
         if not self.moves:
@@ -104,7 +111,7 @@ class Follower:
 
     def _gather(self) -> None:
         """Make one line of the first moves that go the same way, the part already driven left in place."""
-        same = []
+        same: list[Move] = []
         for move in self.moves:
             if same and move.ahead != same[0].ahead:
                 break

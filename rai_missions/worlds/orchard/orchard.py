@@ -36,6 +36,8 @@ __all__ = ("Orchard",)
 HEARD_M = 15.0
 """How far the horn is heard."""
 HOME_M = 1.5
+SEEN_S = 0.6
+"""An obstacle detected so lately is seen."""
 FAST, SLOW = 4, 20
 """Periods between two messages: 5 Hz and 1 Hz."""
 
@@ -47,8 +49,8 @@ class Orchard:
         seed: Decides what is not said: the obstacles, what the living do, how the detector errs.
         alleys: How many.
         length_m: Of an alley.
-        obstacles: A kind for each alley in turn (`branch`, `log`, `crate`, `person`, `animal`, `fallen_tree`, `none`), or
-            a mapping of the fields of `Obstacle`; None: drawn from the seed.
+        obstacles: A kind for each alley in turn (`branch`, `log`, `crate`, `person`, `animal`, `fallen_tree`, `none`),
+            or a mapping of the fields of `Obstacle`; None: drawn from the seed.
         detector: Fields of `Errors`.
         battery: `capacity_wh` and `charge` (0 to 1).
         attempts: How often the autonomy tries an alley before it gives it up.
@@ -68,7 +70,7 @@ class Orchard:
         obstacles: Sequence[str | None | Mapping[str, Any]] | None = None,
         detector: Mapping[str, Any] | Errors | None = None,
         battery: Mapping[str, float] | None = None,
-        attempts: int = 3,
+        attempts: int = 2,
         camera: bool = True,
         shadows: bool = False,
         robot: str = "tractor1",
@@ -89,7 +91,9 @@ class Orchard:
         )
         self._beams = Beams(self.model, self.data)
         self._walkers = {n: Walker(o, self.layout) for n, o in enumerate(self.obstacles) if o.living}
-        self._robot, self._steps, self._range_m = robot, 0, None
+        self._robot, self._steps = robot, 0
+        self._range_m: float | None = None
+        self._saw_at, self._bumps = -math.inf, 0
         self._lock = threading.RLock()
         self._outbox: list[Callable[[], None]] = []
         self._home = NavigateToPose(self.autonomy, self._outbox.append, lattice)
@@ -116,6 +120,8 @@ class Orchard:
 
     def open(self, connector: Connector) -> None:
         """Put the tractor's topics, services and actions on a connector."""
+        if self.camera is not None:
+            self.camera.check()
         self._connector = connector
         services = {
             "continue": self._continue,
@@ -159,10 +165,10 @@ class Orchard:
     def _drive(self) -> None:
         pose = self.pose
         if self._steps % 2 == 0:
-            self._range_m = self._beams.ahead_m(*pose[:3]) if self.autonomy.watches else None
+            self._range_m = self._beams.ahead_m(*pose[:3], trees=self.autonomy.watches)
         if self.battery.is_empty and self.autonomy.is_driving:
             self.autonomy.stop()
-        speed, curvature = self.autonomy.step(pose, self._range_m)
+        speed, curvature = self.autonomy.step(pose, self._range_m, self.period_s)
         self.tractor.command(speed, curvature, self.period_s)
 
     def _move_the_living(self) -> None:
@@ -196,8 +202,12 @@ class Orchard:
         self.counter.see(pose.x, pose.y)
         self.battery.drain(self.tractor.power_w, self.period_s)
         crossing = self.judge.crossing
-        if crossing is not None and crossing.outcome == "failed" and self.autonomy.is_crossing:
+        has_failed = crossing is not None and crossing.outcome == "failed" and self.autonomy.is_crossing
+        if has_failed or len(self.judge.touched) > self._bumps:
+            self._bumps = len(self.judge.touched)
             self.autonomy.stop()
+        if self.autonomy.is_homing:
+            self.judge.leave()
         self._home.step(self.at, pose)
         self._cross.step(self.at, pose)
 
@@ -234,17 +244,21 @@ class Orchard:
         if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
             fact = self._detector.look(moment, self.places, pose)
             if fact is not None:
+                self._saw_at = self.at
                 self._publish("obstacle", interface.text(fact))
 
     def _hand_over(self, distance_m: float) -> None:
         self.judge.begin(self.pose, distance_m)
 
     def _continue(self) -> dict[str, Any]:
-        done = self.autonomy.proceed()
+        """As upstream: what it sees in its way it drives over. What it does not see, it did not mean to drive over."""
+        done = self.autonomy.proceed(over=self.camera is None or self.at - self._saw_at < SEEN_S)
         return interface.trigger(done, "The vehicle continues the mission" if done else "There is nothing to continue")
 
     def _replan(self) -> dict[str, Any]:
         done = self.autonomy.replan()
+        if done:
+            self.judge.leave()
         return interface.trigger(done, "The current mission was aborted" if done else "The vehicle is in no alley")
 
     def _stop(self) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Finds the way: from place to place over headlands and alleys, forwards and backwards, in moves that the tractor can drive.
+"""Finds the way: over headlands and through alleys, forwards and backwards, in moves that the tractor can drive.
 
 The headlands carry a lattice of places, one turning radius apart, each with one of four headings. A move goes straight
 to the next place or around a quarter circle; an alley is one long move from mouth to mouth. Dijkstra's algorithm

@@ -39,7 +39,7 @@ def build(layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = Fals
     xml = f"""<mujoco model="orchard"><compiler angle="degree"/>
 <option timestep="{TIMESTEP_S}" integrator="implicitfast" cone="elliptic" impratio="3"/>
 <visual><global offwidth="1280" offheight="960"/>
- <quality shadowsize="{2048 if shadows else 0}" offsamples="{4 if shadows else 0}" numslices="16" numstacks="10"/>
+ <quality shadowsize="{4096 if shadows else 0}" offsamples="{4 if shadows else 0}" numslices="16" numstacks="10"/>
  <map znear="0.01" fogstart="2.4" fogend="7" zfar="10" shadowclip="1.2"/>
  <headlight ambient=".44 .44 .47" diffuse=".24 .24 .24" specular="0 0 0"/>
  <rgba fog=".78 .86 .93 1" haze=".78 .86 .93 1"/></visual>

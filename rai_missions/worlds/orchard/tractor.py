@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import mujoco
 import numpy as np
 
 from rai_missions.worlds.orchard.meshes import Mesh, turned
