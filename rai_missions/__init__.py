@@ -1,2 +1,60 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Missions for robots in which rules own the state and models only answer questions."""
+"""Missions for robots in which rules own the state of the mission and models only answer questions."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.event import Event
+
+# `event` and `load` are names of modules of ours too: taken at once, they are these, whoever imports the modules later.
+from rai_missions.load import dump, load
+from rai_missions.reference import answer, event
+
+if TYPE_CHECKING:
+    from rai_missions.blackboard import Key
+    from rai_missions.build import After, Keys, On, Ref, When
+    from rai_missions.chart import Chart
+    from rai_missions.effects import Call as CallEffect
+    from rai_missions.effects import Drop, Log, Publish, Raise, Say, Set
+    from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError
+    from rai_missions.event import Image, Tick
+    from rai_missions.guards import Elapsed, Guard, Held, In, Named
+    from rai_missions.mission import Declared, Mission
+    from rai_missions.runner import Result, Runner
+    from rai_missions.step import Step
+
+__all__ = (
+    "After", "CallEffect", "Chart", "ConnectorError", "Declared", "DefinitionError", "Drop", "Elapsed", "Event",
+    "Fault", "Guard", "Held", "Image", "In", "Key", "Keys", "Log", "Mission", "MissionError", "Named", "On", "Publish",
+    "Raise", "Ref", "Result", "Runner", "Say", "Set", "Step", "Tick", "UsageError", "When", "answer", "dump", "event",
+    "load",
+)  # fmt: skip
+
+ROOMS = {
+    "blackboard": ("Key",),
+    "build": ("After", "Keys", "On", "Ref", "When"),
+    "chart": ("Chart",),
+    "effects": ("CallEffect", "Drop", "Log", "Publish", "Raise", "Say", "Set"),
+    "errors": ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError"),
+    "event": ("Image", "Tick"),
+    "guards": ("Elapsed", "Guard", "Held", "In", "Named"),
+    "mission": ("Declared", "Mission"),
+    "runner": ("Result", "Runner"),
+    "step": ("Step",),
+}
+ROOM = {name: room for room, names in ROOMS.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, imported from its room when it is first used (PEP 562)."""
+    if name not in ROOM:
+        raise AttributeError(f"module 'rai_missions' has no attribute '{name}'")
+    value = getattr(import_module(f"rai_missions.{ROOM[name]}"), "Call" if name == "CallEffect" else name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -6,8 +6,6 @@ Rule: no sentence of pydantic's reaches an author.
 
 from __future__ import annotations
 
-import difflib
-import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Annotated, Any, get_args, get_origin
@@ -15,43 +13,12 @@ from typing import Annotated, Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from rai_missions.errors import Fault
+from rai_missions.wording import pointer, shown, suggestion
 
-__all__ = ("faults_of", "pointer", "shown", "suggestion")
+__all__ = ("faults_of",)
 
 KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
-
-
-def suggestion(given: str, known: Iterable[str]) -> str:
-    """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
-    known = sorted(set(known))
-    close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
-    if close:
-        return f"; did you mean '{close[0]}'?"
-    shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
-    return f"; there is: {shown}" if shown else ""
-
-
-def shown(value: Any, length: int = 60) -> str:
-    """A value as the author wrote it, cut short; text in single quotes."""
-    if isinstance(value, str):
-        text = value if len(value) <= length else value[: length - 1] + "…"
-        return "'" + text.encode("utf-8", "backslashreplace").decode() + "'"
-    if isinstance(value, Mapping | list | tuple):
-        kind, count = ("an object", "words") if isinstance(value, Mapping) else ("a list", "items")
-        if len(value) > 4:
-            return f"{kind} of {len(value)} {count}"
-    try:
-        text = json.dumps(value, ensure_ascii=False)
-    except (TypeError, ValueError, RecursionError):
-        text = repr(value)
-    text = text.encode("utf-8", "backslashreplace").decode()
-    return text if len(text) <= length else text[: length - 1] + "…"
-
-
-def pointer(steps: Iterable[str | int]) -> str:
-    """A JSON pointer (RFC 6901)."""
-    return "".join("/" + str(step).replace("~", "~0").replace("/", "~1") for step in steps)
 
 
 def faults_of(error: ValidationError, model: type[BaseModel], data: Any) -> Iterator[Fault]:
@@ -75,7 +42,7 @@ def faults_of(error: ValidationError, model: type[BaseModel], data: Any) -> Iter
 
 
 def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool, bool]:
-    """The steps that are places in the document, whether the last one's name is meant, and whether some are left out."""
+    """The steps that are places in the document, whether the last one's name is meant, and whether any is left out."""
     if loc and loc[-1] == KEY:
         return list(loc[:-1]), True, False
     steps: list[str | int] = []

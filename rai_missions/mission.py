@@ -13,8 +13,8 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.blackboard import Key
 from rai_missions.guards.guard import Guard
-from rai_missions.states.state import Names, Rows, State, States, descendants
-from rai_missions.written import Name, Seconds, Text, Written, kind_of
+from rai_missions.states.state import Rows, State, States, descendants
+from rai_missions.written import Name, Names, Seconds, Text, Written, kind_of
 
 __all__ = ("BUILT_IN_EVENTS", "Declared", "Mission")
 

@@ -24,7 +24,8 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import DefinitionError
-from rai_missions.faults import faults_of, suggestion
+from rai_missions.faults import faults_of
+from rai_missions.wording import suggestion
 
 __all__ = (
     "Bool",
@@ -91,7 +92,12 @@ Names = Annotated[
 Bool = Annotated[bool, Strict()]
 Integer = Annotated[int, Strict()]
 Number = Annotated[int, Strict()] | Annotated[float, Strict(), Field(allow_inf_nan=False)]
-Seconds = Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
+Seconds = Annotated[
+    float,
+    Strict(),
+    Field(ge=0, allow_inf_nan=False),
+    PlainSerializer(lambda value: int(value) if isinstance(value, float) and value.is_integer() else value),
+]
 
 
 def _frozen(value: Any) -> Any:

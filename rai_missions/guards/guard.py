@@ -90,10 +90,10 @@ class Guard(Kind, family="guard"):
         raise NotImplementedError
 
     def __and__(self, other: Guard) -> Guard:
-        return made("all", all=(self, other))
+        return made("all", all=(self, other)) if isinstance(other, Guard) else NotImplemented
 
     def __or__(self, other: Guard) -> Guard:
-        return made("any", any=(self, other))
+        return made("any", any=(self, other)) if isinstance(other, Guard) else NotImplemented
 
     def __invert__(self) -> Guard:
         return made("not", guard=self)
@@ -106,6 +106,11 @@ class Guard(Kind, family="guard"):
     def choose(cls, data: Mapping[str, Any]) -> str:
         """`{"key": …, "in": […]}` is a comparison, though `in` alone asks for a state."""
         return "key" if "key" in data else super().choose(data)
+
+    @classmethod
+    def read(cls, data: Any) -> Any:
+        """In Python a bare reference stands for `== true`."""
+        return super().read({"key": path, "==": True} if (path := getattr(data, "__path__", None)) else data)
 
     @property
     def or_unknown(self) -> Guard:

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.effects import Effect
 from rai_missions.guards.guard import Guard
-from rai_missions.written import Bool, Kind, Name, Names, Seconds, Text, Written, fault, kind_of, one_or_many, suggestion
+from rai_missions.written import Bool, Kind, Name, Seconds, Text, Written, fault, kind_of, one_or_many, suggestion
 
 __all__ = ("ANY_EVENT", "OUTCOMES", "Controller", "Effects", "State", "States", "Transition")
 
@@ -81,6 +81,8 @@ Rows = Annotated[tuple[Transition, ...], BeforeValidator(_rows)]
 class State(Kind, family="state", word=""):
     """A state that only waits; the other kinds are told by their word."""
 
+    LAST: ClassVar = frozenset(("entry", "exit", "transitions", "timeout_s", "handover_s"))
+
     about: Text = ""
     control: Controller | None = None
     """Who must hold control while it is active; the innermost says."""
@@ -110,6 +112,11 @@ class State(Kind, family="state", word=""):
     def known_words(cls) -> set[str]:
         """The words that every state may have."""
         return set(State.model_fields)
+
+    def written(self) -> dict[str, Any]:
+        """Its kind's words before those that every state has, as a person would write it."""
+        words = super().written()
+        return {word: words[word] for word in sorted(words, key=self.LAST.__contains__)}
 
     def children(self) -> Mapping[str, State]:
         """The states directly inside it."""

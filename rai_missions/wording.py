@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a fault's sentence says where it is, what was given and what there is."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+__all__ = ("pointer", "shown", "suggestion")
+
+
+def suggestion(given: str, known: Iterable[str]) -> str:
+    """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
+    known = sorted(set(known))
+    close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
+    return f"; there is: {shown}" if shown else ""
+
+
+def shown(value: Any, length: int = 60) -> str:
+    """A value as the author wrote it, cut short; text in single quotes."""
+    if isinstance(value, str):
+        text = value if len(value) <= length else value[: length - 1] + "…"
+        return "'" + text.encode("utf-8", "backslashreplace").decode() + "'"
+    if isinstance(value, Mapping | list | tuple):
+        kind, count = ("an object", "words") if isinstance(value, Mapping) else ("a list", "items")
+        if len(value) > 4:
+            return f"{kind} of {len(value)} {count}"
+    try:
+        text = json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError, RecursionError):
+        text = repr(value)
+    text = text.encode("utf-8", "backslashreplace").decode()
+    return text if len(text) <= length else text[: length - 1] + "…"
+
+
+def pointer(steps: Iterable[str | int]) -> str:
+    """A JSON pointer (RFC 6901); a lone surrogate, which no output can show, stands as its escape."""
+    text = "".join("/" + str(step).replace("~", "~0").replace("/", "~1") for step in steps)
+    return text.encode("utf-8", "backslashreplace").decode()
