@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Robot profiles: which topics, services and actions stand behind the names that a mission uses."""
+
+from rai_missions.robot.against import missing
+from rai_missions.robot.convert import plain
+from rai_missions.robot.entries import ActionEntry, ServiceEntry, TopicEntry
+from rai_missions.robot.load import dump_profile, identity_folder, load_profile, parse_profile
+from rai_missions.robot.profile import Robot, Rule, terms
+from rai_missions.robot.source import EventSource, Source
+
+__all__ = (
+    "ActionEntry", "EventSource", "Robot", "Rule", "ServiceEntry", "Source", "TopicEntry", "dump_profile",
+    "identity_folder", "load_profile", "missing", "parse_profile", "plain", "terms",
+)  # fmt: skip

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot profile: what stands behind the names that a mission uses.
+
+Rule: a profile says where things are heard and done, never what they mean for a mission.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from rai_missions.guards.guard import Guard
+from rai_missions.robot.entries import ActionEntry, OneService, ServiceEntry, TopicEntry
+from rai_missions.robot.source import EventSource, Source
+from rai_missions.states.state import Controller
+from rai_missions.states.terms import Terms
+from rai_missions.written import Json, Name, Text, Written, fault, kind_of
+
+__all__ = ("Robot", "Rule", "terms")
+
+
+class Rule(Written):
+    """One row of a policy: the option to answer with, and when."""
+
+    when: kind_of(Guard) | None = None  # type: ignore[valid-type]
+    """Over the mission's blackboard; left out, always."""
+    answer: Name
+
+
+Rules = Annotated[tuple[Rule, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+
+
+class Robot(Written):
+    """One robot, real or simulated, in the words of the missions that it can run."""
+
+    positional: ClassVar = ("name",)
+
+    format: Literal[1] = 1
+    name: Text
+    about: Text = ""
+    connector: dict[Text, Json] = Field(default_factory=lambda: {"kind": "local"})
+    """How it is reached: `kind`, and what that kind of connector takes."""
+    blackboard: dict[Name, Source] = Field(default_factory=dict)
+    """Key → where its values are heard."""
+    events: dict[Name, EventSource] = Field(default_factory=dict)
+    actions: dict[Name, ActionEntry] = Field(default_factory=dict)
+    services: dict[Name, ServiceEntry] = Field(default_factory=dict)
+    topics: dict[Name, TopicEntry] = Field(default_factory=dict)
+    """What the mission can publish on."""
+    rules: dict[Name, Rules] = Field(default_factory=dict)
+    """State → who answers as `rules` there, row by row."""
+    control: dict[Controller, OneService] = Field(default_factory=dict)
+    """Who shall hold control → the service that hands it over; one that is not here has it at once."""
+    identity: Text = ""
+    """The folder with the robot's identity, beside this file."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_schema(cls, data: Any) -> Any:
+        return {word: item for word, item in data.items() if word != "$schema"} if isinstance(data, dict) else data
+
+    @model_validator(mode="after")
+    def _has_a_connector(self) -> Self:
+        if not isinstance(self.connector.get("kind"), str):
+            raise fault("connector", 'a connector has a \'kind\': "local", "ros2", …')
+        return self
+
+    def written(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return {"format": self.format, **super().written()}
+
+
+def terms(robot: Robot) -> Terms:
+    """What the pure engine needs to know of a robot."""
+    actions = robot.actions
+    return Terms(
+        uses={name: frozenset(action.uses) or None for name, action in actions.items()},
+        keep=frozenset(name for name, action in actions.items() if action.keep),
+        succeeded={name: action.succeeded for name, action in actions.items() if action.succeeded is not None},
+        failed={name: action.failed for name, action in actions.items() if action.failed is not None},
+        repeat=frozenset(
+            [name for name, action in actions.items() if action.repeat]
+            + [name for name, service in robot.services.items() if service.repeat]
+        ),
+    )
