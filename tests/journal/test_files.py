@@ -265,9 +265,9 @@ def test_a_row_that_is_none_is_told_though_its_chain_holds(path: Path, kind: str
     assert verify(path)[0].place == "row 2"
 
 
-def test_a_step_that_is_missing_is_told_though_its_chain_holds(path: Path) -> None:
-    forge(path, 2, "note", '{"text": "nothing happened"}')
-    assert [str(fault) for fault in verify(path)] == ["row 3: step 3 comes after step 1; 2 was expected"]
+def test_a_step_out_of_order_is_told_though_its_chain_holds(path: Path) -> None:
+    forge(path, 3, "step", '{"since": 0, "step": {"seq": 2, "at": 1, "event": {"name": "again"}}}')
+    assert [str(fault) for fault in verify(path)] == ["row 3: step 2 comes after step 2; the numbers of steps grow"]
 
 
 def test_the_seal_tells_a_forged_journal_from_the_true_one(path: Path) -> None:
