@@ -831,6 +831,8 @@ class Chart:
         self._running.pop(name, None)
         node = self._graph.nodes[name]
         self._timers.pop(("timeout", name), None)
+        if turn.outcome.why and node.family != "decision":
+            self.notes.append(f"{name} {turn.outcome.name}: {turn.outcome.why}")
         self._internal.append(self._outcome_of(node, turn.outcome))
 
     def _emit(self, effects: tuple[Any, ...]) -> None:

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Wires a run: mission, profile, connector, world, who answers, clock and journal; the way from files to a `Runner`."""
+
+from __future__ import annotations
+
+import math
+import threading
+import uuid
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.chart import Named
+from rai_missions.check import check
+from rai_missions.clock import Clock, SimulatedClock, WallClock
+from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.embodiment import Identity
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.journal import Header, Journal
+from rai_missions.lifecycle import Status
+from rai_missions.load import dump, load
+from rai_missions.mission import Mission
+from rai_missions.robot import Robot, dump_profile, identity_folder, load_profile
+from rai_missions.runner import Result, Runner
+from rai_missions.step import Step
+from rai_missions.verdict import Answerer
+from rai_missions.worlds.world import World, open_world
+from rai_missions.written import suggestion
+
+if TYPE_CHECKING:
+    from langchain_core.language_models import BaseChatModel
+
+__all__ = ("MissionAgent", "Setting", "prepare", "run")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Everything that a run is made of, as a person names it."""
+
+    mission: Mission | str | Path
+    robot: Robot | str | Path | None = None
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    model: BaseChatModel | str | None = None
+    """`provider:name`, `local`, or a langchain chat model; it answers as `agent`."""
+    operator: Answerer | None = None
+    """Who answers as `operator`."""
+    answerers: Mapping[str, Answerer] = field(default_factory=dict)
+    """Others who answer, by the name that `ask` calls them."""
+    journal: str | Path | None = None
+    named: Named | None = None
+    speed: float = math.inf
+    """Simulated seconds to one of the wall."""
+    seed: int | None = None
+    """The simulated world's, instead of the profile's."""
+    connector: Connector | None = None
+    """Used instead of the profile's."""
+    clock: Clock | None = None
+    on_step: Callable[[Step], None] | None = None
+    on_status: Callable[[Status], None] | None = None
+
+
+class Prepared:
+    """A run that is ready to begin, and what must be closed after it. A context manager."""
+
+    def __init__(self, setting: Setting) -> None:
+        self.setting = setting
+        self.mission = setting.mission if isinstance(setting.mission, Mission) else load(setting.mission)
+        self._closes: list[Callable[[], None]] = []
+        findings = [each.fault for each in check(self.mission) if each.severity == "error"]
+        if findings:
+            raise DefinitionError(findings, str(setting.mission) if not isinstance(setting.mission, Mission) else "")
+        self.robot, self._folder = _profile(setting.robot)
+        self._runner: Runner | None = None
+        try:
+            self.world, connector, clock = self._surroundings()
+            self.answerers = self._answerers()
+            self.journal = self._journal()
+            self._runner = Runner(
+                self.mission, robot=self.robot, connector=connector, answerers=self.answerers, clock=clock,
+                journal=self.journal, arguments=setting.arguments, named=setting.named, on_step=setting.on_step,
+                on_status=setting.on_status, run=self._header.run or None,
+            )  # fmt: skip
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def runner(self) -> Runner:
+        assert self._runner is not None
+        return self._runner
+
+    def _surroundings(self) -> tuple[World | None, Connector | None, Clock]:
+        """The world, how it is reached, and whose time counts."""
+        setting = self.setting
+        if setting.connector is not None or self.robot is None:
+            return None, setting.connector, setting.clock or WallClock()
+        options = dict(self.robot.connector)
+        kind, world_name = options.pop("kind"), options.pop("world", None)
+        if kind != "local":
+            raise UsageError(f"no connector of kind '{kind}'{suggestion(str(kind), ('local',))}")
+        if world_name is None:
+            return None, LocalConnector(), setting.clock or WallClock()
+        if setting.seed is not None:
+            options["seed"] = setting.seed
+        world = open_world(str(world_name), **options)
+        self._closes.append(world.close)
+        connector = LocalConnector(now=lambda: world.at)
+        world.open(connector)
+        return world, connector, setting.clock or SimulatedClock(world, setting.speed)
+
+    def _answerers(self) -> dict[str, Answerer]:
+        """Who answers, in the words of `ask`."""
+        setting, who = self.setting, dict(self.setting.answerers)
+        if setting.model is not None:
+            who["agent"] = self._model(setting.model)
+        if setting.operator is not None:
+            who["operator"] = setting.operator
+        if self.robot is not None and self.robot.rules:
+            from rai_missions.agents.rules import RulesAnswerer
+
+            rules = {state: [(rule.when, rule.answer) for rule in rows] for state, rows in self.robot.rules.items()}
+            who["rules"] = RulesAnswerer(rules, lambda: self.runner.chart.view, keys=self.mission.blackboard)
+        return who
+
+    def _model(self, model: BaseChatModel | str) -> Answerer:
+        from rai_missions.agents.decision import DecisionAgent
+        from rai_missions.agents.models import open_model
+
+        identity = Identity.read(self._folder) if self._folder is not None else None
+        agent = DecisionAgent(open_model(model) if isinstance(model, str) else model, identity)
+        self._closes.append(agent.stop)
+        return agent
+
+    def _journal(self) -> Journal | None:
+        profile = dump_profile(self.robot) if self.robot is not None else ""
+        self._header = Header(dump(self.mission), profile, dict(self.setting.arguments))
+        if self.setting.journal is None:
+            return None
+        self._header = self._header._replace(run=uuid.uuid4().hex[:12])
+        path = Path(self.setting.journal)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        journal = Journal.create(path, self._header)
+        self._closes.append(journal.close)
+        return journal
+
+    def close(self) -> None:
+        for close in reversed(self._closes):
+            close()
+        self._closes.clear()
+
+    def __enter__(self) -> Prepared:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _profile(given: Robot | str | Path | None) -> tuple[Robot | None, Path | None]:
+    """The profile, and the folder of its identity."""
+    if given is None or isinstance(given, Robot):
+        return given, None
+    robot = load_profile(given)
+    return robot, identity_folder(robot, given)
+
+
+def prepare(setting: Setting) -> Prepared:
+    """Read, check and connect everything; nothing moves yet.
+
+    Raises:
+        DefinitionError: The mission or the profile is at fault, every fault at once.
+        UsageError: Something named is not there.
+    """
+    return Prepared(setting)
+
+
+def run(mission: Mission | str | Path, robot: Robot | str | Path | None = None, **words: Any) -> Result:
+    """Run a mission to its end.
+
+    Args:
+        mission: A `Mission`, or the file of one.
+        robot: A profile, or the file of one.
+        words: The other fields of `Setting`: `model="openai:gpt-4o"`, `journal="out/run.journal"`, …
+
+    Raises:
+        DefinitionError: The mission or the profile is at fault.
+        UsageError: Something named is not there.
+    """
+    with prepare(Setting(mission, robot, **words)) as prepared:
+        return prepared.runner.run()
+
+
+class MissionAgent:
+    """The paper's Agent around a run: `run()` begins it on a thread of its own, `stop()` cancels it and waits."""
+
+    def __init__(self, setting: Setting) -> None:
+        self._prepared = prepare(replace(setting))
+        self._thread: threading.Thread | None = None
+        self.result: Result | None = None
+
+    def run(self) -> None:
+        """Begin; returns at once."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._work, name="mission")
+            self._thread.start()
+
+    def stop(self) -> None:
+        """Cancel, and wait until everything has ended."""
+        if self._thread is not None:
+            self._prepared.runner.cancel("stop")
+            self._thread.join()
+        self._prepared.close()
+
+    def _work(self) -> None:
+        self.result = self._prepared.runner.run()

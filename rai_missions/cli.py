@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: `rai-missions run check draw diff replay schema new doctor`.
+
+Rule: exit 0 the mission succeeded (or the check, replay holds), 1 it ended otherwise, 2 the input is at fault, told on stderr.
+What a command needs is imported when it runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+__all__ = ("main", "parser")
+
+ABOUT = "Missions for robots: rules own the state, models only answer questions."
+EXIT = "exit status: 0 it succeeded or holds, 1 it ended otherwise or does not hold, 2 the input is at fault"
+
+
+def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    run = commands.add_parser("run", help="run a mission on a robot, simulated or real", epilog=EXIT)
+    run.add_argument("mission", metavar="MISSION", help="a .json file, or a .py file that offers mission()")
+    run.add_argument("--robot", metavar="PROFILE", help="the robot profile: what stands behind the mission's names")
+    run.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="an argument of the mission; may be repeated")
+    run.add_argument("--model", metavar="PROVIDER:NAME", help="who answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, local[:FILE.gguf]")
+    run.add_argument("--no-operator", action="store_true", help="ask nobody on the terminal")
+    run.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
+    run.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    run.add_argument("--journal", metavar="FILE", help="where the run is written down (default: journals/NAME-TIME.journal)")
+    run.add_argument("--picture", metavar="FILE", help="draw the path taken when it ends: .svg, .png, .dot, .mmd, .md")
+    run.add_argument("--speed", choices=("1", "max"), default=None, help="a simulated world's pace: 1 as on the wall, max as fast as it goes (default)")
+    run.add_argument("--seed", type=int, metavar="N", help="the simulated world's seed, instead of the profile's")
+    run.add_argument("--json", action="store_true", help="print one object at the end, and nothing else on stdout")
+    run.add_argument("--verbose", action="store_true", help="print steps that changed nothing too")
+    run.set_defaults(command="run")
+
+
+def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    check = commands.add_parser("check", help="find every fault of a mission before it runs", epilog=EXIT)
+    check.add_argument("mission", metavar="MISSION")
+    check.add_argument("--robot", metavar="PROFILE", help="check too that the profile has every name that the mission uses")
+    check.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
+    check.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    check.add_argument("--strict", action="store_true", help="warnings count: exit 1")
+    check.add_argument("--json", action="store_true", help="print the findings as one JSON list")
+    draw = commands.add_parser("draw", help="draw a mission, with the path of a journal in bold", epilog=EXIT)
+    draw.add_argument("mission", metavar="MISSION")
+    draw.add_argument("-o", "--output", metavar="FILE", help="by its ending: .svg .png .dot .mmd .md (default: NAME.svg)")
+    draw.add_argument("--journal", metavar="FILE", help="the path that this run took, in bold")
+    draw.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    diff = commands.add_parser("diff", help="what changed between two missions, by meaning", epilog=EXIT + " (for diff: they differ)")
+    diff.add_argument("old", metavar="OLD")
+    diff.add_argument("new", metavar="NEW")
+    diff.add_argument("-o", "--output", metavar="FILE", help="draw both in one picture: .svg .png .dot")
+    diff.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    replay = commands.add_parser("replay", help="do a journal's run again and compare every step", epilog=EXIT)
+    replay.add_argument("journal", metavar="JOURNAL")
+    replay.add_argument("--json", action="store_true", help="print one object at the end")
+    replay.add_argument("--verbose", action="store_true", help="print the steps")
+
+
+def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    schema = commands.add_parser("schema", help="print the JSON Schema of missions or robot profiles")
+    schema.add_argument("of", nargs="?", choices=("mission", "robot"), default="mission")
+    new = commands.add_parser("new", help="start a mission of your own from a template", epilog=EXIT)
+    new.add_argument("directory", metavar="DIRECTORY", help="made; must not be there or be empty")
+    new.add_argument("--template", default="minimal", metavar="NAME", help="minimal (default), or a shipped mission: tractor")
+    commands.add_parser("doctor", help="say what this machine has, what it lacks and how to get it", epilog=EXIT)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The whole command line."""
+    made = argparse.ArgumentParser(prog="rai-missions", description=ABOUT, epilog=EXIT)
+    made.add_argument("--version", action="store_true", help="print the version")
+    commands = made.add_subparsers(title="commands", dest="command", metavar="COMMAND")
+    _add_run(commands)
+    _add_reviews(commands)
+    _add_tools(commands)
+    return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns its exit status."""
+    given = parser().parse_args(arguments)
+    if given.version:
+        from importlib.metadata import version
+
+        print(f"rai_missions {version('rai_missions')}")
+        return 0
+    if given.command is None:
+        parser().print_help()
+        return 2
+    from rai_missions.commands import COMMANDS
+    from rai_missions.errors import DefinitionError, MissionError
+
+    try:
+        return COMMANDS[given.command](given)
+    except DefinitionError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except MissionError as error:
+        print(f"rai-missions {given.command}: {error}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 1
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

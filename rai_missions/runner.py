@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The only loop: takes events, steps the chart, writes the journal, has the effects performed.
+
+Rule: nothing is decided here. What an event means is the chart's affair; the order is always step, journal, effects.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import logging
+import math
+import uuid
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from rai_missions.blackboard import fits
+from rai_missions.chart import Chart, Named
+from rai_missions.clock import Clock, Mailbox, WallClock
+from rai_missions.connectors.connector import Connector
+from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError
+from rai_missions.event import Event, Tick
+from rai_missions.lifecycle import Lifecycle, Status
+from rai_missions.mission import Mission
+from rai_missions.performer import Performer
+from rai_missions.robot import Robot, missing, terms
+from rai_missions.states.ticker import Trees
+from rai_missions.step import Step
+from rai_missions.verdict import Answerer
+
+__all__ = ("Commands", "Result", "Runner", "default_ticker")
+
+log = logging.getLogger(__name__)
+
+QUIET_S = 1.0
+"""How long a write that enabled nothing may travel before it is written down."""
+
+
+class Result(NamedTuple):
+    """How a run ended."""
+
+    outcome: str
+    """`succeeded`, `failed`, `aborted` or `canceled`."""
+    why: str
+    """The rule that decided it."""
+    steps: int
+    journal: str | None = None
+    """The journal's file."""
+    run: str = ""
+    state: tuple[str, ...] = ()
+    """The states in which it ended."""
+    decisions: int = 0
+    """Questions that were asked."""
+    duration_s: float = 0.0
+
+
+class Commands(Protocol):
+    """What a person or another program may do to a run; each from any thread, each an event in the journal."""
+
+    def pause(self, by: str = "operator") -> None: ...
+
+    def resume(self, by: str = "operator") -> None: ...
+
+    def cancel(self, by: str = "operator") -> None: ...
+
+    def kill(self, by: str = "operator") -> None: ...
+
+    def hand_over(self, to: str, by: str = "operator") -> str:
+        """Ask for control to go to somebody; returns why not, or empty."""
+
+    def answer(self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator") -> None:
+        """Answer an open question."""
+
+    def post(self, event: Event) -> None:
+        """Something has happened outside."""
+
+
+class Book(Protocol):
+    """What a runner writes to: `rai_missions.journal.Journal`."""
+
+    path: Path
+
+    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int: ...
+
+    def confirm(self, number: int, how: str) -> int: ...
+
+    def note(self, text: str, data: Any = None) -> int: ...
+
+
+class Runner:
+    """Runs one mission to its end.
+
+    Args:
+        mission: A mission without faults (`rai_missions.check`).
+        robot: The profile that says what stands behind the mission's names.
+        connector: How the robot is reached; started and stopped by the run.
+        answerers: Who answers questions, by the names in `ask`.
+        clock: The run's time; the wall's by default.
+        journal: Where the run is written down; nowhere by default.
+        arguments: Values for the mission's argument keys.
+        ticker: Who ticks trees; py_trees by default, loaded when the mission has one.
+        named: The predicates that the mission's guards name.
+        run: The run's identity; made up by default.
+        on_step: Told of each step after its effects, on the runner's thread.
+        on_status: Told of each change of mode, control or active states.
+
+    Raises:
+        DefinitionError: The profile lacks what the mission uses.
+        UsageError: An argument that the mission does not take.
+    """
+
+    def __init__(
+        self, mission: Mission, *, robot: Robot | None = None, connector: Connector | None = None,
+        answerers: Mapping[str, Answerer] | None = None, clock: Clock | None = None, journal: Book | None = None,
+        arguments: Mapping[str, Any] | None = None, ticker: Trees | None = None, named: Named | None = None,
+        run: str | None = None, on_step: Callable[[Step], None] | None = None,
+        on_status: Callable[[Status], None] | None = None,
+    ) -> None:  # fmt: skip
+        if robot is not None and (faults := missing(mission, robot)):
+            raise DefinitionError(faults, robot.name)
+        self.mission, self.run_id = mission, run or uuid.uuid4().hex[:12]
+        self.clock: Clock = clock if clock is not None else WallClock()
+        self.mailbox = Mailbox()
+        self.lifecycle = Lifecycle()
+        self.chart = Chart(mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None, named=named)
+        self.performer = Performer(
+            run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}), post=self.post,
+            later=self.later, now=self.clock.now, view=self.chart.view, confirm=self._confirm,
+        )  # fmt: skip
+        self._connector, self._journal = connector, journal
+        self._on_step, self._on_status = on_step, on_status
+        self._arguments = _accepted(mission, arguments or {})
+        self._later: list[tuple[float, int, Callable[[], None]]] = []
+        self._order = itertools.count()
+        self._carried: dict[str, tuple[str, Any, float]] = {}
+        self._carried_since = math.inf
+        self._last_at = 0.0
+        self._decisions = 0
+
+    # -- commands -------------------------------------------------------------------------------------------------
+
+    def pause(self, by: str = "operator") -> None:
+        self._command("pause", by)
+
+    def resume(self, by: str = "operator") -> None:
+        self._command("resume", by)
+
+    def cancel(self, by: str = "operator") -> None:
+        self._command("cancel", by)
+
+    def kill(self, by: str = "operator") -> None:
+        self.mailbox.post_urgent(Event("kill", self.clock.now(), {"by": by}, "command"))
+
+    def hand_over(self, to: str, by: str = "operator") -> str:
+        why = self.lifecycle.control.request(to, by)
+        if not why:
+            self.performer.hand_over(to)
+        return why
+
+    def answer(self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator") -> None:
+        data = {"option": option, "parameters": dict(parameters or {}), "by": by}
+        self.post(Event(by, self.clock.now(), data, "proposal", number))
+
+    def post(self, event: Event) -> None:
+        self.mailbox.post(event)
+
+    def later(self, at: float, do: Callable[[], None]) -> None:
+        """Have something done on the runner's thread at an instant of the run's clock."""
+        heapq.heappush(self._later, (at, next(self._order), do))
+
+    def _command(self, name: str, by: str) -> None:
+        self.post(Event(name, self.clock.now(), {"by": by}, "command"))
+
+    # -- the loop -------------------------------------------------------------------------------------------------
+
+    def run(self) -> Result:
+        """Run to the end.
+
+        Raises:
+            ConnectorError: The robot cannot be reached.
+            UsageError: The robot did not say what the mission needs to know before it starts; the names stand in it.
+        """
+        began = self.clock.now()
+        try:
+            if self._connector is not None:
+                self._connector.start()
+            self.performer.open()
+            self._get_ready()
+            self._step(lambda: self.chart.start(self.clock.now()))
+            self._loop(lambda: self.chart.outcome is not None)
+            patience = self.clock.now() + max(self.mission.settle_s, 5.0)
+            self._loop(lambda: not self.chart.open_goals or self.clock.now() >= patience)
+            self._write_carried()
+            return self._result(began)
+        finally:
+            self.performer.close()
+            if self._connector is not None:
+                self._connector.stop()
+
+    def _get_ready(self) -> None:
+        """Hear every robot key once before the start."""
+        for key, value in self._arguments.items():
+            self._step(lambda key=key, value=value: self.chart.write(key, value, self.clock.now()))  # type: ignore[misc]
+        until = self.clock.now() + self.mission.ready_s
+        self._loop(lambda: not self.chart.unheard or self.clock.now() >= until, until)
+        if self.chart.unheard:
+            names = ", ".join(self.chart.unheard)
+            raise UsageError(f"the robot has not said within {self.mission.ready_s:g} s: {names}; is it running?")
+
+    def _loop(self, done: Callable[[], bool], until: float = math.inf) -> None:
+        while not done():
+            event = self.mailbox.take()
+            if event is None:
+                self._idle(until)
+            else:
+                self._take(event)
+
+    def _idle(self, until: float) -> None:
+        """Nothing has come: wait for it, or for the next instant."""
+        wake = self.chart.wake_at
+        due = min(until, wake if wake is not None else math.inf, self._later[0][0] if self._later else math.inf)
+        if self._carried:
+            due = min(due, self._carried_since + QUIET_S)
+        self.clock.wait(self.mailbox, due, paced=self.performer.thinking)
+        now = self.clock.now()
+        while self._later and self._later[0][0] <= now:
+            heapq.heappop(self._later)[2]()
+        if self._carried and now >= self._carried_since + QUIET_S:
+            self._write_carried()
+        if wake is not None and wake <= now and self.mailbox.empty:
+            self._take(Tick(now))
+
+    def _take(self, event: Event) -> None:
+        now = self.clock.now()
+        if event.kind == "command" and event.name == "kill":
+            self._kill(event)
+            return
+        self._step(lambda: self.chart.send(event if event.at <= now else event._replace(at=now)))
+
+    def _step(self, make: Callable[[], Step]) -> None:
+        """Step, journal, effects."""
+        since = self.chart.at
+        step = make()
+        if self.chart.quiet and step.event.kind in ("write", "tick"):
+            self._carry(step)
+        elif not self._write(step, since):
+            return
+        self.performer.perform(step.effects)
+        self._tell(step)
+
+    def _kill(self, event: Event) -> None:
+        """The emergency stop: the actuators first, the journal after."""
+        since = self.chart.at
+        step = self.chart.send(event)
+        self.performer.perform(step.effects)
+        self._write(step, since)
+        self._tell(step)
+
+    def _tell(self, step: Step) -> None:
+        if step.question is not None:
+            self._decisions += 1
+        chart = self.chart
+        status = self.lifecycle.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
+        if status is not None and self._on_status is not None:
+            self._on_status(status)
+        if self._on_step is not None:
+            self._on_step(step)
+
+    # -- the journal ----------------------------------------------------------------------------------------------
+
+    def _carry(self, step: Step) -> None:
+        """A step that only wrote the blackboard travels with the next row, the newest value of each key."""
+        for key, _ in step.writes:
+            entry = self.chart.view.board[key]
+            self._carried[key] = (key, entry.value, entry.at)
+            self._carried_since = min(self._carried_since, step.at)
+
+    def _write(self, step: Step, since: float) -> bool:
+        if self._journal is None:
+            self._carried.clear()
+            return True
+        try:
+            self._journal.write(step, since=since, quiet=tuple(self._carried.values()))
+        except MissionError as error:
+            self._lose_journal(error)
+            return False
+        self._carried.clear()
+        self._carried_since = math.inf
+        return True
+
+    def _write_carried(self) -> None:
+        if self._journal is not None and self._carried:
+            since = self.chart.at
+            self._write(self.chart.send(Tick(max(self.clock.now(), since))), since)
+        self._carried.clear()
+        self._carried_since = math.inf
+
+    def _lose_journal(self, error: MissionError) -> None:
+        """What cannot be written down does not go on."""
+        log.critical("the journal cannot be written, the mission is killed: %s", error)
+        self._journal = None
+        step = self.chart.send(Event("kill", self.clock.now(), {"by": f"the journal: {error}"}, "command"))
+        self.performer.perform(step.effects)
+        self._tell(step)
+
+    def _confirm(self, number: int, how: str) -> None:
+        if self._journal is not None:
+            try:
+                self._journal.confirm(number, how)
+            except MissionError as error:
+                self._lose_journal(error)
+
+    def _result(self, began: float) -> Result:
+        chart = self.chart
+        return Result(
+            chart.outcome or "failed", chart.why, chart.seq, str(self._journal.path) if self._journal is not None else None,
+            self.run_id, tuple(sorted(chart.active)), self._decisions, self.clock.now() - began,
+        )  # fmt: skip
+
+
+def default_ticker(mission: Mission) -> Trees | None:
+    """py_trees, for a mission that has a tree."""
+    if not any(state.word == "tree" for _, _, state in mission.walk()):
+        return None
+    from rai_missions.trees import PyTrees  # loads py_trees
+
+    return PyTrees()
+
+
+def _accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
+    takes = {name for name, key in mission.blackboard.items() if key.source == "argument"}
+    faults = [
+        Fault(f"/blackboard/{name}", f"the mission takes no argument '{name}'; it takes: {', '.join(sorted(takes)) or 'none'}")
+        for name in arguments
+        if name not in takes
+    ]
+    for name in takes:
+        key = mission.blackboard[name]
+        if name in arguments and (why := fits(key, arguments[name])):
+            faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}"))
+        if name not in arguments and key.initial is None and not key.optional:
+            faults.append(Fault(f"/blackboard/{name}", f"the mission needs the argument '{name}'; give --set {name}=…"))
+    if faults:
+        raise DefinitionError(faults, mission.name)
+    return arguments

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Listens to the robot as its profile says, and turns messages into blackboard writes and events.
+
+Rule: what it hears it passes on with its stamp; what it cannot understand is not heard, and logged once a source.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import Close, Connector, Reply
+from rai_missions.errors import ConnectorError
+from rai_missions.event import Event
+from rai_missions.robot import EventSource, Robot, Source
+
+__all__ = ("Senses",)
+
+log = logging.getLogger(__name__)
+
+Hear = Callable[[Mapping[str, Any]], None]
+
+
+class Senses:
+    """The ears and eyes of a run.
+
+    Args:
+        robot: The profile; without one nothing is heard.
+        connector: How the robot is reached.
+        post: Where events go.
+        later: Has something done at an instant of the run's clock.
+        now: The run's clock.
+    """
+
+    def __init__(
+        self, robot: Robot | None, connector: Connector | None, *, post: Callable[[Event], None],
+        later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
+    ) -> None:  # fmt: skip
+        self._robot, self._connector = robot, connector
+        self._post, self._later, self._now = post, later, now
+        self._closes: list[Close] = []
+        self._open = False
+        self._puzzled: set[str] = set()
+        self._polls: dict[tuple[str, str, float], list[Hear]] = {}
+
+    def open(self) -> None:
+        """Subscribe to topics and begin to ask services."""
+        if self._robot is None or self._connector is None:
+            return
+        self._open = True
+        for key, source in self._robot.blackboard.items():
+            self._listen(source, self._write_of(key, source))
+        for name, event in self._robot.events.items():
+            if not event.posted:
+                self._listen(event, self._event_of(name, event))
+        for (service, type_name, every_s), hears in self._polls.items():
+            self._poll(service, type_name, every_s, hears)
+
+    def close(self) -> None:
+        """Hear nothing more."""
+        self._open = False
+        for close in self._closes:
+            close()
+        self._closes.clear()
+        self._polls.clear()
+
+    def _listen(self, source: Source | EventSource, hear: Hear) -> None:
+        assert self._connector is not None
+        if source.topic is not None:
+            self._closes.append(self._connector.subscribe(source.topic, source.type, lambda heard: hear(heard.data)))
+        elif source.service is not None and source.every_s is not None:
+            self._polls.setdefault((source.service, source.type, source.every_s), []).append(hear)
+
+    def _poll(self, service: str, type_name: str, every_s: float, hears: list[Hear]) -> None:
+        """Ask a service now, and again when the time has come; one question for all who want its answer."""
+        if not self._open or self._connector is None:
+            return
+
+        def answered(reply: Reply) -> None:
+            if reply.outcome == "succeeded":
+                for hear in hears:
+                    hear(reply.data)
+
+        self._connector.call(service, type_name, {}, answered=answered, timeout_s=every_s)
+        self._later(self._now() + every_s, lambda: self._poll(service, type_name, every_s, hears))
+
+    def _write_of(self, key: str, source: Source) -> Hear:
+        def hear(message: Mapping[str, Any]) -> None:
+            now = self._now()
+            try:
+                value = source.value(message, now)
+            except ConnectorError as error:
+                self._puzzle(key, error)
+                return
+            if value is not None:
+                self._post(Event(key, now, {"value": value, "stamp": source.at(message, now)}, "write"))
+
+        return hear
+
+    def _event_of(self, name: str, source: EventSource) -> Hear:
+        before: list[bool | None] = [None]
+
+        def hear(message: Mapping[str, Any]) -> None:
+            try:
+                fires = source.fires(message)
+                happens = source.happens(before[0], fires)
+                before[0] = fires
+                if happens:
+                    self._post(Event(name, self._now(), source.payload(message)))
+            except ConnectorError as error:
+                self._puzzle(name, error)
+
+        return hear
+
+    def _puzzle(self, name: str, error: ConnectorError) -> None:
+        if name not in self._puzzled:
+            self._puzzled.add(name)
+            log.warning("'%s' was not understood and counts as not heard: %s", name, error)
