@@ -1,0 +1,325 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Generated missions: small, of every kind of state, guard, effect and tree node, and such that each step ends.
+
+Rule: whatever can fire without an event from outside leads forward among its siblings, so no run goes round for ever.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import strategies as st
+
+from rai_missions.mission import Mission
+
+__all__ = ("EVENTS", "KEYS", "guards", "mission_documents", "missions", "tree_nodes")
+
+Draw = st.DrawFn
+Json = dict[str, Any]
+
+KEYS: Json = {
+    "alleys": {"type": "integer", "source": "argument", "initial": 2},
+    "waypoints": {"type": "list", "source": "argument", "initial": ["a", "b"]},
+    "home": {"type": "pose", "source": "argument", "initial": {"x": 0.0, "y": 0.0}},
+    "waypoint": {"type": "string", "source": "mission", "initial": ""},
+    "count": {"type": "integer", "source": "mission", "initial": 0},
+    "armed": {"type": "boolean", "source": "mission", "initial": False},
+    "battery": {"type": "number", "source": "robot", "max_age_s": 10},
+    "clear": {"type": "boolean", "source": "robot", "max_age_s": 5, "optional": True},
+    "pose": {"type": "pose", "source": "robot", "max_age_s": 1},
+    "obstacle": {"type": "object", "source": "robot", "max_age_s": 0.5, "optional": True,
+                 "fields": {"kind": "string", "height_m": "number", "living": "boolean"}},
+}  # fmt: skip
+"""The keys that every generated mission has."""
+EVENTS = ("anomaly", "halt", "poke")
+"""The events from outside; `hint` is raised by rows alone."""
+HINT = "hint"
+OPTIONS = ("drive_over", "replan", "wait", "give_up")
+ACTIVITY_ENDS = ("succeeded", "failed", "unverified", "timed_out", "rejected")
+DEPTH = 3
+
+
+def comparisons() -> st.SearchStrategy[Json]:
+    """Comparisons with values that fit the keys."""
+    order = st.sampled_from(["<", "<=", ">", ">=", "==", "!="])
+    return st.one_of(
+        st.builds(lambda op, n: {"key": "count", op: n}, order, st.integers(0, 3)),
+        st.builds(lambda op, n: {"key": "battery", op: n}, order, st.sampled_from([0.1, 0.25, 0.5])),
+        st.builds(lambda op, n: {"key": "obstacle.height_m", op: n}, order, st.sampled_from([0.1, 0.25])),
+        st.builds(
+            lambda key, b: {"key": key, "==": b}, st.sampled_from(["armed", "clear", "obstacle.living"]), st.booleans()
+        ),
+        st.just({"key": "count", ">=": {"key": "alleys"}}),
+        st.just({"key": "obstacle.kind", "in": ["log", "branch"]}),
+    )
+
+
+def guards(states: tuple[str, ...] = (), *, timed: bool = True) -> st.SearchStrategy[Json]:
+    """Guards as JSON has them.
+
+    Args:
+        states: The states that `in` may ask for.
+        timed: With `held` and `elapsed_s`.
+    """
+    leaves: list[st.SearchStrategy[Json]] = [
+        comparisons(),
+        st.sampled_from([{"fresh": "obstacle"}, {"fresh": "battery"}, {"near": ["pose", "home"], "within_m": 0.5}]),
+    ]
+    if states:
+        leaves.append(st.sampled_from(states).map(lambda name: {"in": name}))
+    if timed:
+        leaves.append(st.sampled_from([{"elapsed_s": 1.0}, {"elapsed_s": 5.0}]))
+
+    def around(inner: st.SearchStrategy[Json]) -> st.SearchStrategy[Json]:
+        several = st.lists(inner, min_size=1, max_size=3)
+        kinds = [
+            several.map(lambda given: {"all": given}),
+            several.map(lambda given: {"any": given}),
+            inner.map(lambda given: {"not": given}),
+            inner.map(lambda given: {"possible": given}),
+        ]
+        if timed:
+            kinds.append(inner.map(lambda given: {"held": given, "for_s": 2.0}))
+        return st.one_of(kinds)
+
+    return st.recursive(st.one_of(leaves), around, max_leaves=4)
+
+
+def effects(*, raising: bool = False) -> st.SearchStrategy[list[Json]]:
+    """Effects of a row, an entry or an exit.
+
+    Args:
+        raising: With `raise` at once, which only rows fired from outside may have.
+    """
+    known: list[Json] = [
+        {"set": "count", "value": 0}, {"set": "count", "add": 1}, {"set": "count", "from": "alleys"},
+        {"set": "armed", "value": True}, {"call": "horn", "request": {"seconds": 2}},
+        {"publish": "lamp", "message": {"on": True}}, {"say": "careful"}, {"log": "noted"},
+        {"raise": "poke", "after_s": 3.0, "id": "later"}, {"drop": "later"},
+    ]  # fmt: skip
+    return st.lists(st.sampled_from(known + ([{"raise": HINT}] if raising else [])), max_size=2)
+
+
+def asked(draw: Draw) -> Json:
+    """A decision with its question, two to four options and an open fallback."""
+    names = draw(st.lists(st.sampled_from(OPTIONS), min_size=2, max_size=4, unique=True))
+    options: Json = {name: {"about": f"{name}, please"} for name in names}
+    for name in names[1:]:
+        if draw(st.booleans()):
+            options[name]["when"] = draw(guards(timed=False))
+        elif draw(st.integers(0, 3)) == 0:
+            options[name]["parameters"] = {"type": "object", "properties": {"speed": {"type": "number"}}}
+    return {
+        "question": "What now?", "evidence": draw(st.sampled_from([[], ["obstacle"], ["obstacle", "battery"]])),
+        "options": options, "fallback": names[0], "attempts": draw(st.integers(1, 2)), "deadline_s": 20.0,
+        "ask": draw(st.sampled_from([["rules"], ["agent", "rules"], ["agent", "operator", "rules"]])),
+    }  # fmt: skip
+
+
+@st.composite
+def tree_nodes(draw: Draw, depth: int = 2) -> Json:
+    """A behaviour tree as JSON has it; none that goes round for ever within a tick."""
+    leaves = ["call", "action", "check", "wait_s", "set", "publish", "decision"]
+    inner = ["sequence", "selector", "parallel", "inverter", "retry", "repeat", "timeout", "failure_is_success"]
+    word = draw(st.sampled_from(leaves + (inner * 2 if depth else [])))
+    children = tree_nodes(depth=depth - 1)
+    if word in ("sequence", "selector", "parallel"):
+        return {word: draw(st.lists(children, min_size=1, max_size=3))}
+    if word in ("inverter", "failure_is_success"):
+        return {word: draw(children)}
+    if word in ("retry", "repeat"):
+        return {word: 2, "child": draw(children)}
+    if word == "decision":
+        question = asked(draw)
+        then = {name: draw(children) for name in question["options"] if depth and draw(st.booleans())}
+        return {"decision": question, **({"then": then} if then else {})}
+    given: Json = {
+        "timeout": lambda: {"timeout": 4.0, "child": draw(children)},
+        "call": lambda: {"call": "horn", "timeout_s": 2.0},
+        "action": lambda: {"action": "cross", "timeout_s": 5.0},
+        "check": lambda: {"check": draw(guards(timed=False))},
+        "wait_s": lambda: {"wait_s": draw(st.sampled_from([0.5, 2.0]))},
+        "set": lambda: {"set": "count", "add": 1},
+        "publish": lambda: {"publish": "lamp", "message": {"on": True}},
+    }[word]()
+    return given
+
+
+class _Draft:
+    """A mission as it is drawn: first the states with their names, then the rows between them."""
+
+    def __init__(self, draw: Draw) -> None:
+        self.draw, self.names = draw, 0
+        self.targets: list[str] = []
+        """The states that a row from anywhere may lead to."""
+        self.plain: list[str] = []
+        """The states that guards may ask for."""
+        self.rooms: list[tuple[str, list[tuple[str, Json]]]] = []
+        """Word of the parent → its children, for the rows that lead forward."""
+        self.regions: list[list[list[str]]] = []
+        """For each parallel state, what each of its regions has directly inside."""
+
+    def name(self, word: str) -> str:
+        self.names += 1
+        return f"{word}{self.names}"
+
+    def states(self, depth: int, *, word: str = "states") -> Json:
+        """Siblings, the first of them one to begin with."""
+        room: Json = {}
+        for _ in range(self.draw(st.integers(1, 3))):
+            kinds = ["wait", "action", "action", "call", "decision", "tree"]
+            kind = self.draw(st.sampled_from(kinds + (["compound", "parallel", "each"] if depth else [])))
+            self.add(room, kind, depth)
+        if word == "states":
+            for kind in self.draw(st.sampled_from([(), ("final",), ("final", "final"), ("history", "final")])):
+                if kind == "final" or depth < DEPTH:
+                    self.add(room, kind, depth)
+        self.rooms.append((word, list(room.items())))
+        return room
+
+    def add(self, room: Json, kind: str, depth: int) -> None:
+        name = self.name(kind)
+        room[name] = getattr(self, f"_{kind}")(depth - 1)
+        self.targets.append(name)
+        if kind != "history":
+            self.plain.append(name)
+        if kind not in ("history", "final"):
+            self.dress(room[name])
+
+    def dress(self, state: Json) -> None:
+        """What any state may have beside its kind."""
+        entry, leave = self.draw(effects()), self.draw(effects())
+        state |= ({"entry": entry} if entry else {}) | ({"exit": leave} if leave else {})
+        control = self.draw(st.sampled_from([None, None, None, "autonomy", "agent"]))
+        state |= {"control": control} if control else {}
+
+    def _wait(self, depth: int) -> Json:
+        return {"about": "waits"} if self.draw(st.booleans()) else {}
+
+    def _action(self, depth: int) -> Json:
+        achieved = self.draw(st.none() | guards(timed=False))
+        goal = self.draw(st.sampled_from([{}, {"pose": {"from": "home"}, "speed": 1.2}]))
+        return {
+            "action": self.draw(st.sampled_from(["drive", "cross", "go_home"])), "timeout_s": 30.0,
+            **({"goal": goal} if goal else {}), **({"achieved": achieved} if achieved else {}),
+        }  # fmt: skip
+
+    def _call(self, depth: int) -> Json:
+        return {"call": "replan", "timeout_s": 10.0, **({"result": {"count": "n"}} if self.draw(st.booleans()) else {})}
+
+    def _decision(self, depth: int) -> Json:
+        return {"decision": asked(self.draw)}
+
+    def _tree(self, depth: int) -> Json:
+        return {"tree": self.draw(tree_nodes()), "timeout_s": 20.0}
+
+    def _compound(self, depth: int) -> Json:
+        states = self.states(depth)
+        return {"initial": next(iter(states)), "states": states}
+
+    def _each(self, depth: int) -> Json:
+        return {"each": "waypoints", "as": "waypoint", **self._compound(depth)}
+
+    def _parallel(self, depth: int) -> Json:
+        regions: Json = {}
+        for _ in range(2):
+            name = self.name("region")
+            regions[name] = self._compound(depth)
+            self.plain.append(name)
+        self.regions.append([list(region["states"]) for region in regions.values()])
+        self.rooms.append(("parallel", list(regions.items())))
+        return {"parallel": regions}
+
+    def _final(self, depth: int) -> Json:
+        return {"final": self.draw(st.sampled_from(["succeeded", "failed", "aborted", "canceled"]))}
+
+    def _history(self, depth: int) -> Json:
+        return {"history": self.draw(st.sampled_from(["shallow", "deep"]))}
+
+    def connect(self) -> None:
+        """Give every state its rows."""
+        for word, room in self.rooms:
+            for index, (_, state) in enumerate(room):
+                if "final" not in state and "history" not in state:
+                    forward = (
+                        [name for name, other in room[index + 1 :] if "history" not in other]
+                        if word == "states"
+                        else []
+                    )
+                    if rows := self.rows(state, forward):
+                        state["transitions"] = rows
+
+    def rows(self, state: Json, forward: list[str]) -> list[Json]:
+        rows: list[Json] = []
+        for option in state.get("decision", {}).get("options", ()):
+            rows.append(self.row({"on": option}, self.anywhere(), raising=True))
+        ends = self.draw(st.sampled_from([(), ("succeeded",), ("succeeded", "failed"), (list(ACTIVITY_ENDS[1:]),)]))
+        if state.keys() & {"action", "call"}:
+            rows += [self.row({"on": end}, self.anywhere(), raising=True) for end in ends]
+        elif state.keys() & {"tree", "states", "parallel", "each"} and forward:
+            rows += [self.row({"on": end}, self.draw(st.sampled_from(forward))) for end in ends]
+        for _ in range(self.draw(st.integers(0, 2))):
+            rows.append(self.outside_row())
+        if forward and self.draw(st.integers(0, 3)) == 0:
+            rows.append(self.row({"when": self.guard()}, self.draw(st.sampled_from(forward))))
+        if forward and self.draw(st.integers(0, 3)) == 0:
+            rows.append(self.row({"on": HINT}, self.draw(st.sampled_from(forward))))
+        return rows
+
+    def outside_row(self) -> Json:
+        """A row that only something from outside, or time, can fire."""
+        trigger = self.draw(
+            st.one_of(
+                st.sampled_from(EVENTS).map(lambda name: {"on": name}),
+                st.sampled_from([{"on": list(EVENTS[:2])}, {"after_s": 5.0}]),
+            )
+        )
+        guard = self.draw(st.none() | st.just(True))
+        trigger = {**trigger, **({"when": self.guard()} if guard else {})}
+        return self.row(trigger, self.anywhere() if self.draw(st.integers(0, 4)) else None, raising=True)
+
+    def anywhere(self) -> Any:
+        several = [region for region in self.regions if all(region)]
+        if several and self.draw(st.integers(0, 3)) == 0:
+            return [self.draw(st.sampled_from(inside)) for inside in self.draw(st.sampled_from(several))]
+        return self.draw(st.sampled_from(self.targets))
+
+    def guard(self) -> Json:
+        given: Json = self.draw(guards(tuple(self.plain)))
+        return given
+
+    def row(self, trigger: Json, to: Any, *, raising: bool = False) -> Json:
+        do = self.draw(effects(raising=raising))
+        row = {**trigger, **({"to": to} if to is not None else {})}
+        return {**row, "do": do or [{"log": "stays"}]} if to is None or do else row
+
+
+@st.composite
+def mission_documents(draw: Draw) -> Json:
+    """A mission as JSON has it: of every kind of state, with names and targets that exist."""
+    draft = _Draft(draw)
+    states = draft.states(DEPTH)
+    begin = next(iter(states))
+    end = draft.name("final")
+    states[end] = {"final": "aborted"}
+    draft.targets.append(end)
+    draft.connect()
+    document: Json = {
+        "format": 1, "name": "generated", "version": "1.0.0", "blackboard": KEYS,
+        "events": {name: {} for name in (*EVENTS, HINT)}, "initial": begin, "states": states,
+    }  # fmt: skip
+    rows: list[Json] = [{"on": "halt", "to": end}] if draw(st.booleans()) else []
+    if draw(st.booleans()):
+        rows.append({"when": {"all": [{"not": {"in": end}}, {"key": "battery", "<": 0.15}]}, "to": end})
+    if draw(st.integers(0, 2)) == 0:
+        rows.append({"on": "*", "when": draft.guard(), "do": [{"log": "heard"}]})
+    if rows:
+        document["transitions"] = rows
+    if draw(st.booleans()):
+        document["invariants"] = {"always": draw(guards(tuple(draft.plain), timed=False))}
+    return document
+
+
+def missions() -> st.SearchStrategy[Mission]:
+    """Missions of every kind of state, guard, effect and tree node, small enough to look at."""
+    return mission_documents().map(Mission.model_validate)
