@@ -6,12 +6,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from hypothesis import settings
 from hypothesis import strategies as st
 
 from rai_missions.blackboard import Stamped
 from rai_missions.guards.guard import Truth
 
 FACTS = ("a", "b", "c")
+often = settings(max_examples=4 * settings().max_examples)
+"""For laws over trees: most small trees are alike."""
 
 
 class Facts(NamedTuple):

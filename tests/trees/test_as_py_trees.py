@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import pytest
-from hypothesis import HealthCheck, event, given, settings
-from tests.trees.growing import Moment, lives, seen, trees
-from tests.trees.oracle import Oracle
+from hypothesis import event, given
 
 from rai_missions.states.ticker import Ticked, TreeState
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
+from tests.trees.growing import Moment, lives, often, seen, trees
+from tests.trees.oracle import Oracle
 
 Calls = list[tuple[str, str, str]]
 
@@ -70,6 +70,7 @@ def inside(path: str, outer: str) -> bool:
     return path == outer or path.startswith(f"{outer}/")
 
 
+@often
 @given(trees, lives)
 def test_status_and_calls_are_those_of_py_trees(tree: Any, life: list[Moment]) -> None:
     for lived in live(tree, life):
@@ -83,6 +84,7 @@ def test_status_and_calls_are_those_of_py_trees(tree: Any, life: list[Moment]) -
             event("a branch is taken over")
 
 
+@often
 @given(trees, lives)
 def test_an_old_branch_has_ended_before_the_new_one_starts(tree: Any, life: list[Moment]) -> None:
     for lived in live(tree, life):
@@ -93,6 +95,7 @@ def test_an_old_branch_has_ended_before_the_new_one_starts(tree: Any, life: list
                 assert max(ended) < min(begun)
 
 
+@often
 @given(trees, lives)
 def test_a_node_remembers_the_status_that_py_trees_gives_it(tree: Any, life: list[Moment]) -> None:
     for lived in live(tree, life):
@@ -100,9 +103,10 @@ def test_a_node_remembers_the_status_that_py_trees_gives_it(tree: Any, life: lis
         assert {path: told.get(path, "invalid") for path in lived.after} == lived.after
 
 
+@often
 @given(trees, lives)
 def test_what_is_started_and_ended_follows_from_the_calls(tree: Any, life: list[Moment]) -> None:
-    """A leaf that runs after a tick and was begun in it is started; one that ran, has not ended and was stopped ends."""
+    """A leaf that was begun in a tick and runs after it is started; one that ran on and was stopped is ended."""
     for lived in live(tree, life):
         errands = [path for path, node in lived.nodes.items() if node.name in ("action", "call")]
         begun = {path for path, call, _ in lived.calls if call == "initialise"}
@@ -114,7 +118,7 @@ def test_what_is_started_and_ended_follows_from_the_calls(tree: Any, life: list[
         assert set(lived.ours.state.leaves) == running
 
 
-@settings(suppress_health_check=[HealthCheck.filter_too_much])
+@often
 @given(trees, lives)
 def test_stopping_a_tree_calls_what_py_trees_calls(tree: Any, life: list[Moment]) -> None:
     root = TreeNode.read(tree)

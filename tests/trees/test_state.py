@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All that a tree remembers stands in its state: a tick is a function of it, and time and facts matter when it says so."""
+"""All that a tree remembers stands in its state; time and facts matter when it says so."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any
 
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from tests.trees.growing import FACTS, Facts, Moment, is_true, lives, rich_trees, seen
 
 from rai_missions.blackboard import Key, Stamped
 from rai_missions.states.ticker import Leaf, Ticked, Ticker, TreeState
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
+from tests.trees.growing import FACTS, Facts, Moment, is_true, lives, often, rich_trees, seen
 
 KEYS = {
     "a": Key("boolean", source="robot", max_age_s=1.5),
@@ -61,12 +61,14 @@ def told(ticked: Ticked) -> Any:
     return ticked._replace(state=TreeState())
 
 
+@often
 @given(rich_trees, lives)
 def test_a_restored_tree_has_the_same_future(tree: Any, life: list[Moment]) -> None:
     for state, seen_now, ended, ticked in life_of(compiled(tree), life):
         assert compiled(tree).tick(stored(state), seen_now, ended) == ticked
 
 
+@often
 @given(rich_trees, lives)
 def test_ticking_a_state_again_gives_the_same_whatever_was_ticked_in_between(tree: Any, life: list[Moment]) -> None:
     ticker = compiled(tree)
@@ -77,6 +79,7 @@ def test_ticking_a_state_again_gives_the_same_whatever_was_ticked_in_between(tre
         assert ticker.tick(state, seen_now, ended) == ticked
 
 
+@often
 @given(rich_trees, lives)
 def test_a_tick_changes_neither_the_state_nor_the_view_that_it_was_given(tree: Any, life: list[Moment]) -> None:
     for state, seen_now, ended, _ in life_of(compiled(tree), life):
@@ -85,6 +88,7 @@ def test_a_tick_changes_neither_the_state_nor_the_view_that_it_was_given(tree: A
         assert repr((state, seen_now, ended)) == before
 
 
+@often
 @given(rich_trees, lives, st.floats(0, 1))
 def test_until_the_time_that_it_names_time_alone_changes_nothing(tree: Any, life: list[Moment], share: float) -> None:
     ticker = compiled(tree)
@@ -99,6 +103,7 @@ def test_until_the_time_that_it_names_time_alone_changes_nothing(tree: Any, life
             assert told(ticker.tick(ticked.state, later, {})) == told(ticker.tick(ticked.state, now, {}))
 
 
+@often
 @given(rich_trees, lives, st.sampled_from(FACTS), st.sampled_from([True, False, None]))
 def test_a_key_that_it_does_not_read_changes_nothing(tree: Any, life: list[Moment], key: str, value: Any) -> None:
     ticker = compiled(tree)
@@ -112,6 +117,7 @@ def test_a_key_that_it_does_not_read_changes_nothing(tree: Any, life: list[Momen
         assert told(ticker.tick(ticked.state, other, {})) == told(ticker.tick(ticked.state, now, {}))
 
 
+@often
 @given(rich_trees, lives, st.integers(1, 50))
 def test_a_pause_moves_a_tree_as_a_whole(tree: Any, life: list[Moment], paused_s: int) -> None:
     ticker = compiled(tree)
@@ -122,6 +128,7 @@ def test_a_pause_moves_a_tree_as_a_whole(tree: Any, life: list[Moment], paused_s
         assert told(ticker.tick(shifted, later, {})) == told(ticker.tick(ticked.state, now, {}))
 
 
+@often
 @given(rich_trees, lives)
 def test_what_is_started_was_not_running_and_what_is_ended_was(tree: Any, life: list[Moment]) -> None:
     for state, _, ended, ticked in life_of(compiled(tree), life):
@@ -134,6 +141,7 @@ def test_what_is_started_was_not_running_and_what_is_ended_was(tree: Any, life: 
             assert ticked.state.leaves[path].run > earlier
 
 
+@often
 @given(rich_trees, lives)
 def test_two_runs_of_a_leaf_never_have_the_same_number(tree: Any, life: list[Moment]) -> None:
     started: set[tuple[str, int]] = set()

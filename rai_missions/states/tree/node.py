@@ -44,14 +44,14 @@ def tree_paths(root: TreeNode, path: str = "") -> Iterator[tuple[str, TreeNode]]
 
 
 def depth(given: Any) -> int:
-    """How deep objects, lists and nodes are nested in one another."""
+    """How deep objects and lists are nested in one another; a node counts as the two that it is written as."""
     deepest, rest = 0, [(given, 1)]
     while rest:
         item, level = rest.pop()
-        deepest = max(deepest, level)
+        inner: Any = item.values() if isinstance(item, dict) else item
         if isinstance(item, TreeNode):
-            inner: Any = [child for _, child in item.branches()]
-        else:
-            inner = item.values() if isinstance(item, dict) else item if isinstance(item, list | tuple) else ()
-        rest += [(each, level + 1) for each in inner]
+            inner, level = [child for _, child in item.branches()], level + 1
+        if isinstance(item, TreeNode | dict | list | tuple):
+            deepest = max(deepest, level)
+            rest += [(each, level + 1) for each in inner]
     return deepest
