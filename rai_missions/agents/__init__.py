@@ -10,14 +10,16 @@ if TYPE_CHECKING:
     from rai_missions.agents.agent import Agent
     from rai_missions.agents.decision import DecisionAgent
     from rai_missions.agents.models import open_model
+    from rai_missions.agents.operator import OperatorAgent
     from rai_missions.agents.rules import RulesAnswerer
     from rai_missions.agents.script import ScriptAnswerer
 
-__all__ = ("Agent", "DecisionAgent", "RulesAnswerer", "ScriptAnswerer", "open_model")
+__all__ = ("Agent", "DecisionAgent", "OperatorAgent", "RulesAnswerer", "ScriptAnswerer", "open_model")
 
 ROOMS = {
     "Agent": "agent",
     "DecisionAgent": "decision",
+    "OperatorAgent": "operator",
     "RulesAnswerer": "rules",
     "ScriptAnswerer": "script",
     "open_model": "models",
