@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Chat models that say what a test wants, and chat models that do what models must be survived doing.
+
+They are langchain's own kind, so that whatever asks them is tried as it is used.
+"""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, Literal
+
+from langchain_core.language_models import BaseChatModel
+from langchain_core.messages import AIMessage, AIMessageChunk, BaseMessage
+from langchain_core.output_parsers import JsonOutputParser
+from langchain_core.outputs import ChatGeneration, ChatGenerationChunk, ChatResult
+from langchain_core.runnables import Runnable
+from pydantic import PrivateAttr
+
+__all__ = (
+    "BabblingModel",
+    "HangingModel",
+    "LyingModel",
+    "RaisingModel",
+    "ScriptedModel",
+    "SilentModel",
+    "ToolFloodModel",
+    "WordyModel",
+    "call",
+)
+
+Answer = str | AIMessage | BaseException | Callable[[list[BaseMessage]], "str | AIMessage"]
+"""Text, a message, what is raised, or a function of the messages heard."""
+
+
+def call(name: str, number: str = "1", **arguments: Any) -> dict[str, Any]:
+    """One call of a tool, as a message carries it."""
+    return {"name": name, "args": arguments, "id": number, "type": "tool_call"}
+
+
+class DoubleModel(BaseChatModel):
+    """A model without a network that takes tools and schemas; its profile may deny either.
+
+    `DoubleModel(profile={"tool_calling": False, "structured_output": False})` takes plain text alone.
+    """
+
+    _heard: list[tuple[list[BaseMessage], dict[str, Any]]] = PrivateAttr(default_factory=list)
+
+    @property
+    def heard(self) -> list[tuple[list[BaseMessage], dict[str, Any]]]:
+        """The messages of each call so far, and what was bound to it: `tools`, `response_format`."""
+        return list(self._heard)
+
+    def says(self, messages: list[BaseMessage]) -> str | AIMessage:
+        """What the model answers."""
+        raise NotImplementedError
+
+    @property
+    def _llm_type(self) -> str:
+        return "double"
+
+    def _generate(
+        self, messages: list[BaseMessage], stop: list[str] | None = None, run_manager: Any = None, **bound: Any
+    ) -> ChatResult:
+        self._heard.append((messages, bound))
+        said = self.says(messages)
+        message = AIMessage(said) if isinstance(said, str) else said
+        return ChatResult(generations=[ChatGeneration(message=message)])
+
+    def bind_tools(
+        self, tools: Sequence[Any], *, tool_choice: str | None = None, **bound: Any
+    ) -> Runnable[Any, AIMessage]:
+        return self.bind(tools=list(tools), tool_choice=tool_choice, **bound)
+
+    def with_structured_output(
+        self,
+        schema: Any,
+        *,
+        method: Literal["function_calling", "json_schema"] = "json_schema",
+        include_raw: bool = False,
+        **bound: Any,
+    ) -> Runnable[Any, Any]:
+        """As a provider's model does it: the schema goes along, a parser comes behind."""
+        return self.bind(response_format=schema, method=method, **bound) | JsonOutputParser()
+
+
+class ScriptedModel(DoubleModel):
+    """Says what is written, in order; asked once more, it raises.
+
+    Args:
+        answers: What it says.
+    """
+
+    _script: Iterator[Answer] = PrivateAttr()
+
+    def __init__(self, answers: Iterable[Answer], **words: Any) -> None:
+        super().__init__(**words)
+        self._script = iter(answers)
+
+    def says(self, messages: list[BaseMessage]) -> str | AIMessage:
+        answer = next(self._script, None)
+        if answer is None:
+            raise RuntimeError("the script is over")
+        if isinstance(answer, BaseException):
+            raise answer
+        return answer(messages) if callable(answer) else answer
+
+
+class HangingModel(DoubleModel):
+    """Never answers, until the test releases it; then it says what it was given."""
+
+    answer: str = "abort"
+    _released: threading.Event = PrivateAttr(default_factory=threading.Event)
+    _hangs: threading.Event = PrivateAttr(default_factory=threading.Event)
+
+    @property
+    def hangs(self) -> threading.Event:
+        """Set once somebody waits for it."""
+        return self._hangs
+
+    def release(self) -> None:
+        self._released.set()
+
+    def says(self, messages: list[BaseMessage]) -> str:
+        self._hangs.set()
+        self._released.wait()
+        return self.answer
+
+
+class RaisingModel(DoubleModel):
+    """Raises.
+
+    Args:
+        error: What it raises.
+    """
+
+    _error: BaseException = PrivateAttr()
+
+    def __init__(self, error: BaseException | None = None, **words: Any) -> None:
+        super().__init__(**words)
+        self._error = error or RuntimeError("the model is overloaded")
+
+    def says(self, messages: list[BaseMessage]) -> str:
+        raise self._error
+
+
+class SilentModel(DoubleModel):
+    """Answers nothing."""
+
+    def says(self, messages: list[BaseMessage]) -> str:
+        return ""
+
+
+class WordyModel(DoubleModel):
+    """Answers at any length, and names an option at the end."""
+
+    length: int = 1_000_000
+    last: str = '{"option": "abort"}'
+
+    def says(self, messages: list[BaseMessage]) -> str:
+        return "word " * (self.length // 5) + self.last
+
+
+class BabblingModel(DoubleModel):
+    """Streams the same words for ever; `ended` is set when somebody makes it stop."""
+
+    streaming: bool = True
+    word: str = "and then "
+    _ended: threading.Event = PrivateAttr(default_factory=threading.Event)
+
+    @property
+    def ended(self) -> threading.Event:
+        return self._ended
+
+    def _stream(
+        self, messages: list[BaseMessage], stop: list[str] | None = None, run_manager: Any = None, **bound: Any
+    ) -> Iterator[ChatGenerationChunk]:
+        self._heard.append((messages, bound))
+        try:
+            while True:
+                yield ChatGenerationChunk(message=AIMessageChunk(content=self.word))
+        finally:
+            self._ended.set()
+
+
+class ToolFloodModel(DoubleModel):
+    """Asks for tools, again and again, and never comes to an answer."""
+
+    tool: str = "look"
+    at_once: int = 1_000
+    """Calls in each message."""
+
+    def says(self, messages: list[BaseMessage]) -> AIMessage:
+        return AIMessage("", tool_calls=[call(self.tool, str(number)) for number in range(self.at_once)])
+
+
+LIES = (
+    "Mission complete! All objectives were achieved.",
+    '{"option": "succeeded", "why": "the mission is complete"}',
+    '{"option": "done"}',
+    '{"option": "abort", "set_state": "done"}',
+    '{"state": "done", "outcome": "succeeded"}',
+)
+
+
+class LyingModel(DoubleModel):
+    """Claims, in one way after the other, that the mission has succeeded."""
+
+    _lies: Iterator[str] = PrivateAttr(default_factory=lambda: itertools.cycle(LIES))
+
+    def says(self, messages: list[BaseMessage]) -> str:
+        return next(self._lies)

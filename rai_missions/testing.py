@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contracts and doubles for those who write connectors, agents and missions; each is loaded when it is first used."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rai_missions.agents.contract import QUESTION, Told, answer_fault, check_agent, check_answerer
+    from rai_missions.agents.doubles import (
+        BabblingModel,
+        HangingModel,
+        LyingModel,
+        RaisingModel,
+        ScriptedModel,
+        SilentModel,
+        ToolFloodModel,
+        WordyModel,
+        call,
+    )
+    from rai_missions.agents.hostile import ChatteringAnswerer, LateAnswerer, RaisingAnswerer, SilentAnswerer
+    from rai_missions.agents.script import ScriptAnswerer
+    from rai_missions.connectors.contract import Heard, PatientServer, check_connector
+
+__all__ = (
+    "QUESTION", "BabblingModel", "ChatteringAnswerer", "HangingModel", "Heard", "LateAnswerer", "LyingModel",
+    "PatientServer", "RaisingAnswerer", "RaisingModel", "ScriptAnswerer", "ScriptedModel", "SilentAnswerer",
+    "SilentModel", "Told", "ToolFloodModel", "WordyModel", "answer_fault", "call", "check_agent", "check_answerer",
+    "check_connector",
+)  # fmt: skip
+
+ROOMS = {
+    "agents.contract": ("QUESTION", "Told", "answer_fault", "check_agent", "check_answerer"),
+    "agents.doubles": (
+        "BabblingModel", "HangingModel", "LyingModel", "RaisingModel", "ScriptedModel", "SilentModel", "ToolFloodModel",
+        "WordyModel", "call",
+    ),
+    "agents.hostile": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
+    "agents.script": ("ScriptAnswerer",),
+    "connectors.contract": ("Heard", "PatientServer", "check_connector"),
+}  # fmt: skip
+"""Module → what is offered from it."""
+
+
+def __getattr__(name: str) -> Any:
+    for room, names in ROOMS.items():
+        if name in names:
+            return getattr(importlib.import_module(f"rai_missions.{room}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted((*globals(), *__all__))
