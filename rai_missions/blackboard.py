@@ -7,7 +7,7 @@ Rule: a value without its stamp does not exist here; whoever reads it can ask ho
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -88,7 +88,7 @@ def _is_pose(value: Any) -> bool:
     )  # fmt: skip
 
 
-_FITS = {
+_FITS: Mapping[str, Callable[[Any], bool]] = {
     "string": lambda value: isinstance(value, str),
     "number": _is_number,
     "integer": lambda value: isinstance(value, int) and not isinstance(value, bool),

@@ -120,7 +120,7 @@ def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
 
 
 def _replaced(states: Mapping[str, State], brought: Mapping[str, Brought]) -> dict[str, State]:
-    new = {}
+    new: dict[str, State] = {}
     for name, state in states.items():
         if isinstance(state, Include):
             new[name] = brought[name].state

@@ -21,7 +21,7 @@ KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
 
 
-def faults_of(error: ValidationError, model: type[BaseModel], data: Any) -> Iterator[Fault]:
+def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[Fault]:
     """What a validation found, one fault a place and sentence.
 
     Args:
@@ -55,10 +55,10 @@ def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool
     return steps, False, len(steps) < len(loc)
 
 
-def _model_at(model: type[BaseModel], data: Any, steps: Iterable[str | int]) -> type[BaseModel] | None:
+def _model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[Any] | None:
     """The model as which a place, or what holds it, is read."""
     kind: Any = model
-    found: type[BaseModel] | None = None
+    found: type[Any] | None = None
     for step in (*steps, None):
         kind = _bare(kind)
         if isinstance(kind, type) and issubclass(kind, BaseModel):
@@ -94,7 +94,7 @@ def _bare(kind: Any) -> Any:
         return kind
 
 
-def _thing(model: type[BaseModel] | None) -> str:
+def _thing(model: type[Any] | None) -> str:
     """What a model stands for, with its article."""
     if model is None:
         return "this"
@@ -103,11 +103,11 @@ def _thing(model: type[BaseModel] | None) -> str:
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
 
 
-def _words(model: type[BaseModel] | None) -> list[str]:
+def _words(model: type[Any] | None) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()] if model else []
 
 
-def _sentence(item: Any, on_name: bool, model: type[BaseModel] | None) -> str:
+def _sentence(item: Any, on_name: bool, model: type[Any] | None) -> str:
     kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
     if kind == "int_type" and item["loc"][-1] == "int":
         kind = "float_type"  # the first branch of `int | float`

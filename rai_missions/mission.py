@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from rai_missions.blackboard import Key
 from rai_missions.guards.guard import Guard
 from rai_missions.states.state import Rows, State, States, descendants
-from rai_missions.written import Name, Names, Seconds, Text, Written, kind_of
+from rai_missions.written import Name, Names, OneOf, Seconds, Text, Written
 
 __all__ = ("BUILT_IN_EVENTS", "Declared", "Mission")
 
@@ -55,7 +55,7 @@ class Mission(Written):
     states: States = Field(min_length=1)
     transitions: Rows = ()
     """The mission's own rows, tried after those of the states."""
-    invariants: dict[Name, kind_of(Guard)] = Field(default_factory=dict)  # type: ignore[valid-type]
+    invariants: dict[Name, OneOf[Guard]] = Field(default_factory=dict)
     """What must never be false; a run that finds one false is killed."""
     on_cancel: Name | None = None
     """The state in which a cancel is carried out; without it everything is left and canceled."""

@@ -7,7 +7,7 @@ Rule: whatever an author can write stands in a `Written`; unknown words are refu
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -21,6 +21,7 @@ from pydantic import (
     ValidationError,
     WithJsonSchema,
 )
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import DefinitionError
@@ -35,6 +36,7 @@ __all__ = (
     "Name",
     "Names",
     "Number",
+    "OneOf",
     "Path",
     "Seconds",
     "Text",
@@ -120,7 +122,29 @@ Json = Annotated[Any, AfterValidator(_frozen)]
 """A JSON value; in Python a reference made by `Keys` stands for `{"from": path}`."""
 
 
-class Written(BaseModel):
+if TYPE_CHECKING:
+
+    class Model:
+        """What ours use of a pydantic model. A type checker that saw the real one would make constructors of the
+        fields, by field name and with the fields' own types; ours take the format's words, references and positions.
+        """
+
+        model_config: ClassVar[ConfigDict]
+        model_fields: ClassVar[dict[str, FieldInfo]]
+        model_fields_set: set[str]
+
+        def __init__(self, **words: Any) -> None: ...
+        @classmethod
+        def model_validate(cls, obj: Any) -> Self: ...
+        @classmethod
+        def model_json_schema(cls, *, ref_template: str = ...) -> dict[str, Any]: ...
+        def model_dump(self, *, mode: str, by_alias: bool, exclude_defaults: bool) -> dict[str, Any]: ...
+        def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self: ...
+else:
+    Model = BaseModel
+
+
+class Written(Model):
     """A frozen model with the format's words as aliases; in Python its main words may be given by position."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
@@ -210,3 +234,17 @@ def kind_of(family: type[Kind]) -> Any:
         PlainSerializer(lambda item: item.written(), return_type=Any),
         WithJsonSchema({"$ref": f"#/$defs/{family.__name__}"}),
     ]
+
+
+Member = TypeVar("Member", bound=Kind)
+
+if TYPE_CHECKING:
+    OneOf = Annotated[Member, "one of a family's kinds"]
+    """`OneOf[Guard]`: the field type for any member of a family."""
+else:
+
+    class OneOf:
+        """`OneOf[Guard]`: the field type for any member of a family."""
+
+        def __class_getitem__(cls, family: type[Kind]) -> Any:
+            return kind_of(family)

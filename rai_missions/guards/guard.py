@@ -90,10 +90,14 @@ class Guard(Kind, family="guard"):
         raise NotImplementedError
 
     def __and__(self, other: Guard) -> Guard:
-        return made("all", all=(self, other)) if isinstance(other, Guard) else NotImplemented
+        if not isinstance(other, Guard):  # a reference; it knows what it means
+            return NotImplemented
+        return made("all", all=(self, other))
 
     def __or__(self, other: Guard) -> Guard:
-        return made("any", any=(self, other)) if isinstance(other, Guard) else NotImplemented
+        if not isinstance(other, Guard):
+            return NotImplemented
+        return made("any", any=(self, other))
 
     def __invert__(self) -> Guard:
         return made("not", guard=self)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from rai_missions.guards.guard import Guard, Site, Test, Truth, View
-from rai_missions.written import Seconds, kind_of
+from rai_missions.written import OneOf, Seconds
 
 __all__ = ("Held",)
 
@@ -21,7 +21,7 @@ class Held(Guard, word="held"):
 
     positional: ClassVar = ("held", "for_s")
 
-    held: kind_of(Guard)  # type: ignore[valid-type]
+    held: OneOf[Guard]
     for_s: Seconds
 
     def compile(self, site: Site) -> Test:

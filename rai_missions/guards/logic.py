@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BeforeValidator, Field
 
 from rai_missions.guards.guard import Guard, Site, Test, Truth, View
-from rai_missions.written import kind_of
+from rai_missions.written import OneOf
 
 __all__ = ("All", "Any_", "Not")
 
@@ -36,7 +36,7 @@ def _flat(word: str) -> BeforeValidator:
     return BeforeValidator(flatten)
 
 
-GUARD = kind_of(Guard)
+GUARD = OneOf[Guard]
 
 
 class All(Guard, word="all"):
@@ -44,7 +44,7 @@ class All(Guard, word="all"):
 
     positional: ClassVar = ("all",)
 
-    all: Annotated[tuple[GUARD, ...], _flat("all")]  # type: ignore[valid-type]
+    all: Annotated[tuple[GUARD, ...], _flat("all")]
 
     def compile(self, site: Site) -> Test:
         return conjunction([guard.compile(site) for guard in self.all], deciding=False)
@@ -61,7 +61,7 @@ class Any_(Guard, word="any"):  # noqa: N801 - `Any` is typing's
 
     positional: ClassVar = ("any",)
 
-    any: Annotated[tuple[GUARD, ...], _flat("any")]  # type: ignore[valid-type]
+    any: Annotated[tuple[GUARD, ...], _flat("any")]
 
     def compile(self, site: Site) -> Test:
         return conjunction([guard.compile(site) for guard in self.any], deciding=True)
@@ -78,7 +78,7 @@ class Not(Guard, word="not"):
 
     positional: ClassVar = ("guard",)
 
-    guard: GUARD = Field(alias="not")  # type: ignore[valid-type]
+    guard: GUARD = Field(alias="not")
 
     def compile(self, site: Site) -> Test:
         inner = self.guard.compile(site)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from rai_missions.guards.guard import Guard, Site, Test
-from rai_missions.written import kind_of
+from rai_missions.written import OneOf
 
 __all__ = ("Possible",)
 
@@ -17,7 +17,7 @@ class Possible(Guard, word="possible"):
 
     positional: ClassVar = ("possible",)
 
-    possible: kind_of(Guard)  # type: ignore[valid-type]
+    possible: OneOf[Guard]
 
     def compile(self, site: Site) -> Test:
         inner = self.possible.compile(site)

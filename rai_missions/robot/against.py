@@ -13,13 +13,13 @@ from rai_missions.blackboard import Key
 from rai_missions.check.survey import Survey
 from rai_missions.effects import Call, Publish, Raise
 from rai_missions.errors import Fault
-from rai_missions.faults import pointer, suggestion
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.mission import Mission
 from rai_missions.robot.entries import references
 from rai_missions.robot.profile import Robot
 from rai_missions.states import Action
 from rai_missions.states.tree import ActionLeaf, PublishLeaf
+from rai_missions.wording import pointer, suggestion
 
 __all__ = ("missing",)
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from rai_missions.guards.guard import Guard
 from rai_missions.states.state import State
-from rai_missions.written import Bool, Json, Name, Seconds, Text, kind_of
+from rai_missions.written import Bool, Json, Name, OneOf, Seconds, Text
 
 __all__ = ("Action",)
 
@@ -25,7 +25,7 @@ class Action(State, word="action"):
     """The goal's fields; `{"from": key}` takes a value from the blackboard."""
     result: dict[Name, Text] = Field(default_factory=dict)
     """Mission key → the field of the result that it takes."""
-    achieved: kind_of(Guard) | None = None
+    achieved: OneOf[Guard] | None = None
     """What the robot's facts must say before a `succeeded` is believed; else `unverified`."""
     settle_s: Seconds = 0.0
     """How long after the server's `succeeded` the facts may take to agree."""

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.guards.guard import Guard
 from rai_missions.states.state import OUTCOMES, State
-from rai_missions.written import Json, Name, Path, Text, Written, fault, kind_of, suggestion
+from rai_missions.written import Json, Name, OneOf, Path, Text, Written, fault, suggestion
 
 __all__ = ("Asked", "Budget", "Decision", "Option")
 
@@ -26,7 +26,7 @@ class Option(Written):
 
     about: Text = ""
     """What it means, for whoever is asked."""
-    when: kind_of(Guard) | None = None
+    when: OneOf[Guard] | None = None
     """Where this is not true the option is not offered, and not taken."""
     parameters: dict[str, Json] | None = None
     """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's row."""

@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 
 from rai_missions.guards.guard import Guard
 from rai_missions.states.state import State
-from rai_missions.written import kind_of
+from rai_missions.written import OneOf
 
 __all__ = ("Final", "FinalOutcome", "worst")
 
@@ -20,7 +20,7 @@ class Final(State, word="final"):
     positional: ClassVar = ("final",)
 
     final: FinalOutcome
-    requires: kind_of(Guard) | None = None
+    requires: OneOf[Guard] | None = None
     """What must be true then: else the mission `failed`, or a parent's outcome is `unverified`."""
 
 

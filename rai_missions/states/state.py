@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.effects import Effect
 from rai_missions.guards.guard import Guard
-from rai_missions.written import Bool, Kind, Name, Seconds, Text, Written, fault, kind_of, one_or_many, suggestion
+from rai_missions.written import Bool, Kind, Name, OneOf, Seconds, Text, Written, fault, one_or_many, suggestion
 
 __all__ = ("ANY_EVENT", "OUTCOMES", "Controller", "Effects", "State", "States", "Transition")
 
@@ -24,7 +24,7 @@ OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverif
 Controller = Literal["autonomy", "agent", "operator"]
 """Who may command the robot's actuators."""
 
-Effects = Annotated[tuple[kind_of(Effect), ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+Effects = Annotated[tuple[OneOf[Effect], ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
 TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
 
 
@@ -39,7 +39,7 @@ class Transition(Written):
     """The state whose outcome is meant, if not this row's own."""
     after_s: Seconds | None = None
     """Fires so long after the entry, once; if the guard is not true then, it is lost."""
-    when: kind_of(Guard) | None = None
+    when: OneOf[Guard] | None = None
     to: Annotated[tuple[Name, ...], *one_or_many] = ()
     """The target, or one a region; without one the state is not left."""
     do: Effects = ()
@@ -141,7 +141,7 @@ def _states(given: Any) -> Any:
     return dict(given)
 
 
-States = Annotated[dict[Name, kind_of(State)], BeforeValidator(_states)]
+States = Annotated[dict[Name, OneOf[State]], BeforeValidator(_states)]
 
 
 def descendants(states: Mapping[str, State], place: str = "/states") -> Iterator[tuple[str, str, State]]:
