@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import os
-import sys
 from collections.abc import Mapping
 from typing import Any, Protocol
 
@@ -55,7 +53,6 @@ def open_world(name: str, **options: Any) -> World:
     """
     if name not in WORLDS:
         raise UsageError(f"no world {name!r}; there are: {', '.join(sorted(WORLDS))}")
-    _choose_renderer()
     module, class_name = WORLDS[name]
     try:
         world = getattr(importlib.import_module(module), class_name)
@@ -75,9 +72,3 @@ def open_world(name: str, **options: Any) -> World:
         raise UsageError(f"the world {name!r} has no option {unknown[0]!r}; there are: {', '.join(known)}")
     made: World = world(**options)
     return made
-
-
-def _choose_renderer() -> None:
-    """Without a display MuJoCo renders through EGL; it must know before it is imported."""
-    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
-        os.environ.setdefault("MUJOCO_GL", "egl")

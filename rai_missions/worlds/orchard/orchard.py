@@ -81,7 +81,7 @@ class Orchard:
         self.data = mujoco.MjData(self.model)
         self.tractor = Tractor(self.model, self.data)
         self.judge = Judge(self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles))
-        self.counter, self.battery = AlleyCounter(self.layout), Battery(**(battery or {}))
+        self.counter, self.battery = AlleyCounter(self.layout), Battery.of(battery)
         lattice = Lattice(self.layout)
         self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over)
         self.camera = Camera(self.model) if camera else None

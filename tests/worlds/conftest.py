@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An orchard on a connector, and somebody who listens to it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.connector import Message, Reply, Report
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.worlds import open_world
+
+
+class Rig:
+    """A world, its connector, and all that was heard.
+
+    Args:
+        options: Those of `Orchard`.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        self.world: Any = open_world("orchard", **options)
+        self.connector = LocalConnector(now=lambda: self.world.at)
+        self.heard: list[Message] = []
+        self.reports: list[Report] = []
+        self.last: dict[str, Message] = {}
+        for name in self.topics:
+            self.connector.subscribe(f"/tractor1/{name}", "", self._hear)
+        self.world.open(self.connector)
+        self.connector.start()
+
+    topics = (
+        "alleys_driven at_home battery camera_image_color crossing obstacle passed pose state touched_living".split()
+    )
+
+    def _hear(self, message: Message) -> None:
+        self.heard.append(message)
+        self.last[message.topic.rsplit("/", 1)[1]] = message
+
+    def call(self, service: str) -> dict[str, Any]:
+        replies: list[Reply] = []
+        self.connector.call(f"/tractor1/{service}", "std_srvs/srv/Trigger", {}, answered=replies.append)
+        assert replies[0].outcome == "succeeded", replies
+        return dict(replies[0].data)
+
+    def send(self, action: str, goal: dict[str, Any], goal_id: str) -> None:
+        self.connector.send_goal(action, "", goal, goal_id=goal_id, report=self.reports.append)
+
+    def said(self, goal_id: str) -> list[str]:
+        return [r.said for r in self.reports if r.goal_id == goal_id and r.said != "feedback"]
+
+    def run(self, until: Callable[[], bool], within_s: float) -> bool:
+        """Step until something is so; whether it came about in time."""
+        end = self.world.at + within_s
+        while self.world.at < end:
+            self.world.step()
+            if until():
+                return True
+        return False
+
+    def rest(self, seconds: float) -> None:
+        self.run(lambda: False, seconds)
+
+    @property
+    def state(self) -> str:
+        return str(self.call("current_state")["message"]).split(":")[0]
+
+    def data(self, topic: str) -> Any:
+        return self.last[topic].data["data"]
+
+    def facts(self, topic: str) -> dict[str, Any]:
+        return dict(json.loads(self.data(topic)))
+
+    def to_the_obstacle(self) -> None:
+        """Drive until the autonomy hands over, and stand."""
+        assert self.call("continue")["success"]
+        assert self.run(lambda: self.state == "STOPPED", 60.0), "nothing stopped the tractor"
+        assert self.run(lambda: abs(self.world.pose.speed) < 0.02, 5.0)
+
+
+@pytest.fixture
+def rig() -> Any:
+    """Makes rigs, and closes them."""
+    made: list[Rig] = []
+
+    def make(**options: Any) -> Rig:
+        made.append(Rig(**options))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.world.close()

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the camera sees and what the detector makes of it."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rai_missions.event import Image
+
+
+@pytest.fixture
+def facing(rig: Any) -> Any:
+    """Stands before an obstacle."""
+
+    def stand(kind: str, **options: Any) -> Any:
+        orchard = rig(alleys=1, obstacles=[{"kind": kind, "heeds_after": 99, "lingers_s": 900.0}], **options)
+        orchard.to_the_obstacle()
+        orchard.rest(0.5)
+        return orchard
+
+    return stand
+
+
+def test_a_picture_is_rendered_when_it_is_asked_for_and_shows_the_moment_it_was_taken(facing: Any) -> None:
+    orchard = facing("person")
+    message = orchard.last["camera_image_color"].data
+    assert (message["height"], message["width"], message["encoding"], message["step"]) == (480, 640, "rgb8", 1920)
+    picture = message["data"]
+    assert isinstance(picture, Image)
+    moment = orchard.world.camera.moment(orchard.world.data)
+    orchard.rest(0.5)
+    assert len(picture.data) == 640 * 480 * 3
+    assert picture.data == orchard.world.camera.colour(moment).tobytes()
+    pixels = np.frombuffer(picture.data, np.uint8).reshape(480, 640, 3).astype(int)
+    vest = (pixels[..., 0] > 150) & (pixels[..., 1] < 130) & (pixels[..., 2] < 80)
+    assert np.count_nonzero(vest) > 200, "the worker's vest is orange"
+
+
+def test_a_picture_can_be_asked_for_from_any_thread(facing: Any) -> None:
+    orchard = facing("person")
+    picture = orchard.last["camera_image_color"].data["data"]
+    seen: list[int] = []
+    thread = threading.Thread(target=lambda: seen.append(len(picture.data)))
+    thread.start()
+    orchard.rest(0.5)
+    thread.join()
+    assert seen == [640 * 480 * 3]
+
+
+def test_depth_and_segmentation_agree_with_where_things_are(facing: Any) -> None:
+    orchard = facing("person")
+    camera, moment = orchard.world.camera, orchard.world.camera.moment(orchard.world.data)
+    body = orchard.world.model.body("obstacle_0").id
+    mask = camera.segmentation(moment) == body
+    assert np.count_nonzero(mask) > 500
+    depth = float(np.median(camera.depth_m(moment)[mask]))
+    assert depth == pytest.approx(orchard.world.places[0][0] - orchard.world.pose.x - 2.5, abs=0.35)
+
+
+@pytest.mark.parametrize(
+    ("kind", "low", "high", "living"),
+    [
+        ("branch", 0.08, 0.2, False),
+        ("log", 0.38, 0.48, False),
+        ("person", 1.65, 1.85, True),
+        ("animal", 0.8, 1.05, True),
+    ],
+)
+def test_an_obstacle_is_measured_in_pixels(facing: Any, kind: str, low: float, high: float, living: bool) -> None:
+    orchard = facing(kind, detector={"noise": 0.0})
+    facts = orchard.facts("obstacle")
+    assert facts["kind"] == kind
+    assert facts["living"] is living
+    assert low < facts["height_m"] < high
+    gap = orchard.world.autonomy.range_m
+    assert facts["distance_m"] == pytest.approx(gap, abs=0.4)
+
+
+def test_obstacles_are_reported_five_times_a_second_and_only_while_seen(facing: Any) -> None:
+    orchard = facing("branch")
+    times = [m.at for m in orchard.heard if m.topic.endswith("obstacle")]
+    assert np.diff(times) == pytest.approx(0.2)
+    orchard.call("replan")
+    orchard.rest(15.0)
+    assert orchard.last["obstacle"].at < orchard.world.at - 3.0
+
+
+def test_noise_misses_and_mistakes_come_from_the_seed(facing: Any) -> None:
+    orchard = facing("branch", detector={"noise": 0.1, "miss": 0.4, "misclassify": 1.0}, seed=3)
+    orchard.rest(8.0)
+    kinds = {orchard.facts("obstacle")["kind"]}
+    assert kinds != {"branch"}, "it is taken for something else"
+    times = [m.at for m in orchard.heard if m.topic.endswith("obstacle") and m.at > orchard.world.at - 8.0]
+    assert 12 < len(times) < 36, "some looks miss"
+    heights = {m.data["data"] for m in orchard.heard if m.topic.endswith("obstacle")}
+    assert len(heights) > 8, "measures are noisy though nothing moves"
+
+
+def test_false_alarms_can_be_had(rig: Any) -> None:
+    orchard = rig(alleys=1, obstacles=[], detector={"false_alarm": 1.0})
+    orchard.call("continue")
+    orchard.rest(8.0)
+    assert orchard.facts("obstacle")["kind"] in ("branch", "log", "crate", "fallen_tree", "person", "animal")
+
+
+def test_without_a_camera_there_are_no_pictures(rig: Any) -> None:
+    orchard = rig(alleys=1, obstacles=["branch"], camera=False)
+    orchard.to_the_obstacle()
+    assert "camera_image_color" not in orchard.last
+    assert "obstacle" not in orchard.last

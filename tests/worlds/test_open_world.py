@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Opening a world by its name: what exists, what is missing, what it costs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from rai_missions.errors import UsageError
+from rai_missions.worlds import open_world
+
+
+def test_an_unknown_world_names_those_that_exist() -> None:
+    with pytest.raises(UsageError, match="no world 'orchad'; there are: orchard"):
+        open_world("orchad")
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"trees": 5}, "the world 'orchard' has no option 'trees'; there are: seed, alleys,"),
+        ({"obstacles": ["cow"]}, "obstacles: no kind 'cow'; there are: branch, log, crate"),
+        ({"obstacles": [{"kind": "log", "size": 3}]}, "obstacles: no field 'size'; there are: kind, alley"),
+        ({"obstacles": ["log", "log"], "alleys": 1}, "obstacles: 2 obstacles for 1 alleys"),
+        ({"alleys": 0}, "alleys: an orchard has 1 to 30 alleys, not 0"),
+        ({"length_m": 5}, "length_m: an alley is 12 to 200 m long, not 5"),
+        ({"detector": {"blur": 1}, "alleys": 1}, "detector: no option 'blur'; there are: noise, miss"),
+        ({"battery": {"volts": 1}, "alleys": 1}, "battery: no option 'volts'; there are: capacity_wh, charge"),
+    ],
+)
+def test_a_wrong_option_names_the_right_ones(options: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(UsageError) as fault:
+        open_world("orchard", **options)
+    assert str(fault.value).startswith(sentence)
+
+
+def test_a_missing_package_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in sys.modules if name.startswith("rai_missions.worlds.orchard")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(UsageError, match="needs the package 'mujoco'.*pip install 'rai_missions\\[sim\\]'"):
+        open_world("orchard")
+
+
+def test_importing_the_worlds_loads_no_simulator() -> None:
+    code = "import sys, rai_missions.worlds; print(*[m for m in ('mujoco', 'numpy', 'PIL') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A whole run of the default orchard, twice: the same to the bit, and every alley driven."""
+
+from __future__ import annotations
+
+import hashlib
+import random
+from typing import Any
+
+import pytest
+
+from rai_missions.worlds import open_world
+from rai_missions.worlds.contract import check_world
+from rai_missions.worlds.orchard.layout import Layout
+from rai_missions.worlds.orchard.obstacles import place
+
+
+def digest(orchard: Any) -> str:
+    """Of everything heard; of a picture its reference."""
+    said = "\n".join(f"{m.topic} {m.at!r} {m.data!r}" for m in orchard.heard)
+    return hashlib.sha256(said.encode()).hexdigest()
+
+
+def work(orchard: Any) -> None:
+    """A plain policy: signal to the living three times, drive over what is low, else replan."""
+    orchard.call("continue")
+    signals, quiet_until = 0, 0.0
+    while len(orchard.world.counter.alleys) < 6 and orchard.world.at < 400:
+        orchard.world.step()
+        if orchard.state != "STOPPED":
+            signals = 0
+        elif orchard.world.at > quiet_until:
+            seen = orchard.last["obstacle"].at > orchard.world.at - 0.5
+            facts = orchard.facts("obstacle")
+            if not seen:
+                orchard.call("continue")
+            elif facts["living"] and signals < 3:
+                signals, quiet_until = signals + 1, orchard.world.at + 5.0
+                orchard.call("flash")
+            elif facts["living"] or facts["height_m"] > 0.25:
+                orchard.call("replan")
+            else:
+                orchard.send("/tractor1/cross", {}, f"cross@{orchard.world.at}")
+
+
+def test_the_default_orchard_can_be_done_and_the_same_seed_gives_the_same_bits(rig: Any) -> None:
+    first, second = rig(), rig()
+    for orchard in (first, second):
+        work(orchard)
+    assert first.data("alleys_driven") == 6
+    assert first.data("touched_living") is False
+    assert first.world.fingerprint() == second.world.fingerprint()
+    assert digest(first) == digest(second)
+    assert "REVERSING" in {m.data["data"] for m in first.heard if m.topic.endswith("state")}, "one alley comes later"
+    assert [r.said for r in first.reports if r.said != "feedback"] == ["accepted", "succeeded"] * 2
+
+
+def test_the_orchard_keeps_the_contract() -> None:
+    topics = ("/tractor1/pose", "/tractor1/battery", "/tractor1/camera_image_color", "/tractor1/state")
+    check_world(lambda: open_world("orchard", alleys=1), topics)
+
+
+def test_another_seed_is_another_orchard() -> None:
+    layout = Layout()
+    assert len({place(seed, layout, None) for seed in range(20)}) == 20
+    assert place(7, layout, None) == place(7, layout, None)
+
+
+def test_the_global_random_state_plays_no_part() -> None:
+    random.seed(1)
+    first = place(7, Layout(), None)
+    random.seed(2)
+    assert place(7, Layout(), None) == first
+
+
+def test_messages_carry_their_types_and_simulated_stamps(rig: Any) -> None:
+    orchard = rig(alleys=1, obstacles=[], camera=False)
+    orchard.rest(0.3)
+    pose = orchard.last["pose"]
+    assert pose.at == pytest.approx(0.25)
+    assert pose.data["header"] == {"stamp": {"sec": 0, "nanosec": 250_000_000}, "frame_id": "map"}
+    assert pose.data["pose"]["position"]["x"] == pytest.approx(-8.75, abs=0.01)
+    assert orchard.last["battery"].data["percentage"] == pytest.approx(1.0, abs=1e-3)
+    assert orchard.world.at == pytest.approx(0.3)
+
+
+def test_two_tractors_go_by_two_names(rig: Any) -> None:
+    orchard = rig(alleys=1, obstacles=[], camera=False, robot="tractor2")
+    orchard.rest(0.1)
+    assert orchard.last == {}
