@@ -424,8 +424,7 @@ class Chart:
     def _fire(self, key: tuple[str, Any], timer: Timer) -> None:
         kind, which = key
         if kind == "after":
-            row = which
-            self._heard(Trigger("after_s", {}, row=row))
+            self._heard(Trigger("after_s", {}, row=self._graph.rows[which]))
         elif kind == "timeout":
             node = self._graph.nodes[which]
             self._leave_activity(node)
@@ -440,7 +439,7 @@ class Chart:
 
     def _handle(self, event: Event) -> None:
         kind = event.kind
-        if kind == "tick":
+        if kind in ("tick", "feedback"):
             return
         if kind == "command":
             self._command(event)
@@ -454,6 +453,9 @@ class Chart:
             self._control(event)
         elif self.mode == "paused":
             self._queue = (*self._queue, event)
+            self._touched = True
+        elif self._final is not None:
+            self._refused = f"the mission is ending in '{self._final.name}'"
         else:
             self._happen(event)
 
@@ -476,6 +478,7 @@ class Chart:
         known = number in self._ledger.goals
         if self.mode == "paused" and any(getattr(state, "number", 0) == number for state in self._running.values()):
             self._queue = (*self._queue, event)
+            self._touched = True
             return
         self.effects += self._ledger.hear(event)
         if number in self._calls and event.kind == "result":
@@ -552,13 +555,14 @@ class Chart:
         for _ in range(MOST_MICROSTEPS):
             if self.outcome is not None or self.mode not in ("running", "canceling"):
                 return
-            if trigger is not None:
-                self._answer(trigger)
-                trigger = None
             if self._final is not None:
                 self._settle_final()
                 self._check_invariants()
                 return
+            if trigger is not None:
+                self._answer(trigger)
+                trigger = None
+                continue
             if self._config.holds or self._always_held:
                 self._hold()
             if self._config.eventless and (rows := self._select(self._config.eventless)):
@@ -652,7 +656,7 @@ class Chart:
         if node.timed:
             self._timers.pop(("timeout", node.name), None)
             for row in node.rows:
-                self._timers.pop(("after", row), None)
+                self._timers.pop(("after", row.place), None)
         if node.name in self._running:
             self._leave_activity(node)
         self._pending.pop(node.name, None)
@@ -682,7 +686,7 @@ class Chart:
             self._set_timer(("timeout", node.name), node.state.timeout_s, f"{node.state.timeout_s:g}")
         for row in node.rows:
             if row.transition.after_s is not None:
-                self._set_timer(("after", row), row.transition.after_s, "after_s")
+                self._set_timer(("after", row.place), row.transition.after_s, "after_s")
 
     def _set_timer(self, key: tuple[str, Any], after_s: float, name: str, data: Mapping[str, Any] | None = None) -> None:
         self._order += 1
@@ -744,6 +748,9 @@ class Chart:
         if parent.state is None:
             self._final = node
             return
+        if parent.is_parallel:
+            self._complete_parallels(complete)
+            return
         if node.requires is not None and node.requires.test(self.view) is not True:
             self._settling[node.name] = self.view.at + self.mission.settle_s
             if self.mission.settle_s > 0:
@@ -763,6 +770,10 @@ class Chart:
         in_region = parent.parent is not None and parent.parent.is_parallel
         trigger = self._outcome_of(parent, Outcome(outcome, why=why))
         self._internal.append(trigger._replace(climbs=not in_region))
+        self._complete_parallels(complete)
+
+    def _complete_parallels(self, complete: tuple[Node, ...]) -> None:
+        """Parallel states whose regions have all ended report the worst of their outcomes, the inner first."""
         for parallel in complete:
             outer = parallel.parent is not None and parallel.parent.is_parallel
             done = self._outcome_of(parallel, Outcome(self._worst(parallel)))
@@ -774,6 +785,8 @@ class Chart:
         for region in parallel.children:
             if region.is_parallel:
                 found.append(self._worst(region))
+            if isinstance(region.state, Final):
+                found.append(region.state.final)
             for child in region.children:
                 if child.is_final and child in self._config.nodes and isinstance(child.state, Final):
                     found.append(child.state.final)
@@ -981,6 +994,9 @@ class Chart:
         self.mode = "running"
         self.notes.append("resumed")
         self._starting += [self._graph.nodes[name] for name in self._suspended]
+        for name in [name for name in self._pending if self._graph.nodes[name].control == self.holder]:
+            del self._pending[name]
+            self._starting.append(self._graph.nodes[name])
         queue, self._queue, self._suspended = self._queue, (), ()
         self._complete(None)
         for event in queue:

@@ -177,6 +177,8 @@ class Graph:
         self.root = Node("", "", None, None, 0)
         self.nodes: dict[str, Node] = {}
         self.order: list[Node] = [self.root]
+        self.rows: dict[str, Row] = {}
+        """JSON pointer → row."""
         self.recalls = False
         """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
         self.options = {
@@ -233,6 +235,7 @@ class Graph:
             words = set(OUTCOMES) | self.options
             row.outcomes = frozenset(word for word in transition.on if word in words and word not in declared)
             node.rows.append(row)
+            self.rows[row.place] = row
             node.timed = node.timed or transition.after_s is not None
 
     def condition(self, guard: Guard, place: str, state: str) -> Condition:
@@ -374,7 +377,8 @@ class Graph:
         yield from node.entry
         if node.is_final and node.parent is not None:
             so_far = (config.nodes - exited) | set(into[: index + 1])
-            complete = tuple(self._complete(node.parent.parent, so_far))
+            outer = node.parent if node.parent.is_parallel else node.parent.parent
+            complete = tuple(self._complete(outer, so_far))
             yield lambda chart: chart.reach_final(node, complete)
 
     def _complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
@@ -430,4 +434,6 @@ def _is_done(node: Node, nodes: set[Node]) -> bool:
     """Whether a state has reached its end (SCXML: isInFinalState)."""
     if node.is_parallel:
         return all(_is_done(child, nodes) for child in node.children)
+    if node.is_final:
+        return node in nodes
     return any(child.is_final and child in nodes for child in node.children)

@@ -12,13 +12,18 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pydantic import ValidationError
+
 from rai_missions.chart import Chart
+from rai_missions.errors import DefinitionError
+from rai_missions.faults import faults_of
 from rai_missions.guards.guard import Truth
 from rai_missions.guards.named import Named
 from rai_missions.journal import Record, StepRow, difference, read
-from rai_missions.load import parse
+from rai_missions.json_text import parse_json
 from rai_missions.mission import Mission
 from rai_missions.robot import parse_profile, terms
+from rai_missions.runner import default_ticker
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import Step
@@ -66,7 +71,12 @@ def mission_of(record: Record) -> Mission:
     Raises:
         DefinitionError: Row 0 holds none.
     """
-    return parse(record.header.mission, source=f"{record.path}, row 0")
+    source = f"{record.path}, row 0"
+    data = parse_json(record.header.mission.encode(), source)
+    try:
+        return Mission.model_validate(data)
+    except ValidationError as error:
+        raise DefinitionError(faults_of(error, Mission, data), source) from None
 
 
 def replay(path: Path | str, ticker: Trees | None = None, on_step: Callable[[Step], None] | None = None) -> Replay:
@@ -79,7 +89,7 @@ def replay(path: Path | str, ticker: Trees | None = None, on_step: Callable[[Ste
     with read(path) as record:
         mission = mission_of(record)
         recorded = _Recorded(_names(mission))
-        chart = Chart(mission, ticker or _ticker(mission), terms=_terms(record), named=recorded.named)
+        chart = Chart(mission, ticker or default_ticker(mission), terms=_terms(record), named=recorded.named)
         count = 0
         for row in record.entries():
             recorded.turn_to(row.step)
@@ -115,9 +125,3 @@ def _names(mission: Mission) -> set[str]:
 def _terms(record: Record) -> Terms | None:
     profile = record.header.profile
     return terms(parse_profile(profile, source=f"{record.path}, row 0")) if profile else None
-
-
-def _ticker(mission: Mission) -> Trees | None:
-    from rai_missions.runner import default_ticker
-
-    return default_ticker(mission)
