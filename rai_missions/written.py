@@ -30,6 +30,7 @@ from rai_missions.wording import suggestion
 
 __all__ = (
     "Bool",
+    "FAMILY",
     "Integer",
     "Json",
     "Kind",
@@ -70,27 +71,23 @@ def _shorter(value: tuple[Any, ...]) -> Any:
     return value[0] if len(value) == 1 else list(value)
 
 
-one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=Any))
+class _OneOrManySchema:
+    """Tells a JSON Schema that a word may stand without its list."""
+
+    def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
+        listed = handler(core_schema)
+        return {"anyOf": [listed["items"], listed]}
+
+
+one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=Any), _OneOrManySchema())
 """A word or a list of words in JSON, always a tuple here."""
 
 Text = Annotated[str, Strict()]
-Name = Annotated[str, Strict(), BeforeValidator(_key_text), Field(pattern=NAME)]
+Name = Annotated[str, Strict(), Field(pattern=NAME), BeforeValidator(_key_text)]
 """Lower case, digits and underscores; `/` only in what an inclusion brought."""
-Path = Annotated[str, Strict(), BeforeValidator(_key_text), Field(pattern=PATH)]
+Path = Annotated[str, Strict(), Field(pattern=PATH), BeforeValidator(_key_text)]
 """A key, or a field within one: `obstacle.height_m`; `event.…` and `answer.…` name what a row's trigger brought."""
-Names = Annotated[
-    tuple[Name, ...],
-    *one_or_many,
-    Field(min_length=1),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "string", "pattern": NAME},
-                {"type": "array", "items": {"type": "string", "pattern": NAME}, "minItems": 1},
-            ]
-        }
-    ),
-]
+Names = Annotated[tuple[Name, ...], Field(min_length=1), *one_or_many]
 Bool = Annotated[bool, Strict()]
 Integer = Annotated[int, Strict()]
 Number = Annotated[int, Strict()] | Annotated[float, Strict(), Field(allow_inf_nan=False)]
@@ -176,6 +173,10 @@ class Written(Model):
         return self.model_dump(mode="json", by_alias=True, exclude_defaults=True)
 
 
+FAMILY = "x-family"
+"""In a JSON Schema, before `schema.py` puts the kinds in its place."""
+
+
 class Kind(Written):
     """A family of written things that are told apart by a word each of them must have.
 
@@ -232,7 +233,7 @@ def kind_of(family: type[Kind]) -> Any:
         family,
         PlainValidator(family.read),
         PlainSerializer(lambda item: item.written(), return_type=Any),
-        WithJsonSchema({"$ref": f"#/$defs/{family.__name__}"}),
+        WithJsonSchema({FAMILY: family.__name__}),
     ]
 
 
