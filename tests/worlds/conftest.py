@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -32,9 +32,18 @@ class Rig:
         self.world.open(self.connector)
         self.connector.start()
 
-    topics = (
-        "alleys_driven at_home battery camera_image_color crossing obstacle passed pose state touched_living".split()
-    )
+    topics: ClassVar = [
+        "alleys_driven",
+        "at_home",
+        "battery",
+        "camera_image_color",
+        "crossing",
+        "obstacle",
+        "passed",
+        "pose",
+        "state",
+        "touched_living",
+    ]
 
     def _hear(self, message: Message) -> None:
         self.heard.append(message)

@@ -41,7 +41,7 @@ def test_a_missing_package_says_how_to_install_it(monkeypatch: pytest.MonkeyPatc
     for name in [name for name in sys.modules if name.startswith("rai_missions.worlds.orchard")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(UsageError, match="needs the package 'mujoco'.*pip install 'rai_missions\\[sim\\]'"):
+    with pytest.raises(UsageError, match=r"needs the package 'mujoco'.*pip install 'rai_missions\[sim\]'"):
         open_world("orchard")
 
 

@@ -25,7 +25,7 @@ FIGURES = {
  <geom type="mesh" mesh="twigs" material="leaf" {GHOST}/>
  <geom type="capsule" fromto="-1.15 0 0 1.1 0 0" size=".065" mass="12" {TWIGGY}/>""",
     "log": f"""<geom type="mesh" mesh="log" material="bark" {GHOST}/>
- <geom type="cylinder" euler="0 90 0" size=".215 1.17" material="wood" {GHOST}/>
+ <geom type="cylinder" euler="0 90 0" size=".2 1.17" material="wood" {GHOST}/>
  <geom type="cylinder" euler="0 90 0" size=".22 1.2" mass="180" {SOLID}/>""",
     "crate": f"""<geom type="box" size=".3 .3 .3" material="wood" {GHOST}/>
  <geom type="box" size=".3 .3 .3" mass="35" group="3"/>""",

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -28,6 +27,7 @@ from rai_missions.worlds.orchard.crossing import Judge
 from rai_missions.worlds.orchard.detector import Detector, Errors
 from rai_missions.worlds.orchard.layout import Layout
 from rai_missions.worlds.orchard.obstacles import Walker, place
+from rai_missions.worlds.orchard.outbox import Guarded, Outbox
 from rai_missions.worlds.orchard.route import Lattice
 from rai_missions.worlds.orchard.tractor import Pose, Tractor
 
@@ -91,16 +91,13 @@ class Orchard:
         )
         self._beams = Beams(self.model, self.data)
         self._walkers = {n: Walker(o, self.layout) for n, o in enumerate(self.obstacles) if o.living}
-        self._robot, self._steps = robot, 0
+        self._steps = 0
         self._range_m: float | None = None
         self._saw_at, self._bumps = -math.inf, 0
-        self._lock = threading.RLock()
-        self._outbox: list[Callable[[], None]] = []
-        self._home = NavigateToPose(self.autonomy, self._outbox.append, lattice)
-        self._cross = Cross(self.autonomy, self._outbox.append, self.judge)
-        self._connector: Connector | None = None
+        self._outbox = Outbox(robot)
+        self._home = NavigateToPose(self.autonomy, self._outbox.add, lattice)
+        self._cross = Cross(self.autonomy, self._outbox.add, self.judge)
         self._closes: list[Close] = []
-        self._told: dict[str, Any] = {}
         self.substeps = round(self.period_s / scene.TIMESTEP_S)
         mujoco.mj_forward(self.model, self.data)
 
@@ -122,7 +119,7 @@ class Orchard:
         """Put the tractor's topics, services and actions on a connector."""
         if self.camera is not None:
             self.camera.check()
-        self._connector = connector
+        self._outbox.connector = connector
         services = {
             "continue": self._continue,
             "current_state": self._current_state,
@@ -131,24 +128,24 @@ class Orchard:
             "stop": self._stop,
         }
         for name, answer in services.items():
-            self._closes.append(connector.serve(self._name(name), interface.TRIGGER, self._locked(answer)))
+            self._closes.append(connector.serve(self._outbox.name(name), interface.TRIGGER, self._locked(answer)))
         actions = (
             ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
-            (self._name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
+            (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
         )
         for action, type_name, server in actions:
-            self._closes.append(connector.offer(action, type_name, _Front(server, self._lock, self._flush)))
+            self._closes.append(connector.offer(action, type_name, Guarded(server, self._outbox)))
 
     def step(self) -> None:
         """Go one period on: drive, let physics happen, look, and publish what happened."""
-        with self._lock:
+        with self._outbox.lock:
             self._drive()
             self._move_the_living()
             self._let_physics_happen()
             self._steps += 1
             self._account()
             self._tell()
-        self._flush()
+        self._outbox.send()
 
     def close(self) -> None:
         for close in self._closes:
@@ -214,10 +211,10 @@ class Orchard:
     def _tell(self) -> None:
         at, pose = self.at, self.pose
         if self._steps % FAST == 1:
-            self._publish("pose", interface.pose_stamped(pose, at))
+            self._outbox.publish("pose", interface.pose_stamped(pose, at))
             self._look(pose)
         if self._steps % SLOW == 1:
-            self._publish("battery", interface.battery_state(self.battery.percentage, self.battery.voltage, at))
+            self._outbox.publish("battery", interface.battery_state(self.battery.percentage, self.battery.voltage, at))
         crossing = self.judge.crossing
         facts: dict[str, Any] = {
             "state": self.autonomy.word,
@@ -228,24 +225,21 @@ class Orchard:
         if crossing is not None:
             facts["passed"] = crossing.outcome == "passed"
         for name, fact in facts.items():
-            if self._steps % SLOW == 1 or self._told.get(name) != fact:
-                self._told[name] = fact
-                self._publish(name, {"data": fact})
-        if crossing is not None and self._told.get("crossing") != (crossing.start, crossing.outcome):
-            self._told["crossing"] = (crossing.start, crossing.outcome)
-            self._publish("crossing", interface.text(crossing.facts()))
+            self._outbox.tell(name, fact, {"data": fact}, anyway=self._steps % SLOW == 1)
+        if crossing is not None:
+            self._outbox.tell("crossing", (crossing.start, crossing.outcome), interface.text(crossing.facts()))
 
     def _look(self, pose: Pose) -> None:
         if self.camera is None or self._detector is None:
             return
         moment = self.camera.moment(self.data)
-        picture = self.camera.picture(moment, f"{self._robot}/camera@{self.at:.3f}")
-        self._publish("camera_image_color", interface.image(picture, self.at))
+        picture = self.camera.picture(moment, f"{self._outbox.name('camera')}@{self.at:.3f}")
+        self._outbox.publish("camera_image_color", interface.image(picture, self.at))
         if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
             fact = self._detector.look(moment, self.places, pose)
             if fact is not None:
                 self._saw_at = self.at
-                self._publish("obstacle", interface.text(fact))
+                self._outbox.publish("obstacle", interface.text(fact))
 
     def _hand_over(self, distance_m: float) -> None:
         self.judge.begin(self.pose, distance_m)
@@ -275,41 +269,9 @@ class Orchard:
                 walker.signal(pose.x)
         return interface.trigger(True, "Flashing triggered.")
 
-    def _name(self, name: str) -> str:
-        return f"/{self._robot}/{name}"
-
     def _locked(self, answer: Callable[[], dict[str, Any]]) -> Callable[[Any], dict[str, Any]]:
         def answered(_request: Any) -> dict[str, Any]:
-            with self._lock:
+            with self._outbox.lock:
                 return answer()
 
         return answered
-
-    def _publish(self, name: str, message: dict[str, Any]) -> None:
-        connector = self._connector
-        if connector is not None:
-            self._outbox.append(lambda: connector.publish(self._name(name), interface.TOPICS[name], message))
-
-    def _flush(self) -> None:
-        """Send what is in the outbox, with no lock held."""
-        with self._lock:
-            out, self._outbox[:] = list(self._outbox), []
-        for send in out:
-            send()
-
-
-class _Front:
-    """An action server behind the world's lock; its reports go out once the lock is free."""
-
-    def __init__(self, server: NavigateToPose | Cross, lock: threading.RLock, flush: Callable[[], None]) -> None:
-        self._server, self._lock, self._flush = server, lock, flush
-
-    def accept(self, goal_id: str, goal: Any, report: Any) -> None:
-        with self._lock:
-            self._server.accept(goal_id, goal, report)
-        self._flush()
-
-    def cancel(self, goal_id: str) -> None:
-        with self._lock:
-            self._server.cancel(goal_id)
-        self._flush()

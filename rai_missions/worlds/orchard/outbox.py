@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the world has to say, kept until its step is over.
+
+Rule: nothing leaves while the world's lock is held, so whoever hears it may call the world's services at once.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.connectors.connector import ActionServer, Connector, Data, Report
+from rai_missions.worlds.orchard.interface import TOPICS
+
+__all__ = ("Guarded", "Outbox")
+
+
+class Outbox:
+    """Messages and reports on their way out.
+
+    Args:
+        robot: The name that the topics begin with.
+    """
+
+    def __init__(self, robot: str) -> None:
+        self.lock = threading.RLock()
+        self.connector: Connector | None = None
+        self._robot = robot
+        self._waiting: list[Callable[[], None]] = []
+        self._told: dict[str, Any] = {}
+
+    def name(self, name: str) -> str:
+        return f"/{self._robot}/{name}"
+
+    def add(self, send: Callable[[], None]) -> None:
+        self._waiting.append(send)
+
+    def publish(self, name: str, message: Data) -> None:
+        connector = self.connector
+        if connector is not None:
+            self.add(lambda: connector.publish(self.name(name), TOPICS[name], message))
+
+    def tell(self, name: str, fact: Any, message: Data, *, anyway: bool = False) -> None:
+        """Publish a fact if it is not what was told last, or anyway."""
+        if anyway or self._told.get(name) != fact:
+            self._told[name] = fact
+            self.publish(name, message)
+
+    def send(self) -> None:
+        """Let everything go that waits, with no lock held."""
+        with self.lock:
+            out, self._waiting = self._waiting, []
+        for one in out:
+            one()
+
+
+class Guarded:
+    """An action server behind the world's lock."""
+
+    def __init__(self, server: ActionServer, outbox: Outbox) -> None:
+        self._server, self._outbox = server, outbox
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        with self._outbox.lock:
+            self._server.accept(goal_id, goal, report)
+        self._outbox.send()
+
+    def cancel(self, goal_id: str) -> None:
+        with self._outbox.lock:
+            self._server.cancel(goal_id)
+        self._outbox.send()
