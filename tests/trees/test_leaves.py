@@ -64,8 +64,8 @@ def test_an_outcome_may_stand_in_the_state_instead() -> None:
 def test_an_outcome_of_a_leaf_that_does_not_run_changes_nothing() -> None:
     run = Run({"sequence": [{"wait_s": 1.0}, {"action": "drive"}]})
     assert run.tick(0.0, {"sequence/1": "succeeded"}).started == ()
-    assert run.tick(1.0, {"sequence/1": "succeeded"}).started == ("sequence/1",)
-    assert run.tick(2.0).status == "running"
+    ticked = run.tick(1.0, {"sequence/1": "succeeded"})
+    assert (ticked.status, ticked.started) == ("running", ("sequence/1",))
 
 
 def test_what_is_started_and_stopped_in_one_tick_is_neither_started_nor_ended() -> None:
@@ -173,6 +173,37 @@ def test_a_branch_that_takes_over_starts_after_the_old_one_has_ended() -> None:
     assert ("selector/0/sequence/1", "update", "running") in ticked.trace[1:]
 
 
+def test_a_higher_branch_that_succeeds_at_once_is_told_after_the_old_one_has_ended() -> None:
+    run = Run({"selector": [{"check": is_true("a")}, {"action": "work"}]})
+    run.tick(a=False)
+    ticked = run.tick(a=True)
+    assert (ticked.status, ticked.ended) == ("success", ("selector/1",))
+    assert [path for path, *_ in ticked.trace] == ["selector/1", *["selector/0"] * 3, ""]
+
+
+def test_a_guard_that_fails_in_a_sequence_is_told_before_what_it_ends() -> None:
+    run = Run({"sequence": [{"check": is_true("a")}, {"action": "work"}], "memory": False})
+    run.tick(a=True)
+    ticked = run.tick(a=False)
+    assert (ticked.status, ticked.ended) == ("failure", ("sequence/1",))
+    assert ticked.trace[-2:] == (("sequence/1", "terminate", "invalid"), ("", "terminate", "failure"))
+
+
+def test_a_tick_that_breaks_off_leaves_no_trace() -> None:
+    def broken(name: str, arguments: Any) -> Any:
+        raise ZeroDivisionError
+
+    class Broken(Facts):
+        named = staticmethod(broken)
+
+    run = Run({"sequence": [{"wait_s": 1.0}, {"action": "drive"}, {"check": {"named": "is_crossable"}}]})
+    run.tick(0.0)
+    run.tick(1.0)
+    with pytest.raises(ZeroDivisionError):
+        run.ticker.tick(run.state, Broken(2.0, {}), {"sequence/1": "succeeded"})
+    assert run.tick(2.0).state.leaves == {"sequence/1": Leaf(1)}
+
+
 def test_a_loop_wants_the_next_tick_at_once_when_its_child_has_ended() -> None:
     run = Run({"retry": 2, "child": {"action": "grasp"}})
     assert not run.tick().again
@@ -221,6 +252,7 @@ def test_a_held_guard_counts_from_when_it_became_true() -> None:
         }
     )
     run.tick(0.0, a=False)
+    assert run.ticker.reads(run.state) == {"a"}
     run.tick(1.0, a=True)
     assert run.wake_at(1.0, a=True) == 1.5
     assert run.tick(1.5, a=True).status == "running"
