@@ -9,20 +9,32 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rai_missions.agents.agent import Agent
     from rai_missions.agents.decision import DecisionAgent
+    from rai_missions.agents.mission import MissionAgent, run
     from rai_missions.agents.models import open_model
     from rai_missions.agents.operator import OperatorAgent
     from rai_missions.agents.rules import RulesAnswerer
     from rai_missions.agents.script import ScriptAnswerer
 
-__all__ = ("Agent", "DecisionAgent", "OperatorAgent", "RulesAnswerer", "ScriptAnswerer", "open_model")
+__all__ = (
+    "Agent",
+    "DecisionAgent",
+    "MissionAgent",
+    "OperatorAgent",
+    "RulesAnswerer",
+    "ScriptAnswerer",
+    "open_model",
+    "run",
+)
 
 ROOMS = {
     "Agent": "agent",
     "DecisionAgent": "decision",
+    "MissionAgent": "mission",
     "OperatorAgent": "operator",
     "RulesAnswerer": "rules",
     "ScriptAnswerer": "script",
     "open_model": "models",
+    "run": "mission",
 }
 
 

@@ -165,9 +165,12 @@ class WordyModel(DoubleModel):
 class BabblingModel(DoubleModel):
     """Streams the same words for ever; `ended` is set when somebody makes it stop."""
 
-    streaming: bool = True
+    streaming: bool
     word: str = "and then "
     _ended: threading.Event = PrivateAttr(default_factory=threading.Event)
+
+    def __init__(self, **words: Any) -> None:
+        super().__init__(**{"streaming": True, **words})  # langchain streams only where this was set
 
     @property
     def ended(self) -> threading.Event:

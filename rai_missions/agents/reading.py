@@ -23,7 +23,7 @@ LONGEST = 20_000
 LONGEST_NAME = 200
 LONGEST_WHY = 500
 CALLS = 100
-"""Calls in one message that are looked at; no budget allows as many."""
+"""Calls in one message that are looked at."""
 UNREADABLE = "answered with a call whose arguments are not JSON, or are too long"
 THOUGHT = re.compile(r"<think>.*?</think>", re.DOTALL)
 """Thinking aloud is no part of the answer; some models send it along as text."""
@@ -71,7 +71,9 @@ def read(message: AIMessage, question: Question, clean: Callable[[str], str] = s
 
 def _asked_for(calls: Sequence[Mapping[str, Any]]) -> Reading:
     """Calls of tools, with arguments that are JSON and not long."""
-    plain = tuple({**call, "args": _plain(call["args"])} for call in calls[:CALLS])
+    if len(calls) > CALLS:
+        return Reading(failed=f"asked for {len(calls)} calls of tools at once")
+    plain = tuple({**call, "args": _plain(call["args"])} for call in calls)
     if any(not isinstance(call["args"], dict) for call in plain):
         return Reading(failed=UNREADABLE)
     return Reading(calls=plain)
