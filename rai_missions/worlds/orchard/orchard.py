@@ -145,6 +145,8 @@ class Orchard:
             self._steps += 1
             self._account()
             self._tell()
+            for action in (self._home, self._cross):  # after the facts that their results rest on
+                action.step(self.at, self.pose)
         self._outbox.send()
 
     def close(self) -> None:
@@ -205,8 +207,6 @@ class Orchard:
             self.autonomy.stop()
         if self.autonomy.is_homing:
             self.judge.leave()
-        self._home.step(self.at, pose)
-        self._cross.step(self.at, pose)
 
     def _tell(self) -> None:
         at, pose = self.at, self.pose

@@ -36,13 +36,14 @@ def leaves(size: int = 256) -> bytes:
     """Leaves over shade; the far corner is red, for fruit."""
     rng = np.random.default_rng(1)
     pixels = np.full((size, size, 3), (34, 60, 24), float)
-    y, x = np.mgrid[:size, :size]
+    reach = np.arange(-14, 15)
     for _ in range(800):
-        (cx, cy), turn, length = rng.random(2) * size, rng.random() * np.pi, rng.uniform(6, 14)
-        dx, dy = (x - cx + size / 2) % size - size / 2, (y - cy + size / 2) % size - size / 2
-        u, v = dx * np.cos(turn) + dy * np.sin(turn), dy * np.cos(turn) - dx * np.sin(turn)
+        (cx, cy), turn, length = rng.integers(size, size=2), rng.random() * np.pi, rng.uniform(6, 14)
+        y, x = np.meshgrid(reach, reach, indexing="ij")
+        u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
         inside = (u / length) ** 2 + (v / (length * 0.42)) ** 2 < 1
-        pixels[inside] = np.array([74, 122, 42]) * rng.uniform(0.6, 1.25) + (u[inside] / length * 14)[:, None]
+        colour = np.array([74, 122, 42]) * rng.uniform(0.6, 1.25) + (u[inside] / length * 14)[:, None]
+        pixels[(y[inside] + cy) % size, (x[inside] + cx) % size] = colour
     pixels[: size // 12, -size // 12 :] = (190, 32, 24)
     return png(pixels)
 
