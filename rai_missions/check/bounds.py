@@ -1,22 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What must have an end: actions, calls, decisions; and the words of decisions and trees that bound them."""
+"""What must have an end: actions, calls, decisions; and who and what a decision asks for."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
 
-from rai_missions.check.lexicon import Lexicon
 from rai_missions.check.places import pointer
 from rai_missions.check.survey import Spot, Survey, Work
 from rai_missions.states import Action
-from rai_missions.states.tree import ActionLeaf, DecisionLeaf, ParallelTree
+from rai_missions.states.tree import ActionLeaf
 from rai_missions.verdict import schema_fault
 
-__all__ = (
-    "misspelled_answerers", "policies", "unbounded_actions", "unbounded_calls", "unbounded_decisions",
-    "unknown_branches", "wrong_parameters",
-)  # fmt: skip
+__all__ = ("misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "wrong_parameters")
 
 Found = Iterator[tuple[str, str]]
 ANSWERERS = ("agent", "operator", "rules")
@@ -85,26 +81,8 @@ def wrong_parameters(survey: Survey) -> Found:
     for asked, place, _ in survey.asked:
         for name, option in asked.options.items():
             if option.parameters is not None and (why := schema_fault(option.parameters)):
-                yield pointer(place, "options", name, "parameters"), f"this is no JSON Schema of an object: {why}"
-
-
-def unknown_branches(survey: Survey) -> Found:
-    """`then` in a tree names options of its decision."""
-    for _, planted in survey.planted:
-        if isinstance(planted.node, DecisionLeaf):
-            options = Lexicon("option", planted.node.decision.options)
-            for name in planted.node.then:
-                if name not in options:
-                    yield pointer(planted.place, "then", name), options.missing(name)
-
-
-def policies(survey: Survey) -> Found:
-    """A parallel's `policy` in a tree numbers children that there are, from 0."""
-    for _, planted in survey.planted:
-        node = planted.node
-        if isinstance(node, ParallelTree) and isinstance(node.policy, tuple):
-            last = len(node.parallel) - 1
-            wrong = [index for index in node.policy if not 0 <= index <= last]
-            if wrong or not node.policy:
-                given = ", ".join(map(str, wrong)) if wrong else "none"
-                yield f"{planted.place}/policy", f"'policy' numbers children from 0 to {last}, not {given}"
+                remedy = 'write {"type": "object", "properties": {…}}'
+                yield (
+                    pointer(place, "options", name, "parameters"),
+                    f"this is no JSON Schema of an object: {why}; {remedy}",
+                )

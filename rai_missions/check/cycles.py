@@ -35,7 +35,7 @@ class Jump:
     guard: Guard
     form: Form
     active: frozenset[Spot]
-    """What is certainly active then, and was entered or stayed."""
+    """What it enters, and what around that stays active; regions beside it do not count."""
     ends: bool
     """The mission ends with it."""
     stays: Spot | None
@@ -100,8 +100,9 @@ def _jump(survey: Survey, row: Row) -> Jump:
     guard = row.transition.when
     assert guard is not None
     targets = survey.found(row.transition.to)
-    active = frozenset(entered_with(survey, targets)) if targets else frozenset(row.owner.upward() if row.owner else ())
     stays = _stays(row, targets)
+    around = frozenset(stays.upward() if stays is not None else ())
+    active = around.union(spot for spot in entered_with(survey, targets) if spot.inside(stays))
     written = _set_by(row.transition.do)
     moved = [spot for spot in active if spot.inside(stays)] if targets else []
     left = row.owner.upward() if row.owner is not None and targets else ()

@@ -48,7 +48,10 @@ def default_entry(survey: Survey, spot: Spot) -> list[Spot]:
         return [spot.parent] if spot.parent is not None else []
     if isinstance(spot.state, Parallel):
         return [child for child in spot.children if not isinstance(child.state, History)]
-    found = [target for target in survey.found(getattr(spot.state, "initial", ())) if target.inside(spot)]
+    named = survey.found(getattr(spot.state, "initial", ()))
+    found = [
+        each for each in named if each.inside(spot) and not (isinstance(each.state, History) and each.parent is spot)
+    ]
     return found or spot.children  # an initial that is wrong is one fault, not one a child
 
 

@@ -59,7 +59,7 @@ class Reported:
 
     def _together(self, spot: Spot) -> frozenset[str]:
         """The outcomes of regions that can all end; nothing while one of them never does."""
-        regions = [child for child in spot.children if not isinstance(child.state, History)]
+        regions = [child for child in spot.children if not isinstance(child.state, Final | History)]
         ends = [self._ends[region.index] & ENDS for region in regions]
         if not regions or not all(ends):
             return frozenset()

@@ -78,7 +78,5 @@ def impossible_guards(survey: Survey) -> Found:
     """A guard can be true: it does not ask for two things that exclude each other."""
     for guard, place, role, _ in survey.guards:
         if role != "invariant" and never(form(guard)):
-            yield (
-                place,
-                f"this can never be true: {guard.words():.200}; keep one of the conditions that exclude each other",
-            )
+            remedy = "keep one of the conditions that exclude each other, or fill the empty list"
+            yield place, f"this can never be true: {guard.words():.200}; {remedy}"

@@ -65,8 +65,6 @@ RULES: tuple[Rule, ...] = (
     Rule("unbounded-action", "error", bounds.unbounded_actions),
     Rule("unbounded-decision", "error", bounds.unbounded_decisions),
     Rule("wrong-parameters", "error", bounds.wrong_parameters),
-    Rule("unknown-branch", "error", bounds.unknown_branches),
-    Rule("policy", "error", bounds.policies),
     Rule("blind-row", "warning", stale.blind_rows),
     Rule("possible-cycle", "warning", cycles.possible_cycles),
     Rule("waiting-room", "warning", reach.waiting_rooms),

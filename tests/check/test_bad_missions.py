@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad missions, each beside the exact messages expected: `tests/bad_missions/NAME.json` and `NAME.txt`.
+
+`REWRITE_BAD_MISSIONS=1 pytest tests/check` writes the messages anew, for a person to read.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from rai_missions.check import RULES, Finding, check, exit_status
+from rai_missions.mission import Mission
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "tests" / "bad_missions"
+NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
+REGISTERED = ("is_crossable",)
+"""The predicates that are taken to be registered."""
+
+
+def mission_of(path: Path) -> Mission:
+    return Mission.model_validate(json.loads(path.read_text(encoding="utf-8")))
+
+
+def findings(name: str) -> tuple[Finding, ...]:
+    return check(mission_of(FOLDER / f"{name}.json"), named=REGISTERED)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_bad_mission_is_told_every_fault_with_its_place(name: str) -> None:
+    told = "".join(f"{finding}\n" for finding in findings(name))
+    expected = FOLDER / f"{name}.txt"
+    if os.environ.get("REWRITE_BAD_MISSIONS"):
+        expected.write_text(told, encoding="utf-8")
+    assert told == expected.read_text(encoding="utf-8")
+
+
+def test_each_rule_has_a_bad_mission_of_its_name_that_breaks_it() -> None:
+    assert sorted(rule.name.replace("-", "_") for rule in RULES) == NAMES
+    for rule in RULES:
+        broken = [finding for finding in findings(rule.name.replace("-", "_")) if finding.rule == rule.name]
+        assert broken, rule.name
+        assert {finding.severity for finding in broken} == {rule.severity}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_bad_mission_breaks_only_the_rule_it_is_named_for_and_warnings(name: str) -> None:
+    others = {each.rule for each in findings(name) if each.severity == "error"} - {name.replace("_", "-")}
+    assert not others
+
+
+def test_an_error_ends_with_two_and_a_warning_with_one_where_warnings_count() -> None:
+    error, warning = findings("dead_end"), findings("unused_key")
+    assert [exit_status(error), exit_status(warning), exit_status(())] == [2, 0, 0]
+    assert [exit_status(each, strict=True) for each in (error, warning, ())] == [2, 1, 0]
+
+
+def test_every_sentence_says_what_would_be_right() -> None:
+    remedy = re.compile(r"; |\?$|and no|move this one")
+    for name in NAMES:
+        for finding in findings(name):
+            assert remedy.search(finding.sentence), finding
+            assert not finding.sentence.endswith("."), finding
+
+
+def test_every_place_is_in_the_document() -> None:
+    for name in NAMES:
+        document = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+        for finding in findings(name):
+            here = document
+            for word in finding.place.split("/")[1:]:
+                here = here[int(word)] if isinstance(here, list) else here[word.replace("~1", "/").replace("~0", "~")]
+
+
+def test_the_guide_lists_each_rule_with_its_sentence_and_an_example_that_check_tells() -> None:
+    guide = (ROOT / "docs" / "guide" / "checks.md").read_text(encoding="utf-8")
+    rows = {line.split("|")[1].strip(" `"): line for line in guide.splitlines() if line.startswith("| `")}
+    assert list(rows) == [rule.name for rule in RULES]
+    for rule in RULES:
+        assert rule.says in rows[rule.name]
+        told = [str(finding) for finding in findings(rule.name.replace("-", "_")) if finding.rule == rule.name]
+        assert any(each.replace("|", "\\|") in rows[rule.name] for each in told), rule.name
