@@ -142,9 +142,9 @@ def gguf(file: Path) -> Path:
     Raises:
         UsageError: It is missing, cannot be read, or begins otherwise.
     """
-    if not file.is_file():  # a pipe would never end
-        raise UsageError(f"there is no file '{file}'; name a GGUF file: local:FILE.gguf")
     try:
+        if not file.is_file():  # a pipe would never end
+            raise UsageError(f"there is no file '{file}'; name a GGUF file: local:FILE.gguf")
         with file.open("rb") as opened:
             magic = opened.read(len(MAGIC))
     except OSError as error:

@@ -56,7 +56,7 @@ def open_model(spec: str) -> BaseChatModel:
     if provider == "local":
         from rai_missions.agents.local_model import local_model
 
-        return local_model(Path(name).expanduser() if name else None)
+        return local_model(Path(os.path.expanduser(name)) if name else None)
     if not provider or not name:
         raise UsageError(f"'{spec}' names no model: say PROVIDER:NAME, such as openai:gpt-4o, or local")
     offered = chat_class(package_of(provider))

@@ -140,6 +140,11 @@ def test_a_missing_file_is_told(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "~nobody_of_that_name/model.gguf"])
+def test_a_name_that_no_file_can_have_is_told(name: str) -> None:
+    assert name in refusal(lambda: open_model(f"local:{name}"))
+
+
 def test_a_folder_and_a_pipe_are_no_files(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     assert refusal(lambda: local_model(tmp_path)).startswith("there is no file")
