@@ -19,7 +19,6 @@ from rai_missions.faults import faults_of
 from rai_missions.json_text import parse_json, read_json
 from rai_missions.robot.profile import Robot
 from rai_missions.wording import shown
-from rai_missions.wording import shown
 
 __all__ = ("dump_profile", "identity_folder", "load_profile", "parse_profile")
 

@@ -6,18 +6,22 @@ Rule: a profile says where things are heard and done, never what they mean for a
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from rai_missions.guards.guard import Guard
 from rai_missions.robot.entries import ActionEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.robot.source import EventSource, Source
 from rai_missions.states.state import Controller
 from rai_missions.states.terms import Terms
+from rai_missions.wording import suggestion
 from rai_missions.written import Json, Name, Text, Written, fault, kind_of
 
 __all__ = ("Robot", "Rule", "terms")
+
+
+CONTROLLERS: tuple[str, ...] = get_args(Controller)
 
 
 class Rule(Written):
@@ -50,7 +54,7 @@ class Robot(Written):
     """What the mission can publish on."""
     rules: dict[Name, Rules] = Field(default_factory=dict)
     """State → who answers as `rules` there, row by row."""
-    control: dict[Controller, OneService] = Field(default_factory=dict)
+    control: dict[Text, OneService] = Field(default_factory=dict)
     """Who shall hold control → the service that hands it over; one that is not here has it at once."""
     identity: Text = ""
     """The folder with the robot's identity, beside this file."""
@@ -59,6 +63,13 @@ class Robot(Written):
     @classmethod
     def _without_schema(cls, data: Any) -> Any:
         return {word: item for word, item in data.items() if word != "$schema"} if isinstance(data, dict) else data
+
+    @field_validator("control")
+    @classmethod
+    def _knows_its_controllers(cls, control: dict[str, ServiceEntry]) -> dict[str, ServiceEntry]:
+        for holder in control.keys() - set(CONTROLLERS):
+            raise fault("control", f"nobody called '{holder}' can hold control{suggestion(holder, CONTROLLERS)}")
+        return control
 
     @model_validator(mode="after")
     def _has_a_connector(self) -> Self:

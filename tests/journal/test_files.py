@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
+from rai_missions.journal.rows import GENESIS, chained
 from rai_missions.step import Ask, Step
 from rai_missions.verdict import Evidence, Question
 from tests.journal.generated import blackboard_writes, steps
@@ -227,6 +228,36 @@ def test_a_journal_that_was_altered_is_refused_with_its_row(path: Path, name: st
     assert verify(path)
 
 
+def test_a_row_that_was_altered_with_its_hash_breaks_the_row_after(path: Path) -> None:
+    database = sqlite3.connect(path)
+    (before,) = database.execute("SELECT hash FROM rows WHERE number = 2").fetchone()
+    content = '{"text":"all is well"}'
+    with database:
+        database.execute(
+            "UPDATE rows SET kind = 'note', content = ?, hash = ? WHERE number = 3",
+            (content, chained(before, 3, "note", content)),
+        )
+    database.close()
+    assert [fault.place for fault in verify(path)] == ["row 4"]
+
+
+def test_a_picture_that_was_altered_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "j"
+    with Journal.create(path, HEADER) as journal:
+        digest = journal.put_blob(b"a person", "image/png")
+    alter(path, "UPDATE blobs SET bytes = CAST('nobody' AS BLOB)")
+    said = f"picture {digest[:12]}…: its bytes do not have the hash under which they are kept"
+    assert [str(fault).startswith(said) for fault in verify(path)] == [True]
+    with read(path) as record, pytest.raises(DefinitionError, match="its bytes do not have the hash"):
+        record.blob(digest)
+
+
+def test_a_journal_that_cannot_be_begun_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="NaN"):
+        Journal.create(tmp_path / "j", HEADER._replace(arguments={"speed": float("nan")}))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_every_fault_is_told_at_once(path: Path) -> None:
     alter(path, "UPDATE rows SET kind = 'note' WHERE number IN (2, 4)")
     assert [fault.place for fault in verify(path)][:2] == ["row 2", "row 4"]
@@ -234,8 +265,6 @@ def test_every_fault_is_told_at_once(path: Path) -> None:
 
 def forge(path: Path, number: int, kind: str, content: str) -> None:
     """Alters a row and mends the chain after it, as somebody who knows how would."""
-    from rai_missions.journal.rows import GENESIS, chained
-
     database = sqlite3.connect(path)
     with database:
         database.execute("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, '')", (number, kind, content))

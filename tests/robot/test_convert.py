@@ -56,6 +56,20 @@ def test_a_pose_that_is_sent_is_the_pose_that_is_heard(x: float, y: float, z: fl
     assert math.isclose(math.remainder(heard["yaw"] - yaw, math.tau), 0.0, abs_tol=1e-9)
 
 
+@given(roll=st.floats(-1.5, 1.5), pitch=st.floats(-1.5, 1.5), yaw=st.floats(-3.1, 3.1))
+def test_the_heading_of_a_robot_on_a_slope_is_its_yaw(roll: float, pitch: float, yaw: float) -> None:
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2), math.sin(angle / 2)) for angle in (roll, pitch, yaw))
+    turn = {
+        "w": cr * cp * cy + sr * sp * sy,
+        "x": sr * cp * cy - cr * sp * sy,
+        "y": cr * sp * cy + sr * cp * sy,
+        "z": cr * cp * sy - sr * sp * cy,
+    }
+    heard = pose_of({"position": {"x": 0.0, "y": 0.0}, "orientation": turn})
+    assert heard is not None
+    assert math.isclose(heard["yaw"], yaw, abs_tol=1e-6)
+
+
 @given(anything.filter(lambda message: isinstance(message, dict)))
 def test_whatever_is_heard_can_be_written_down_or_is_refused(message: dict[str, Any]) -> None:
     for source in SOURCES:
