@@ -286,14 +286,22 @@ def test_a_delayed_event_can_be_dropped() -> None:
 
 
 def test_a_delayed_event_outlives_the_state_that_raised_it() -> None:
-    states = {"a": {"entry": [{"raise": "late", "after_s": 5}], "transitions": [row("e", "b")]}, "b": {"transitions": [row("late", "c")]}, "c": {}}
+    states = {
+        "a": {"entry": [{"raise": "late", "after_s": 5}], "transitions": [row("e", "b")]},
+        "b": {"transitions": [row("late", "c")]},
+        "c": {},
+    }
     made = chart(states)
     sent(made, "e", at=1.0)
     assert ticked(made, 5.0).entered == ("c",)
 
 
 def test_after_counts_from_the_entry_and_ends_with_the_state() -> None:
-    states = {"a": {"transitions": [row("e", "b"), row(after_s=3, to="z")]}, "b": {"transitions": [row("e", "a")]}, "z": {}}
+    states = {
+        "a": {"transitions": [row("e", "b"), row(after_s=3, to="z")]},
+        "b": {"transitions": [row("e", "a")]},
+        "z": {},
+    }
     made = chart(states)
     sent(made, "e", at=2.0)
     assert made.wake_at is None
@@ -303,7 +311,12 @@ def test_after_counts_from_the_entry_and_ends_with_the_state() -> None:
 
 
 def test_after_with_a_false_guard_is_lost() -> None:
-    states = {"a": {"transitions": [row(after_s=3, to="z", when={"key": "n", ">": 0}), row("e", do=[{"set": "n", "value": 1}])]}, "z": {}}
+    states = {
+        "a": {
+            "transitions": [row(after_s=3, to="z", when={"key": "n", ">": 0}), row("e", do=[{"set": "n", "value": 1}])]
+        },
+        "z": {},
+    }
     made = chart(states, blackboard={"n": {"type": "integer", "initial": 0}})
     ticked(made, 3.0)
     sent(made, "e")
