@@ -36,7 +36,7 @@ class TreeState(NamedTuple):
     nodes: Mapping[str, Any] = {}
     """Path of the node → what it remembers."""
     leaves: Mapping[str, Leaf] = {}
-    """Path of each action, call or decision leaf that is running, or whose outcome the next tick will read."""
+    """Path of each leaf that the chart runs (action, call, decision, behaviour), until the tick that reads its outcome."""
 
 
 class Ticked(NamedTuple):
@@ -71,7 +71,8 @@ class Ticker(Protocol):
         Args:
             state: As the last tick left it; `TreeState()` for the first.
             view: What is known, and the time.
-            outcomes: Path of a running leaf → the outcome that its activity has reported since.
+            outcomes: Path of a running leaf → the outcome that its activity has reported since; of a behaviour in
+                Python its last status.
         """
 
     def stop(self, state: TreeState, view: View) -> Ticked:

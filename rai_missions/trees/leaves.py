@@ -15,7 +15,7 @@ from rai_missions.guards.guard import Test, View
 from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, Live
 from rai_missions.trees.round import Round
 
-__all__ = ("Ask", "Check", "Errand", "Publish", "Wait", "Write")
+__all__ = ("Ask", "Beside", "Check", "Errand", "Publish", "Wait", "Write")
 
 
 class Leaf(Live, Behaviour):
@@ -134,6 +134,21 @@ class Errand(Leaf):
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         self.run = memory.get("run", 0)
+
+
+class Beside(Errand):
+    """A live behaviour of the user's program that is ticked beside the mission: this says what it said last."""
+
+    def act(self) -> Status:
+        said = self.round.take(self.path)
+        if said in ("", "running"):
+            return RUNNING
+        return SUCCESS if said == "success" else FAILURE
+
+    def terminate(self, new_status: Status) -> None:
+        if self.round.outcomes.get(self.path) == "running":
+            self.round.take(self.path)
+        super().terminate(new_status)
 
 
 class Ask(Live, composites.Composite):

@@ -144,6 +144,8 @@ class Planter:
             publish = leaves.Publish(node.word)
             publish.topic, publish.message = node.publish, self._message(node.message, path)
             return publish
+        if isinstance(node, tree.BehaviourLeaf):
+            return leaves.Beside(tree.factory_name(node.factory))
         return leaves.Errand(node.word)
 
     @staticmethod

@@ -4,6 +4,7 @@
 Rule: nothing here knows py_trees. A tree's state is a frozen value from which a ticker rebuilds.
 """
 
+from rai_missions.states.tree.behaviour import BehaviourLeaf, factory_name
 from rai_missions.states.tree.composites import Branch, ParallelTree, Selector, Sequence
 from rai_missions.states.tree.decorators import (
     Condition,
@@ -35,8 +36,9 @@ from rai_missions.states.tree.node import Decorator, TreeNode, tree_paths
 from rai_missions.states.tree.state import Tree
 
 __all__ = (
-    "ActionLeaf", "Branch", "CallLeaf", "CheckLeaf", "Condition", "DecisionLeaf", "Decorator", "EternalGuard",
-    "FailureIsRunning", "FailureIsSuccess", "Inverter", "OneShot", "ParallelTree", "PassThrough", "PublishLeaf",
-    "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess", "Selector", "Sequence", "SetLeaf", "StatusToBlackboard",
-    "SuccessIsFailure", "SuccessIsRunning", "Timeout", "Tree", "TreeNode", "WaitLeaf", "tree_paths",
+    "ActionLeaf", "BehaviourLeaf", "Branch", "CallLeaf", "CheckLeaf", "Condition", "DecisionLeaf", "Decorator",
+    "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "OneShot", "ParallelTree", "PassThrough",
+    "PublishLeaf", "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess", "Selector", "Sequence", "SetLeaf",
+    "StatusToBlackboard", "SuccessIsFailure", "SuccessIsRunning", "Timeout", "Tree", "TreeNode", "WaitLeaf",
+    "factory_name", "tree_paths",
 )  # fmt: skip

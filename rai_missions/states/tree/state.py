@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
 
 from rai_missions.states.state import State
+from rai_missions.states.tree.behaviour import BehaviourLeaf
 from rai_missions.states.tree.node import NODE, depth
 from rai_missions.written import fault
 
@@ -31,6 +33,17 @@ class Tree(State, word="tree"):
     positional: ClassVar = ("tree",)
 
     tree: Annotated[NODE, BeforeValidator(_shallow)]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_factory(cls, words: Any) -> Any:
+        """In Python `Tree(factory, tick_s=0.1)` runs one behaviour of the user's program."""
+        factory = words.get("tree") if isinstance(words, Mapping) else None
+        if not callable(factory):
+            return words
+        given = {"tick_s": words["tick_s"]} if "tick_s" in words else {}
+        rest = {word: said for word, said in words.items() if word != "tick_s"}
+        return {**rest, "tree": BehaviourLeaf(factory, **given)}
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed"}

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A leaf that is a behaviour of py_trees, made by the user's program; missions in Python only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
+
+from rai_missions.errors import UsageError
+from rai_missions.states.tree.node import TreeNode
+from rai_missions.written import fault
+
+__all__ = ("BehaviourLeaf", "Factory", "factory_name")
+
+Factory = Callable[[], Any]
+"""Makes a fresh `py_trees.behaviour.Behaviour`, with whatever stands below it."""
+
+
+def factory_name(factory: Any) -> str:
+    """What a factory is called in its program: `module.function`."""
+    return f"{getattr(factory, '__module__', '?')}.{getattr(factory, '__qualname__', type(factory).__qualname__)}"
+
+
+def _callable(given: Any) -> Any:
+    if not callable(given):
+        raise fault("factory", f"{given!r:.80} cannot be called; give a function that makes a behaviour of py_trees")
+    return given
+
+
+class BehaviourLeaf(TreeNode):
+    """Says what a live behaviour says, which is ticked beside the mission every `tick_s` while this runs."""
+
+    positional: ClassVar = ("factory", "tick_s")
+
+    factory: Annotated[Any, PlainValidator(_callable), PlainSerializer(factory_name), WithJsonSchema({"not": {}})]
+    tick_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.1
+    """Seconds from one tick of the behaviour to the next."""
+
+    def written(self) -> dict[str, Any]:
+        """A mission in JSON holds no code.
+
+        Raises:
+            UsageError: Always.
+        """
+        name = factory_name(self.factory)
+        raise UsageError(
+            f"the behaviour '{name}' is written in Python, and JSON holds no code; keep this mission in Python, "
+            "or write the tree as data"
+        )

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Behaviours written in Python: a leaf in the tree, and the live one beside the mission."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import py_trees
+import pytest
+from py_trees.common import Status
+
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.states.ticker import TreeState
+from rai_missions.states.tree import BehaviourLeaf, CheckLeaf, EternalGuard, Tree
+from rai_missions.trees import PyTrees
+from rai_missions.trees.live import LiveBehaviour
+from tests.trees.growing import is_true, seen
+
+
+class Worker(py_trees.behaviour.Behaviour):
+    """Says what it is told to say, and writes down its calls."""
+
+    def __init__(self, *says: Any) -> None:
+        super().__init__("worker")
+        self.says, self.calls = list(says), []  # type: ignore[var-annotated]
+
+    def setup(self, **kwargs: Any) -> None:
+        self.calls.append("setup")
+
+    def update(self) -> Status:
+        said = self.says.pop(0)
+        if isinstance(said, Exception):
+            raise said
+        return said  # type: ignore[no-any-return]
+
+    def terminate(self, new_status: Status) -> None:
+        self.calls.append(f"terminate {new_status.value}")
+
+    def shutdown(self) -> None:
+        self.calls.append("shutdown")
+
+
+def make() -> Worker:
+    return Worker(Status.RUNNING)
+
+
+def test_a_state_may_run_a_factory() -> None:
+    state = Tree(make, tick_s=0.5, timeout_s=10.0)
+    assert state.tree == BehaviourLeaf(make, 0.5)
+    assert state.timeout_s == 10.0
+    assert Tree(make).tree.tick_s == 0.1
+
+
+def test_a_period_without_a_factory_is_refused() -> None:
+    with pytest.raises(DefinitionError, match="tick_s"):
+        Tree(CheckLeaf({"in": "s"}), tick_s=0.5)
+    with pytest.raises(DefinitionError, match="/factory: 3 cannot be called; give a function that makes a behaviour"):
+        BehaviourLeaf(3)
+
+
+def test_a_behaviour_in_python_is_not_written_as_json() -> None:
+    with pytest.raises(UsageError, match=r"test_behaviours\.make' is written in Python, and JSON holds no code"):
+        BehaviourLeaf(make).written()
+
+
+def test_a_leaf_says_what_its_behaviour_said() -> None:
+    ticker = PyTrees().compile(Tree(make).tree, "/tree", {}, "s")
+    first = ticker.tick(TreeState(), seen(0.0, {}), {})
+    assert (first.status, first.started) == ("running", ("",))
+    for said, status in (
+        ("running", "running"),
+        ("success", "success"),
+        ("failure", "failure"),
+        ("invalid", "failure"),
+    ):
+        assert ticker.tick(first.state, seen(1.0, {}), {"": said}).status == status
+
+
+@pytest.mark.parametrize(
+    ("said", "ended"), [({}, ("child",)), ({"child": "running"}, ("child",)), ({"child": "success"}, ())]
+)
+def test_a_behaviour_that_runs_on_is_ended_and_one_that_has_ended_is_not(said: dict[str, str], ended: Any) -> None:
+    ticker = PyTrees().compile(EternalGuard(BehaviourLeaf(make), is_true("a")), "/tree", {}, "s")
+    state = ticker.tick(TreeState(), seen(0.0, {"a": True}), {}).state
+    assert ticker.tick(state, seen(1.0, {"a": False}), said).ended == ended
+
+
+def test_a_live_behaviour_is_set_up_ticked_and_put_away() -> None:
+    worker = Worker(Status.RUNNING, Status.RUNNING)
+    with LiveBehaviour(BehaviourLeaf(lambda: worker)) as live:
+        assert (live.tick(), live.tick()) == ("running", "running")
+    assert worker.calls == ["setup", "terminate INVALID", "shutdown"]
+
+
+def test_a_live_behaviour_that_has_ended_is_not_interrupted() -> None:
+    worker = Worker(Status.SUCCESS)
+    with LiveBehaviour(BehaviourLeaf(lambda: worker)) as live:
+        assert live.tick() == "success"
+    assert worker.calls == ["setup", "terminate SUCCESS", "shutdown"]
+
+
+@pytest.mark.parametrize("says", [ValueError("no"), Status.INVALID, Status.FAILURE])
+def test_a_behaviour_that_raises_or_says_nothing_has_failed(says: Any) -> None:
+    assert LiveBehaviour(BehaviourLeaf(lambda: Worker(says))).tick() == "failure"
+
+
+def test_a_factory_that_makes_something_else_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"made 3; it must make a py_trees\.behaviour\.Behaviour"):
+        LiveBehaviour(BehaviourLeaf(lambda: 3))
