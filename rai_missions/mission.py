@@ -12,8 +12,10 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.blackboard import Key
+from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard
 from rai_missions.states.state import Rows, State, States, descendants
+from rai_missions.states.tree import ONLY_IN_PYTHON
 from rai_missions.written import Name, Names, OneOf, Seconds, Text, Written
 
 __all__ = ("BUILT_IN_EVENTS", "Declared", "Mission")
@@ -28,7 +30,9 @@ class Declared(Written):
     positional: ClassVar = ("about",)
 
     about: Text = ""
-    fields: dict[Text, Literal["string", "number", "integer", "boolean", "object", "list"]] = Field(default_factory=dict)
+    fields: dict[Text, Literal["string", "number", "integer", "boolean", "object", "list"]] = Field(
+        default_factory=dict
+    )
     """What its payload holds; read as `event.<field>`."""
 
 
@@ -97,4 +101,12 @@ class Mission(Written):
         raise KeyError(name)
 
     def written(self) -> dict[str, Any]:
+        """As JSON has it.
+
+        Raises:
+            UsageError: A state runs a behaviour that is written in Python.
+        """
+        for _, name, state in self.walk():
+            if program := state.program():
+                raise UsageError(f"state '{name}' runs '{program}': {ONLY_IN_PYTHON}")
         return {"format": self.format, **super().written()}

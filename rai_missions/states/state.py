@@ -130,6 +130,10 @@ class State(Kind, family="state", word=""):
         """What it can report about itself, beside the outcomes of children."""
         return frozenset({"timed_out"} if self.timeout_s is not None else ())
 
+    def program(self) -> str:
+        """What it runs of the user's program, which JSON cannot hold; empty for nothing."""
+        return ""
+
     def activity(self) -> str:
         """What it runs while it is active, in a word or two; empty for nothing."""
         return ""

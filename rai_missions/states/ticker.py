@@ -36,7 +36,7 @@ class TreeState(NamedTuple):
     nodes: Mapping[str, Any] = {}
     """Path of the node → what it remembers."""
     leaves: Mapping[str, Leaf] = {}
-    """Path of each leaf that the chart runs (action, call, decision, behaviour), until the tick that reads its outcome."""
+    """Path of each action, call, decision or behaviour leaf that runs, until the tick that reads its outcome."""
 
 
 class Ticked(NamedTuple):

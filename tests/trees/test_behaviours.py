@@ -9,7 +9,9 @@ import py_trees
 import pytest
 from py_trees.common import Status
 
+from rai_missions import Mission, dump
 from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.states.final import Final
 from rai_missions.states.ticker import TreeState
 from rai_missions.states.tree import BehaviourLeaf, CheckLeaf, EternalGuard, Tree
 from rai_missions.trees import PyTrees
@@ -59,8 +61,12 @@ def test_a_period_without_a_factory_is_refused() -> None:
 
 
 def test_a_behaviour_in_python_is_not_written_as_json() -> None:
-    with pytest.raises(UsageError, match=r"test_behaviours\.make' is written in Python, and JSON holds no code"):
+    said = r"test_behaviours\.make': a behaviour in Python cannot be written as JSON, which holds no code"
+    with pytest.raises(UsageError, match=said):
         BehaviourLeaf(make).written()
+    mission = Mission("m", initial="work", states={"work": Tree(make), "over": Final("aborted")})
+    with pytest.raises(UsageError, match="state 'work' runs '.*" + said):
+        dump(mission)
 
 
 def test_a_leaf_says_what_its_behaviour_said() -> None:

@@ -4,7 +4,7 @@
 Rule: nothing here knows py_trees. A tree's state is a frozen value from which a ticker rebuilds.
 """
 
-from rai_missions.states.tree.behaviour import BehaviourLeaf, factory_name
+from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf, factory_name
 from rai_missions.states.tree.composites import Branch, ParallelTree, Selector, Sequence
 from rai_missions.states.tree.decorators import (
     Condition,
@@ -36,6 +36,7 @@ from rai_missions.states.tree.node import Decorator, TreeNode, tree_paths
 from rai_missions.states.tree.state import Tree
 
 __all__ = (
+    "ONLY_IN_PYTHON",
     "ActionLeaf", "BehaviourLeaf", "Branch", "CallLeaf", "CheckLeaf", "Condition", "DecisionLeaf", "Decorator",
     "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "OneShot", "ParallelTree", "PassThrough",
     "PublishLeaf", "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess", "Selector", "Sequence", "SetLeaf",

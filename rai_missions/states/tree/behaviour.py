@@ -12,7 +12,12 @@ from rai_missions.errors import UsageError
 from rai_missions.states.tree.node import TreeNode
 from rai_missions.written import fault
 
-__all__ = ("BehaviourLeaf", "Factory", "factory_name")
+__all__ = ("ONLY_IN_PYTHON", "BehaviourLeaf", "Factory", "factory_name")
+
+ONLY_IN_PYTHON = (
+    "a behaviour in Python cannot be written as JSON, which holds no code; keep this mission in Python, or write the "
+    "tree as data"
+)
 
 Factory = Callable[[], Any]
 """Makes a fresh `py_trees.behaviour.Behaviour`, with whatever stands below it."""
@@ -44,8 +49,4 @@ class BehaviourLeaf(TreeNode):
         Raises:
             UsageError: Always.
         """
-        name = factory_name(self.factory)
-        raise UsageError(
-            f"the behaviour '{name}' is written in Python, and JSON holds no code; keep this mission in Python, "
-            "or write the tree as data"
-        )
+        raise UsageError(f"'{factory_name(self.factory)}': {ONLY_IN_PYTHON}")

@@ -9,8 +9,8 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BeforeValidator, model_validator
 
 from rai_missions.states.state import State
-from rai_missions.states.tree.behaviour import BehaviourLeaf
-from rai_missions.states.tree.node import NODE, depth
+from rai_missions.states.tree.behaviour import BehaviourLeaf, factory_name
+from rai_missions.states.tree.node import NODE, depth, tree_paths
 from rai_missions.written import fault
 
 __all__ = ("Tree",)
@@ -47,6 +47,10 @@ class Tree(State, word="tree"):
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed"}
+
+    def program(self) -> str:
+        leaves = (node for _, node in tree_paths(self.tree) if isinstance(node, BehaviourLeaf))
+        return next((factory_name(leaf.factory) for leaf in leaves), "")
 
     def activity(self) -> str:
         return "tree"
