@@ -120,7 +120,7 @@ def _rules(survey: Survey, robot: Robot) -> Iterator[Fault]:
         options.setdefault(spot.name, set()).update(asked.options)
     for state, rows in robot.rules.items():
         if state not in options:
-            known = suggestion(state, options) if options else "; the mission asks nothing"
+            known = suggestion(state, options) if options else "; drop it"
             yield Fault(pointer(["rules", state]), f"the mission asks nothing in a state '{state}'{known}")
             continue
         for index, row in enumerate(rows):
