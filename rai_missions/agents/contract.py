@@ -96,7 +96,7 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
     """
     answerer = make()
     first, second = Told(), Told()
-    answerer.withdraw(question.number)
+    _at_once("withdraw", lambda: answerer.withdraw(question.number))
     _at_once("ask", lambda: answerer.ask(question, first))
     _at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 1), second))
     for told in (first, second):

@@ -90,6 +90,6 @@ def read_body(_name: str, data: bytes) -> Body:
         raise ValueError(str(refused)) from None
     except expat.ExpatError as error:
         raise ValueError(f"is not well-formed XML: {error}") from None
-    except (LookupError, ValueError) as error:  # an encoding that Python does not have
-        raise ValueError(f"is not readable XML: {error}") from None
+    except LookupError as error:
+        raise ValueError(f"is not well-formed XML: {error}") from None
     return Body(listener.name, tuple(listener.links), tuple(listener.joints))

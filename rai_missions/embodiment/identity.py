@@ -6,6 +6,7 @@ Rule: nothing outside the folder is read, whatever its files or links say, and n
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -83,7 +84,7 @@ class Reader:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.root = folder.resolve()
+        self.root = _resolved(folder)
         self.faults: list[Fault] = []
         try:
             paths = sorted(path for path in self.root.iterdir() if path.suffix.lower() in LARGEST)
@@ -114,7 +115,7 @@ class Reader:
         Raises:
             ValueError: It leads elsewhere, is no file, cannot be read, or is too large.
         """
-        target = path.resolve()
+        target = _resolved(path)
         if not target.is_relative_to(self.root):
             raise ValueError("leads out of the identity's folder; copy the file into it")
         if not target.is_file():  # a pipe would never end
@@ -128,6 +129,11 @@ class Reader:
         if len(data) > largest:
             raise ValueError(f"is larger than {largest} bytes")
         return data
+
+
+def _resolved(path: Path) -> Path:
+    """The path without links; a link that leads to itself stays, where `Path.resolve` would raise."""
+    return Path(os.path.realpath(path))
 
 
 def _text(name: str, data: bytes) -> str:

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -44,6 +46,16 @@ def tool(name: str, act: Callable[[], str], **metadata: Any) -> StructuredTool:
     return StructuredTool.from_function(lambda: act(), name=name, description=f"To {name}.", metadata=metadata)
 
 
+def noting(done: list[str]) -> Callable[[], str]:
+    """What a tool does: leaves a note that it ran."""
+
+    def act() -> str:
+        done.append("ran")
+        return "a crate"
+
+    return act
+
+
 def asked(model: DoubleModel, question: Question = QUESTION, **words: Any) -> dict[str, Any]:
     """The one answer of an agent over a model, without its usage."""
     said = dict(answer(model, question, **words))
@@ -78,8 +90,8 @@ errors = st.sampled_from(
 def test_whatever_a_model_says_it_is_answered_once_and_within_the_budget(
     said: list[Any], mode: Any, calls: int
 ) -> None:
-    looks: list[int] = []
-    look = tool("look", lambda: looks.append(1) or "a crate", read_only=True)
+    looks: list[str] = []
+    look = tool("look", noting(looks), read_only=True)
     model = ScriptedModel(said)
     question = QUESTION._replace(tools=("look",), budget=Limits(calls=calls))
     used = answer(model, question, tools=[look], mode=mode)["usage"]
@@ -253,6 +265,19 @@ def test_a_model_that_hangs_holds_up_neither_the_next_question_nor_the_end(hangi
     assert all(thread.daemon for thread in threading.enumerate() if thread.name.startswith("question "))
 
 
+def test_a_model_that_hangs_does_not_keep_the_program_from_ending() -> None:
+    code = (
+        "from rai_missions.agents import DecisionAgent\n"
+        "from rai_missions.testing import QUESTION, HangingModel, Told\n"
+        "model = HangingModel()\n"
+        "agent = DecisionAgent(model)\n"
+        "agent.ask(QUESTION, Told())\n"
+        "model.hangs.wait()\n"
+        "agent.stop(within_s=0.01)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
 def test_a_model_that_comes_back_is_asked_again(hanging: HangingModel) -> None:
     agent, first, second = DecisionAgent(hanging, at_once=1), Told(), Told()
     agent.ask(QUESTION, first)
@@ -289,9 +314,9 @@ def test_a_tool_that_only_looks_and_is_named_is_run_and_quoted_as_data() -> None
     [((), {"read_only": True}), (("drive",), {}), (("drive",), {"read_only": "yes"}), (("drive",), {"read_only": 1})],
 )
 def test_a_tool_that_acts_or_is_not_named_is_never_run(named: tuple[str, ...], metadata: dict[str, Any]) -> None:
-    driven: list[int] = []
+    driven: list[str] = []
     model = looking([call("drive")])
-    drive = tool("drive", lambda: driven.append(1) or "driven", **metadata)
+    drive = tool("drive", noting(driven), **metadata)
     assert asked(model, QUESTION._replace(tools=named), tools=[drive], mode="tools")["option"] == "abort"
     assert driven == []
     assert heard(model) == ["\"refused: no tool 'drive' here; there is: none\""]
@@ -322,6 +347,17 @@ def test_a_model_that_is_given_tools_and_does_not_call_them_is_asked_in_another_
     model = ScriptedModel(["I cannot call anything.", '{"option": "replan"}'])
     look = tool("look", lambda: "a crate", read_only=True)
     assert asked(model, QUESTION._replace(tools=("look",)), tools=[look])["option"] == "replan"
+
+
+@pytest.mark.local_model
+def test_a_small_model_on_this_machine_wishes_for_an_option_that_is_offered() -> None:
+    from rai_missions.agents.local_model import local_model
+
+    told = Told()
+    DecisionAgent(local_model()).ask(QUESTION._replace(until=120.0, budget=Limits()), told)
+    said = told.wait(120)
+    assert said["option"] in ("replan", "signal", "abort")
+    assert said["usage"]["tokens_out"] > 0
 
 
 # ── Secrets ─────────────────────────────────────────────────────────────────────────────────────────────────────

@@ -235,7 +235,7 @@ def test_a_terminal_that_goes_away_is_absent(desk: Desk) -> None:
 
 
 def test_a_screen_that_cannot_be_written_is_absent(desk: Desk) -> None:
-    desk.agent = OperatorAgent(desk.source, io.TextIOWrapper(io.BufferedReader(io.BytesIO())))  # type: ignore[type-var]
+    desk.agent = OperatorAgent(desk.source, io.TextIOWrapper(io.BufferedReader(io.BytesIO())))
     assert desk.ask().wait()["absent"].startswith("the question could not be shown: ")
 
 

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""No key, by shape, by variable or by name, is left in what goes out; other words stay as they are."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.agents.redact import Redaction
+
+letters = st.text("abcdefghijklmnopqrstuvwxyzABCDEFXYZ0123456789", min_size=12, max_size=40)
+KEYS = st.one_of(
+    letters.map("sk-".__add__),
+    letters.map("sk-ant-api03-".__add__),
+    letters.map("gsk_".__add__),
+    letters.map("hf_".__add__),
+    letters.map("ghp_".__add__),
+    letters.map("AIza".__add__),
+)
+
+
+@given(KEYS, st.sampled_from(["{}", "key {}.", '"{}"', "({})", "https://x/?key={}&a=1", "{}, {}"]))
+def test_a_key_by_its_shape_is_hidden_wherever_it_stands(key: str, frame: str) -> None:
+    said = Redaction().text(frame.replace("{}", key))
+    assert key not in said
+    assert "[hidden]" in said
+
+
+@given(letters)
+def test_a_known_secret_is_hidden_in_every_part_of_a_value(secret: str) -> None:
+    value = {"a": [secret, {"b" + secret: f"x{secret}y"}], "n": 1, "t": True, "none": None}
+    said = Redaction([secret]).json(value)
+    assert secret not in json.dumps(said)
+    assert (said["n"], said["t"], said["none"]) == (1, True, None)
+
+
+@pytest.mark.parametrize("header", ["Authorization: Bearer ", "basic ", "api_key=", "API-Key: "])
+def test_what_stands_behind_the_word_for_a_key_is_hidden(header: str) -> None:
+    assert Redaction().text(f"{header}abc.def-123") == f"{header}[hidden]"
+
+
+def test_a_variables_value_is_hidden_from_the_moment_it_is_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    redaction = Redaction()
+    assert redaction.text("open sesame") == "open sesame"
+    monkeypatch.setenv("CAVE_API_KEY", "open sesame")
+    assert redaction.text("open sesame") == "[hidden]"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "the task-oriented tractor took the risk-free alley",
+        "replan: obstacle.height_m 0.21 is not below 0.2",
+        "a short key, and no token at all; bearer of news",
+        "2026-11-21T11:00:00Z /tractor1/current_state",
+    ],
+)
+def test_words_that_are_no_keys_stay(text: str) -> None:
+    assert Redaction(["", "abc"]).text(text) == text
