@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import random
 from typing import Any
 
 import pytest
@@ -171,3 +172,42 @@ def test_the_battery_drains_with_work_and_an_empty_one_stops_the_tractor(rig: An
     assert 0.0 < driven < first < 0.006
     assert orchard.run(lambda: orchard.state == "STOPPED", 30.0)
     assert orchard.world.battery.percentage == 0.0
+
+
+def test_whoever_hears_of_a_stop_may_call_a_service_at_once(rig: Any) -> None:
+    orchard = rig(alleys=1, obstacles=[PERSON], camera=False)
+    answers: list[Any] = []
+    orchard.connector.subscribe(
+        "/tractor1/state",
+        "",
+        lambda message: answers.append(orchard.call("replan")) if message.data["data"] == "STOPPED" else None,
+    )
+    orchard.call("continue")
+    orchard.rest(12.0)
+    assert answers[0]["success"] is True
+    assert orchard.state == "REVERSING"
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_whatever_is_called_in_whatever_order_every_goal_ends_once(rig: Any, seed: int) -> None:
+    orchard = rig(alleys=2, seed=seed, camera=False)
+    choose = random.Random(seed)
+    goals: list[str] = []
+    for _ in range(1200):
+        orchard.world.step()
+        if choose.random() < 0.02:
+            what = choose.choice(["continue", "continue", "replan", "stop", "flash", "home", "cross", "cancel"])
+            if what in ("home", "cross"):
+                goals.append(f"{what}{len(goals)}")
+                orchard.send("/navigate_to_pose" if what == "home" else "/tractor1/cross", {}, goals[-1])
+            elif what == "cancel":
+                orchard.connector.cancel_goal(goals[-1] if goals else "none")
+            else:
+                orchard.call(what)
+    orchard.call("stop")
+    orchard.rest(5.0)
+    assert abs(orchard.world.pose.speed) < 0.05
+    ends = {"succeeded", "failed", "canceled"}
+    for goal in goals:
+        said = orchard.said(goal)
+        assert said == ["rejected"] or (len(said) == 2 and said[0] == "accepted" and said[1] in ends), (goal, said)
