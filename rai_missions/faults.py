@@ -17,6 +17,8 @@ from rai_missions.wording import pointer, shown, suggestion
 
 __all__ = ("faults_of",)
 
+MOST = 1000
+"""How many faults are told one by one; whoever has more reads no further."""
 KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
 
@@ -30,7 +32,10 @@ def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[F
         data: Tells which of pydantic's steps are places in the document.
     """
     told: set[tuple[str, str]] = set()
-    for item in error.errors(include_url=False):
+    found = error.errors(include_url=False)
+    for item in found[:MOST]:
+        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
+            continue  # its items are refused one by one
         steps, on_name, rest = _steps(item["loc"], data)
         place = pointer(steps)
         # The branches of a union are no places: what the first of them says is enough.
@@ -39,6 +44,8 @@ def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[F
             continue
         told.add(seen)
         yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps)))
+    if len(found) > MOST:
+        yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
 
 
 def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool, bool]:
@@ -160,7 +167,7 @@ BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
 def _misnamed(given: str, pattern: str) -> str:
     """Why a word is no name, and the nearest that is one."""
     near = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given)
-    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near.lower()).strip("_/.0123456789")
+    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near.lower()).strip("_/.").lstrip("_/.0123456789")
     hint = f"; did you mean '{near}'?" if near and len(near) <= 60 and re.match(pattern, near) else ""
     if r"\." in pattern:
         return f"{shown(given)} is neither a key nor a field of one; write it like 'obstacle.height_m'{hint}"

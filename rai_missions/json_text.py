@@ -7,6 +7,7 @@ Rule: any bytes give a JSON value or a `DefinitionError`; a file that is not the
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -47,7 +48,7 @@ def file_bytes(path: Path) -> bytes:
         UsageError: There is no such file, or it cannot be read.
         DefinitionError: It is too large.
     """
-    if not path.exists():
+    if not os.path.exists(path):  # pathlib's raises on a name that is too long
         raise UsageError(f"there is no file {shown(str(path), 200)}")
     if not path.is_file():
         raise UsageError(f"{shown(str(path), 200)} is no file; name a .json or .py file")
@@ -82,6 +83,8 @@ def parse_json(raw: bytes, source: str = "") -> Any:
     if (at := too_deep(text)) is not None:
         where = _where(text, at)
         raise _refused(f"{where}: more than {MAX_DEPTH} objects and lists inside each other; nest less", source)
+    if not text.strip():
+        raise _refused("the file is empty; write a JSON object", source)
     suspects: list[Any] = []
     value = _parsed(text, suspects, source)
     if suspects or SURROGATE.search(text):
@@ -141,8 +144,6 @@ def _parsed(text: str, suspects: list[Any], source: str) -> Any:
 
 def _syntax(error: json.JSONDecodeError, text: str) -> str:
     said = error.msg[0].lower() + error.msg[1:]
-    if not text.strip():
-        return "the file is empty; a mission is a JSON object"
     if error.pos >= len(text.rstrip()) or error.msg.startswith("Unterminated string"):
         return f"the text ends in the middle ({said}); is the file cut short?"
     if error.msg == "Extra data":

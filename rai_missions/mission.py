@@ -37,7 +37,8 @@ class Declared(Written):
 
 
 def _events(given: Any) -> Any:
-    return {name: {} for name in given} if isinstance(given, list | tuple) else given
+    listed = isinstance(given, list | tuple) and all(isinstance(name, str) for name in given)
+    return {name: {} for name in given} if listed else given
 
 
 def _keys(given: Any) -> Any:

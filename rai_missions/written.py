@@ -29,8 +29,8 @@ from rai_missions.faults import faults_of
 from rai_missions.wording import suggestion
 
 __all__ = (
-    "Bool",
     "FAMILY",
+    "Bool",
     "Integer",
     "Json",
     "Kind",
@@ -122,8 +122,10 @@ Json = Annotated[Any, AfterValidator(_frozen)]
 if TYPE_CHECKING:
 
     class Model:
-        """What ours use of a pydantic model. A type checker that saw the real one would make constructors of the
-        fields, by field name and with the fields' own types; ours take the format's words, references and positions.
+        """What ours use of a pydantic model.
+
+        A type checker that saw the real one would make constructors of the fields, with the fields' own types; ours
+        take the format's words, references and positions.
         """
 
         model_config: ClassVar[ConfigDict]
