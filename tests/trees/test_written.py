@@ -6,15 +6,19 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import jsonschema
 import pytest
 from hypothesis import given
 
 from rai_missions.errors import DefinitionError
+from rai_missions.schema import mission_schema
 from rai_missions.states import tree as t
 from rai_missions.states.ticker import TreeState
 from rai_missions.states.tree import TreeNode, tree_paths
 from rai_missions.trees import PyTrees
 from tests.trees.growing import rich_trees, seen
+
+SCHEMA = jsonschema.Draft202012Validator(mission_schema())
 
 
 @given(rich_trees)
@@ -81,3 +85,17 @@ def test_a_tree_that_is_too_deep_is_refused_and_one_that_is_not_is_ticked() -> N
     assert ticker.tick(TreeState(), seen(0.0, {}), {}).status == "running"
     with pytest.raises(DefinitionError, match="nested 101 deep, and at most 100 can be read; make states of its parts"):
         t.Tree({"sequence": [deep]})
+
+
+@given(rich_trees)
+def test_the_schema_takes_what_the_models_take(tree: Any) -> None:
+    mission = {"format": 1, "name": "m", "initial": "work", "states": {"work": {"tree": tree}}}
+    assert list(SCHEMA.iter_errors(mission)) == []
+
+
+@pytest.mark.parametrize(
+    "tree", [{"sequence": []}, {"retry": 0, "child": {"wait_s": 1}}, {"inverter": {}}, {"wait_s": 1, "s": 2}]
+)
+def test_the_schema_refuses_what_the_models_refuse(tree: Any) -> None:
+    mission = {"format": 1, "name": "m", "initial": "work", "states": {"work": {"tree": tree}}}
+    assert list(SCHEMA.iter_errors(mission))

@@ -8,8 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from rai_missions.states.tree.node import NODE, TreeNode
-from rai_missions.written import Bool, Integer, fault
+from rai_missions.states.tree.node import TreeNode
+from rai_missions.written import Bool, Integer, OneOf, fault
 
 __all__ = ("Branch", "ParallelTree", "Selector", "Sequence")
 
@@ -18,7 +18,7 @@ def _listed(given: Any) -> Any:
     return tuple(given) if isinstance(given, list) else given
 
 
-Children = Annotated[tuple[NODE, ...], BeforeValidator(_listed), Field(min_length=1)]
+Children = Annotated[tuple[OneOf[TreeNode], ...], BeforeValidator(_listed), Field(min_length=1)]
 Numbers = Annotated[tuple[Integer, ...], BeforeValidator(_listed), Field(min_length=1)]
 
 

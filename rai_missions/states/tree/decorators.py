@@ -8,8 +8,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard
-from rai_missions.states.tree.node import NODE, Decorator
-from rai_missions.written import Integer, Name, Number, kind_of
+from rai_missions.states.tree.node import Decorator, TreeNode
+from rai_missions.written import Integer, Name, Number, OneOf
 
 __all__ = (
     "Condition", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "OneShot", "PassThrough", "Repeat",
@@ -17,61 +17,59 @@ __all__ = (
     "Timeout",
 )  # fmt: skip
 
-GUARD = kind_of(Guard)
-
 
 class Inverter(Decorator, word="inverter"):
     """Success is failure, failure is success."""
 
-    child: NODE = Field(alias="inverter")
+    child: OneOf[TreeNode] = Field(alias="inverter")
 
 
 class FailureIsSuccess(Decorator, word="failure_is_success"):
     """Never fails."""
 
-    child: NODE = Field(alias="failure_is_success")
+    child: OneOf[TreeNode] = Field(alias="failure_is_success")
 
 
 class FailureIsRunning(Decorator, word="failure_is_running"):
     """Begins its child again until it succeeds."""
 
-    child: NODE = Field(alias="failure_is_running")
+    child: OneOf[TreeNode] = Field(alias="failure_is_running")
 
 
 class SuccessIsFailure(Decorator, word="success_is_failure"):
     """Never succeeds."""
 
-    child: NODE = Field(alias="success_is_failure")
+    child: OneOf[TreeNode] = Field(alias="success_is_failure")
 
 
 class SuccessIsRunning(Decorator, word="success_is_running"):
     """Begins its child again until it fails."""
 
-    child: NODE = Field(alias="success_is_running")
+    child: OneOf[TreeNode] = Field(alias="success_is_running")
 
 
 class RunningIsFailure(Decorator, word="running_is_failure"):
     """Fails where its child would need time; what the child has begun is ended."""
 
-    child: NODE = Field(alias="running_is_failure")
+    child: OneOf[TreeNode] = Field(alias="running_is_failure")
 
 
 class RunningIsSuccess(Decorator, word="running_is_success"):
     """Succeeds where its child would need time; what the child has begun is ended."""
 
-    child: NODE = Field(alias="running_is_success")
+    child: OneOf[TreeNode] = Field(alias="running_is_success")
 
 
 class PassThrough(Decorator, word="pass_through"):
     """Says what its child says: a name in the picture."""
 
-    child: NODE = Field(alias="pass_through")
+    child: OneOf[TreeNode] = Field(alias="pass_through")
 
 
 class OneShot(Decorator, word="one_shot"):
     """Runs to its end once in the life of the tree; afterwards that end is repeated."""
 
-    child: NODE = Field(alias="one_shot")
+    child: OneOf[TreeNode] = Field(alias="one_shot")
     policy: Literal["on_completion", "on_successful_completion"] = "on_completion"
     """Which end counts: any, or only success."""
 
@@ -101,7 +99,7 @@ class EternalGuard(Decorator, word="eternal_guard"):
     """Runs its child while a guard is true; else it fails and what runs inside is ended."""
 
     positional: ClassVar = ("child", "guard")
-    guard: GUARD = Field(alias="eternal_guard")  # type: ignore[valid-type]
+    guard: OneOf[Guard] = Field(alias="eternal_guard")
 
 
 class Condition(Decorator, word="condition"):

@@ -11,12 +11,10 @@ from pydantic import Field, model_validator
 from rai_missions.effects import Set
 from rai_missions.guards.guard import Guard
 from rai_missions.states.decision import Asked
-from rai_missions.states.tree.node import NODE, TreeNode
-from rai_missions.written import Bool, Json, Name, Number, Path, Seconds, Text, fault, kind_of, suggestion
+from rai_missions.states.tree.node import TreeNode
+from rai_missions.written import Bool, Json, Name, Number, OneOf, Path, Seconds, Text, fault, suggestion
 
 __all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf", "SetLeaf", "WaitLeaf")
-
-GUARD = kind_of(Guard)
 
 
 class ActionLeaf(TreeNode, word="action"):
@@ -26,7 +24,7 @@ class ActionLeaf(TreeNode, word="action"):
     action: Name
     goal: dict[Text, Json] = Field(default_factory=dict)
     result: dict[Name, Text] = Field(default_factory=dict)
-    achieved: GUARD | None = None  # type: ignore[valid-type]
+    achieved: OneOf[Guard] | None = None
     settle_s: Seconds = 0.0
     cancel_s: Seconds = 5.0
     over_orphan: Bool = False
@@ -47,7 +45,7 @@ class CheckLeaf(TreeNode, word="check"):
     """Success while a guard is true, failure while it is false or unknown."""
 
     positional: ClassVar = ("check",)
-    check: GUARD  # type: ignore[valid-type]
+    check: OneOf[Guard]
 
 
 class WaitLeaf(TreeNode, word="wait_s"):
@@ -90,7 +88,7 @@ class DecisionLeaf(TreeNode, word="decision"):
     """Asks, then runs the subtree of the option; an option without one is success."""
 
     decision: Asked
-    then: dict[Name, NODE] = Field(default_factory=dict)
+    then: dict[Name, OneOf[TreeNode]] = Field(default_factory=dict)
     """Option → what is done then."""
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:

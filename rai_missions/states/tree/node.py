@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
-from rai_missions.written import Kind, Text, kind_of
+from rai_missions.written import Kind, OneOf, Text
 
-__all__ = ("NODE", "Decorator", "TreeNode", "depth", "tree_paths")
+__all__ = ("Decorator", "TreeNode", "depth", "tree_paths")
 
 
 class TreeNode(Kind, family="tree node"):
@@ -22,15 +22,12 @@ class TreeNode(Kind, family="tree node"):
         return iter(())
 
 
-NODE = kind_of(TreeNode)
-
-
 class Decorator(TreeNode):
     """Changes what its one child says."""
 
     positional: ClassVar[tuple[str, ...]] = ("child",)
 
-    child: NODE  # type: ignore[valid-type]
+    child: OneOf[TreeNode]
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         yield type(self).model_fields["child"].alias or "child", self.child

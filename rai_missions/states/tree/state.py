@@ -10,8 +10,8 @@ from pydantic import BeforeValidator, model_validator
 
 from rai_missions.states.state import State
 from rai_missions.states.tree.behaviour import BehaviourLeaf, factory_name
-from rai_missions.states.tree.node import NODE, depth, tree_paths
-from rai_missions.written import fault
+from rai_missions.states.tree.node import TreeNode, depth, tree_paths
+from rai_missions.written import OneOf, fault
 
 __all__ = ("Tree",)
 
@@ -32,7 +32,7 @@ class Tree(State, word="tree"):
 
     positional: ClassVar = ("tree",)
 
-    tree: Annotated[NODE, BeforeValidator(_shallow)]
+    tree: Annotated[OneOf[TreeNode], BeforeValidator(_shallow)]
 
     @model_validator(mode="before")
     @classmethod
