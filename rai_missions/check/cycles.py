@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from rai_missions.check.knots import knots
 from rai_missions.check.logic import Form, Junction, form, implies, never
 from rai_missions.check.places import guard_reads
 from rai_missions.check.reach import entered_with
@@ -91,7 +92,8 @@ def _cycles(survey: Survey) -> list[Cycle]:
         survey, [jump for index, jump in enumerate(jumps) if index not in loops and not never(jump.form)]
     )
     for knot in knots(follows):
-        if cycle := _around(follows, knot):
+        cycle = _around(follows, knot) if len(knot) > 1 else None
+        if cycle is not None:
             cycles.append(cycle)
     return cycles
 
@@ -190,43 +192,6 @@ def _endless(jumps: tuple[Jump, ...]) -> bool:
 def _reachable(one: Jump, other: Jump) -> bool:
     """Whether the owner of a row is active once another was taken."""
     return other.row.owner is None or other.row.owner in one.active
-
-
-def knots(follows: dict[Jump, list[Jump]]) -> list[list[Jump]]:
-    """The strongly connected parts of more than one jump (Tarjan 1972, without recursion), in document order."""
-    order = {jump: index for index, jump in enumerate(follows)}
-    low: dict[Jump, int] = {}
-    number: dict[Jump, int] = {}
-    stack: list[Jump] = []
-    waiting: set[Jump] = set()
-    found: list[list[Jump]] = []
-    for root in follows:
-        work = [(root, iter(follows[root]))] if root not in number else []
-        while work:
-            jump, successors = work[-1]
-            if jump not in number:
-                number[jump] = low[jump] = len(number)
-                stack.append(jump)
-                waiting.add(jump)
-            following = next((each for each in successors if each not in number), None)
-            if following is not None:
-                work.append((following, iter(follows[following])))
-                continue
-            work.pop()
-            low[jump] = min([low[jump], *(low[each] for each in follows[jump] if each in waiting)])
-            if low[jump] == number[jump]:
-                knot = _cut(stack, jump)
-                waiting.difference_update(knot)
-                found += [sorted(knot, key=order.__getitem__)] if len(knot) > 1 else []
-    return sorted(found, key=lambda knot: order[knot[0]])
-
-
-def _cut(stack: list[Jump], last: Jump) -> list[Jump]:
-    """Take off the top of a stack, down to and with one."""
-    taken = [stack.pop()]
-    while taken[-1] is not last:
-        taken.append(stack.pop())
-    return taken
 
 
 def _around(follows: dict[Jump, list[Jump]], knot: list[Jump]) -> Cycle | None:

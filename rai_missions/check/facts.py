@@ -15,7 +15,7 @@ from rai_missions.check.logic import holds
 from rai_missions.check.paths import key_of
 from rai_missions.check.survey import Survey, Write
 from rai_missions.effects import references
-from rai_missions.guards import All, Any_, Compare, Guard, Held, Named, Near, Not
+from rai_missions.guards import All, Any_, Compare, Guard, Held, Named, Near, Not, Possible
 from rai_missions.states import Action, Call, Decision, Final
 from rai_missions.states.state import OUTCOMES
 
@@ -127,6 +127,8 @@ def rests(survey: Survey, guard: Guard, *, wanted: bool = True) -> bool:
         return rests(survey, guard.guard, wanted=not wanted)
     if isinstance(guard, Held):
         return rests(survey, guard.held, wanted=wanted)
+    if isinstance(guard, Possible):
+        return not wanted and rests(survey, guard.possible, wanted=False)
     if isinstance(guard, All | Any_):
         parts = (rests(survey, part, wanted=wanted) for part in guard.inner())
         return any(parts) if isinstance(guard, All) is wanted else all(parts)

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from rai_missions.check.places import pointer
 from rai_missions.check.reported import reported
 from rai_missions.check.survey import Row, Spot, Survey
-from rai_missions.states import Decision, Parallel
+from rai_missions.states import Action, Call, Decision, Parallel
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
-__all__ = ("deaf_rows", "handled", "unhandled_options", "unhandled_success", "unused_wildcards")
+__all__ = ("deaf_rows", "handled", "together", "unhandled_options", "unhandled_success", "unused_wildcards")
 
 Found = Iterator[tuple[str, str]]
 
@@ -65,9 +65,11 @@ def deaf_rows(survey: Survey) -> Found:
     """An outcome that a row waits for can be reported while the row's state is active."""
     ends = reported(survey)
     for row in survey.rows:
-        source = survey.spot(row.transition.of) if row.transition.of is not None else None
+        source = survey.by_name.get(row.transition.of) if row.transition.of is not None else None
+        if row.transition.of is not None and source is None:
+            continue  # it is unknown, and that is told
         words = [word for word in row.transition.on if word in OUTCOMES and word not in survey.mission.events]
-        if source is not None and not _together(row.owner, source):
+        if source is not None and not together(row.owner, source):
             assert row.owner is not None
             yield (
                 f"{row.place}/of",
@@ -75,6 +77,9 @@ def deaf_rows(survey: Survey) -> Found:
             )
             continue
         possible = ends.by(source) if source is not None else ends.heard(row.owner)
+        whose = source or row.owner
+        if whose is not None and isinstance(whose.state, Action | Call):
+            words = [word for word in words if word != "timed_out"]  # without a timeout: told, and the row is right
         if vain := [word for word in words if word not in possible]:
             yield f"{row.place}/on", _vain(row, source, vain, possible)
 
@@ -92,7 +97,7 @@ def _vain(row: Row, source: Spot | None, vain: list[str], possible: frozenset[st
     return f"{who} {verb} {' or '.join(repr(word) for word in vain)}; {hint}"
 
 
-def _together(one: Spot | None, other: Spot) -> bool:
+def together(one: Spot | None, other: Spot) -> bool:
     """Whether two states can be active at the same time."""
     if one is None or one is other or one.inside(other) or other.inside(one):
         return True

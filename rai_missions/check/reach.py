@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from rai_missions.check.knots import knots
 from rai_missions.check.reported import reported
 from rai_missions.check.survey import Row, Spot, Survey
 from rai_missions.states import Final, History, Parallel
@@ -78,38 +79,35 @@ def reached(survey: Survey) -> set[Spot]:
 def unreachable_states(survey: Survey) -> Found:
     """Every state is entered: by a row, an `initial`, a history, as a region, or by `on_cancel`."""
     active = reached(survey)
-    lost = [
-        spot
+    lost = {
+        spot: [*_subtree(survey, spot)]
         for spot in survey.spots
-        if spot not in active and (spot.parent is None or spot.parent in active) and survey.by_name[spot.name] is spot
-    ]
-    led = {target for spot in lost for each in _subtree(survey, spot) for target in _targets(survey, each, spot)}
-    explained: set[Spot] = set()
-    reach = Reach(survey)
-    for heads in ([spot for spot in lost if spot not in led], lost):
-        for spot in heads:
-            if spot not in explained and spot not in reach.active:
-                explained.add(spot)
-                reach.enter([spot])
-    for spot in lost:
-        if spot in explained:
-            yield (
-                spot.place,
-                f'nothing leads to \'{spot.name}\'; add a row with "to": "{spot.name}", or take the state away',
-            )
+        if spot not in active and (spot.parent is None or spot.parent in active) and _own_fault(survey, spot)
+    }
+    follows = {spot: [each for each in _targets(survey, inside, spot) if each in lost] for spot, inside in lost.items()}
+    parts = knots(follows)
+    part_of = {spot: part[0] for part in parts for spot in part}
+    led = {part_of[each] for spot, after in follows.items() for each in after if part_of[each] is not part_of[spot]}
+    for part in parts:
+        if part[0] not in led:
+            name = part[0].name
+            yield part[0].place, f'nothing leads to \'{name}\'; add a row with "to": "{name}", or take the state away'
+
+
+def _own_fault(survey: Survey, spot: Spot) -> bool:
+    """Whether nothing else is told of it that explains why it is not reached."""
+    homeless = spot.parent is None or isinstance(spot.parent.state, Parallel)
+    return survey.by_name[spot.name] is spot and not (homeless and isinstance(spot.state, History))
 
 
 def _subtree(survey: Survey, spot: Spot) -> list[Spot]:
     return survey.spots[spot.index : spot.last + 1]
 
 
-def _targets(survey: Survey, spot: Spot, whole: Spot) -> Iterator[Spot]:
-    """Where rows inside a lost state lead to outside it, as the outermost lost states."""
-    for row in spot.rows:
-        for target in survey.found(row.transition.to):
-            for here in target.upward():
-                if here is not whole and not here.inside(whole):
-                    yield here
+def _targets(survey: Survey, inside: list[Spot], whole: Spot) -> Iterator[Spot]:
+    """Where rows inside a state lead to, and what that is inside of, as far as it is outside the state."""
+    for target in survey.found(name for spot in inside for row in spot.rows for name in row.transition.to):
+        yield from (here for here in target.upward() if here is not whole and not here.inside(whole))
 
 
 def dead_ends(survey: Survey) -> Found:
@@ -124,17 +122,22 @@ def dead_ends(survey: Survey) -> Found:
 
 
 def waiting_rooms(survey: Survey) -> Found:
-    """A state that only waits is left by more than the mission's own rows without an event, which protect."""
-    for spot in _waiting(survey):
+    """A state that only waits is left by more than those rows of the mission that give up."""
+    success = {spot for spot in survey.top if isinstance(spot.state, Final) and spot.state.final == "succeeded"}
+    hopeful: dict[str, bool] = {}
+    for spot in _waiting(survey) if success else ():
         if any(_frees(survey, row, spot) for row in _rows_here(spot)):
             continue
         rows = [row for row in _own_rows(survey) if _frees(survey, row, spot)]
-        if rows and all(row.transition.eventless for row in rows):
+        for row in rows:
+            if row.place not in hopeful:
+                reach = Reach(survey)
+                reach.enter(survey.found(row.transition.to))
+                hopeful[row.place] = bool(reach.active & success)
+        if rows and not any(hopeful[row.place] for row in rows):
             places = ", ".join(row.place for row in rows[:4])
-            yield (
-                spot.place,
-                f"only the mission's own {places} can leave '{spot.name}'; give it a row of its own, or make it final",
-            )
+            remedy = "add a row of its own, or make it final"
+            yield spot.place, f"only {places} can leave '{spot.name}', and gives the mission up; {remedy}"
 
 
 def _waiting(survey: Survey) -> Iterator[Spot]:

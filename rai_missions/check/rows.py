@@ -6,8 +6,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from rai_missions.check.logic import ALWAYS, Form, form, implies, never
-from rai_missions.check.survey import Row, Survey
+from rai_missions.check.logic import ALWAYS, NEVER, Form, Junction, form, implies, never
+from rai_missions.check.outcomes import together
+from rai_missions.check.survey import Row, Spot, Survey
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("impossible_guards", "overlapping_rows")
@@ -76,7 +77,21 @@ def _overlap(row: Row, before: list[Row]) -> str:
 
 def impossible_guards(survey: Survey) -> Found:
     """A guard can be true: it does not ask for two things that exclude each other."""
-    for guard, place, role, _ in survey.guards:
-        if role != "invariant" and never(form(guard)):
-            remedy = "keep one of the conditions that exclude each other, or fill the empty list"
-            yield place, f"this can never be true: {guard.words():.200}; {remedy}"
+    for guard, place, role, scope in survey.guards:
+        written = form(guard)
+        if role == "invariant" or not never(_there(survey, written, scope.owner)):
+            continue
+        remedy = "keep one of the conditions that exclude each other, or fill the empty list"
+        if not never(written) and scope.owner is not None:
+            remedy = f"a state that it asks for is never active together with '{scope.owner.name}'; ask for another"
+        yield place, f"this can never be true: {guard.words():.200}; {remedy}"
+
+
+def _there(survey: Survey, this: Form, owner: Spot | None) -> Form:
+    """A guard where it stands: `in` a state that is never active together with its owner is not true there."""
+    if isinstance(this, Junction):
+        return Junction(this.word, tuple(_there(survey, part, owner) for part in this.parts))
+    spot = survey.by_name.get(this.path) if this.kind == "in" else None
+    if spot is None or together(owner, spot):
+        return this
+    return ALWAYS if this.op else NEVER
