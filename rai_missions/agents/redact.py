@@ -35,7 +35,8 @@ class Redaction:
         self._secrets = frozenset(secret for secret in secrets if len(secret) >= SHORTEST)
 
     def text(self, text: str) -> str:
-        """The text without secrets."""
+        """The text without secrets, and without what UTF-8 cannot write down (half a surrogate pair)."""
+        text = text.encode("utf-8", "replace").decode()
         known = {value for name, value in os.environ.items() if name.upper().endswith(VARIABLES)}
         for secret in sorted(self._secrets | known, key=len, reverse=True):
             if len(secret) >= SHORTEST:

@@ -55,7 +55,8 @@ class RulesAnswerer:
         try:
             row = _chosen(rows, question, self._view_of())
         except Exception as error:  # noqa: BLE001 - a predicate of the user's program may raise anything
-            answer({"failed": f"a rule for '{question.state}' raised {type(error).__name__}: {error}"[:300]})
+            said = str(error).encode("utf-8", "replace").decode()
+            answer({"failed": f"a rule for '{question.state}' raised {type(error).__name__}: {said}"[:300]})
             return
         if row is None:
             answer({"absent": f"no rule for this in '{question.state}'"})
