@@ -6,7 +6,7 @@ Rule: a template is data. `{"from": "pose"}` takes a field of what the mission g
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
@@ -15,7 +15,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
 from rai_missions.robot.convert import at_path, plain, pose_message
 from rai_missions.robot.source import truth_of
-from rai_missions.written import Bool, Json, Name, Text, Written, fault, kind_of
+from rai_missions.written import Bool, Json, Name, OneOf, Text, Written, fault
 
 __all__ = ("ActionEntry", "OneService", "ServiceEntry", "TopicEntry", "given_to", "references")
 
@@ -35,7 +35,7 @@ class ServiceEntry(Written):
     type: Text = TRIGGER
     request: dict[Text, Json] = Field(default_factory=dict)
     """What it is asked with, beside and below what the mission gives; or a template with `{"from": field}`."""
-    good: kind_of(Guard) | None = Field(default=None, alias="succeeded")  # type: ignore[valid-type]
+    good: OneOf[Guard] | None = Field(default=None, alias="succeeded")
     """Over the fields of the reply; left out, a reply whose `success` is false has failed, any other has succeeded."""
     repeat: Bool = False
     """Asking twice does no harm: after a crash it may be asked again."""
@@ -60,7 +60,19 @@ def _short(service: ServiceEntry) -> Any:
     return service.service if list(written) == ["service"] else written
 
 
-OneService = Annotated[ServiceEntry, BeforeValidator(_service), PlainSerializer(_short, return_type=Any)]
+class _OrItsName:
+    """Tells the JSON Schema that text may stand for the object."""
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+        return {"anyOf": [{"type": "string"}, handler(core)]}
+
+
+OneService = Annotated[
+    ServiceEntry,
+    BeforeValidator(_service),
+    PlainSerializer(_short, return_type=Any),
+    _OrItsName(),
+]
 """A service; its name alone in JSON where there is no more to say."""
 
 
@@ -77,9 +89,9 @@ class ActionEntry(Written):
     """The service that begins a composed action; a reply that fails rejects the start."""
     cancel: OneService | None = None
     """The service that ends it."""
-    succeeded: kind_of(Guard) | None = None  # type: ignore[valid-type]
+    succeeded: OneOf[Guard] | None = None
     """Over the mission's blackboard: when a composed action has succeeded."""
-    failed: kind_of(Guard) | None = None  # type: ignore[valid-type]
+    failed: OneOf[Guard] | None = None
     """Over the mission's blackboard: when it has failed."""
     uses: Annotated[
         tuple[Name, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)

@@ -16,7 +16,7 @@ from rai_missions.robot.source import EventSource, Source
 from rai_missions.states.state import Controller
 from rai_missions.states.terms import Terms
 from rai_missions.wording import suggestion
-from rai_missions.written import Json, Name, Text, Written, fault, kind_of
+from rai_missions.written import Json, Name, OneOf, Text, Written, fault
 
 __all__ = ("Robot", "Rule", "terms")
 
@@ -27,7 +27,7 @@ CONTROLLERS: tuple[str, ...] = get_args(Controller)
 class Rule(Written):
     """One row of a policy: the option to answer with, and when."""
 
-    when: kind_of(Guard) | None = None  # type: ignore[valid-type]
+    when: OneOf[Guard] | None = None
     """Over the mission's blackboard; left out, always."""
     answer: Name
 

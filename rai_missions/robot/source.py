@@ -17,7 +17,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.guards.guard import Guard, Site, Truth, View
 from rai_missions.robot.convert import at_path, image_of, json_of, plain, pose_of, stamp_of
-from rai_missions.written import Bool, Json, Name, Seconds, Text, Written, fault, kind_of
+from rai_missions.written import Bool, Json, Name, OneOf, Seconds, Text, Written, fault
 
 __all__ = ("EventSource", "Source", "check_heard", "truth_of")
 
@@ -139,7 +139,7 @@ class EventSource(Written):
     request: dict[Text, Json] = Field(default_factory=dict)
     json_: Bool = Field(default=False, alias="json")
     """`data` is JSON text; `when` and `fields` name fields of what it says."""
-    when: kind_of(Guard) | None = None  # type: ignore[valid-type]
+    when: OneOf[Guard] | None = None
     """Over the fields of the message: `{"key": "message", "==": "WAITING"}`."""
     fields: dict[Name, Text] = Field(default_factory=dict)
     """The payload's fields → where they stand in the message; left out, the whole message."""
