@@ -22,19 +22,32 @@ Truth = bool | None
 class View(Protocol):
     """All that a guard may see."""
 
-    at: float
-    """Now, in seconds on the run's clock."""
-    board: Blackboard
-    active: frozenset[str]
-    """The active states, ancestors included."""
-    entered: Mapping[str, float]
-    """State → when it was last entered, for the states whose age a guard asks for."""
-    held: Mapping[str, float]
-    """Held guard → since when its inner guard has been true without a break."""
-    event: Mapping[str, Any]
-    """The payload of the event in hand."""
-    answer: Mapping[str, Any]
-    """The parameters of the option in hand."""
+    @property
+    def at(self) -> float:
+        """Now, in seconds on the run's clock."""
+
+    @property
+    def board(self) -> Blackboard: ...
+
+    @property
+    def active(self) -> frozenset[str]:
+        """The active states, ancestors included."""
+
+    @property
+    def entered(self) -> Mapping[str, float]:
+        """State → when it was last entered, for the states whose age a guard asks for."""
+
+    @property
+    def held(self) -> Mapping[str, float]:
+        """Held guard → since when its inner guard has been true without a break."""
+
+    @property
+    def event(self) -> Mapping[str, Any]:
+        """The payload of the event in hand."""
+
+    @property
+    def answer(self) -> Mapping[str, Any]:
+        """The parameters of the option in hand."""
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         """The value of a predicate of the user's program."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A mission compiled: states in document order, rows with their guards as functions, and moves worked out once.
 
-Rule: what a configuration and the rows taken in it lead to is computed once and remembered; nothing here changes with a run.
+Rule: what a configuration and the rows taken in it lead to is computed once and remembered.
 The algorithms are those of W3C SCXML (REC-scxml-20150901, appendix D), with the names used there in the docstrings.
 """
 
@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.effects import Effect
 from rai_missions.guards.guard import Guard, Instant, Site, Test
 from rai_missions.mission import Mission
 from rai_missions.states.compound import Each, Parallel
@@ -63,7 +64,7 @@ class Node:
         self.is_history, self.is_final = isinstance(state, History), isinstance(state, Final)
         self.is_parallel, self.is_each = isinstance(state, Parallel), isinstance(state, Each)
         self.is_compound = state is None or (bool(state.children()) and not self.is_parallel)
-        self.control = (state.control if state else None) or (parent.control if parent else None)
+        self.control: str | None = (state.control if state else None) or (parent.control if parent else None)
         self.activity = bool(state and state.activity() and not self.is_each)
         self.timed = bool(state and state.timeout_s is not None)
         self.clocked = False
@@ -81,7 +82,18 @@ class Node:
 class Row:
     """A transition compiled."""
 
-    __slots__ = ("acts", "condition", "internal", "outcomes", "place", "recalls", "source", "targets", "test", "transition")
+    __slots__ = (
+        "acts",
+        "condition",
+        "internal",
+        "outcomes",
+        "place",
+        "recalls",
+        "source",
+        "targets",
+        "test",
+        "transition",
+    )
 
     def __init__(self, transition: Transition, place: str, source: Node) -> None:
         self.transition, self.place, self.source = transition, place, source
@@ -99,7 +111,9 @@ class Row:
 class Leap:
     """What taking certain rows in a configuration does: a `Move` and all that the chart needs to make it."""
 
-    __slots__ = ("acts", "config", "entered", "exited", "move", "moves", "plain", "remember")
+    __slots__ = (
+        "acts", "config", "entered", "exited", "move", "moves", "plain", "remember",
+    )  # fmt: skip
 
     def __init__(self, move: Move, config: Configuration, acts: tuple[Act, ...]) -> None:
         self.move, self.moves, self.config, self.acts = move, (move,), config, acts
@@ -114,7 +128,19 @@ class Leap:
 class Configuration:
     """A set of active states, and what can happen in it."""
 
-    __slots__ = ("active", "atomic", "eventless", "holds", "instants", "key", "leaps", "nodes", "plans", "reads", "watchful")
+    __slots__ = (
+        "active",
+        "atomic",
+        "eventless",
+        "holds",
+        "instants",
+        "key",
+        "leaps",
+        "nodes",
+        "plans",
+        "reads",
+        "watchful",
+    )
 
     def __init__(self, atomic: tuple[Node, ...], root: Node) -> None:
         self.atomic = atomic
@@ -185,7 +211,8 @@ class Graph:
             name for _, _, state in mission.walk() for name in (state.outcomes() if state.word == "decision" else ())
         }
         self._add(mission.states, self.root, "/states")
-        self._link(compile_effect)
+        self._act = compile_effect
+        self._link()
         self.invariants = {
             name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
         }
@@ -201,33 +228,27 @@ class Graph:
             (parent.history if node.is_history else parent.children).append(node)
             self._add(state.children(), node, f"{node.place}/{state.child_place()}")
 
-    def _link(self, compile_effect: Callable[[Any, str, str], Act]) -> None:
+    def _link(self) -> None:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
         starts = [name for _, _, state in self.mission.walk() for name in getattr(state, "initial", ())]
         self.recalls = any(self.nodes[name].is_history for name in starts)
-        self._rows(self.root, self.mission.transitions, compile_effect)
+        self._rows(self.root, self.mission.transitions)
         for node in self.order[1:]:
             state = node.state
             assert state is not None
             node.initial = tuple(self.nodes[name] for name in getattr(state, "initial", ()))
-            node.entry = tuple(
-                compile_effect(effect, f"{node.place}/entry/{index}", node.name) for index, effect in enumerate(state.entry)
-            )
-            node.exit = tuple(
-                compile_effect(effect, f"{node.place}/exit/{index}", node.name) for index, effect in enumerate(state.exit)
-            )
+            node.entry = self._acts(state.entry, f"{node.place}/entry", node)
+            node.exit = self._acts(state.exit, f"{node.place}/exit", node)
             if isinstance(state, Final) and state.requires is not None:
                 node.requires = self.condition(state.requires, f"{node.place}/requires", node.name)
-            self._rows(node, state.transitions, compile_effect)
+            self._rows(node, state.transitions)
 
-    def _rows(self, node: Node, rows: Iterable[Transition], compile_effect: Callable[[Any, str, str], Act]) -> None:
+    def _rows(self, node: Node, rows: Iterable[Transition]) -> None:
         for index, transition in enumerate(rows):
             row = Row(transition, f"{node.place}/transitions/{index}", node)
             row.targets = tuple(self.nodes[name] for name in transition.to)
             row.recalls = self.recalls or any(target.is_history for target in row.targets)
-            row.acts = tuple(
-                compile_effect(effect, f"{row.place}/do/{number}", node.name) for number, effect in enumerate(transition.do)
-            )
+            row.acts = self._acts(transition.do, f"{row.place}/do", node)
             if transition.when is not None:
                 row.condition = self.condition(transition.when, row.place, node.name)
                 row.test = row.condition.test
@@ -237,6 +258,9 @@ class Graph:
             node.rows.append(row)
             self.rows[row.place] = row
             node.timed = node.timed or transition.after_s is not None
+
+    def _acts(self, effects: Iterable[Effect], place: str, node: Node) -> tuple[Act, ...]:
+        return tuple(self._act(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects))
 
     def condition(self, guard: Guard, place: str, state: str) -> Condition:
         """A guard compiled for a place; the states whose age it asks for are clocked from now on."""
@@ -260,7 +284,7 @@ class Graph:
     # -- selecting ------------------------------------------------------------------------------------------------
 
     def compatible(self, config: Configuration, rows: list[Row], memory: Memory) -> list[Row]:
-        """The rows that can be taken together: a descendant's preempts, then document order (removeConflictingTransitions)."""
+        """The rows that can be taken together: a descendant's preempts an ancestor's, then document order."""
         if len(rows) < 2:
             return rows
         kept: list[tuple[Row, set[Node]]] = []
@@ -280,7 +304,9 @@ class Graph:
         if not target.is_history:
             return [target]
         assert target.parent is not None
-        return [each for node in memory.get(target.index) or target.parent.initial for each in self._effective(node, memory)]
+        return [
+            each for node in memory.get(target.index) or target.parent.initial for each in self._effective(node, memory)
+        ]
 
     def _domain(self, row: Row, memory: Memory) -> Node | None:
         """The state inside which everything is left and entered (getTransitionDomain)."""
@@ -337,6 +363,14 @@ class Graph:
             self._climb(target, self.root, entered, memory)
         return self.move(self.empty, set(), entered, taken=(), acts=(), trigger="")
 
+    def flee(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> Leap:
+        """From wherever it is into a state, everything left."""
+        entered: set[Node] = set()
+        self._descend(target, entered, memory)
+        self._climb(target, self.root, entered, memory)
+        exited = {node for node in config.nodes if node.state is not None}
+        return self.move(config, exited, entered, taken=(), acts=(), trigger=trigger)
+
     def reenter(self, config: Configuration, node: Node, memory: Memory, trigger: str = "") -> Leap:
         """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
         entered: set[Node] = set()
@@ -378,10 +412,10 @@ class Graph:
         if node.is_final and node.parent is not None:
             so_far = (config.nodes - exited) | set(into[: index + 1])
             outer = node.parent if node.parent.is_parallel else node.parent.parent
-            complete = tuple(self._complete(outer, so_far))
+            complete = tuple(self.complete(outer, so_far))
             yield lambda chart: chart.reach_final(node, complete)
 
-    def _complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
+    def complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
         """The parallel states that have all their regions in a final now, inner first."""
         while region_of is not None and region_of.is_parallel and _is_done(region_of, nodes):
             yield region_of

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What states run while they are active: started when control allows, heard, and ended when they are left."""
+
+from __future__ import annotations
+
+import math
+
+from rai_missions.chart.core import Core, Trigger
+from rai_missions.chart.graph import Node
+from rai_missions.event import Event
+from rai_missions.states.activity import Machine, Turn
+from rai_missions.states.machines import machine_of
+from rai_missions.step import Handover
+
+__all__ = ("Activities",)
+
+
+class Activities(Core):
+    """A chart that runs the machines of its states."""
+
+    def _machine(self, node: Node) -> Machine | None:
+        if node.name not in self._machines:
+            assert node.state is not None
+            self._machines[node.name] = machine_of(
+                node.state, node.name, node.place, keys=self.mission.blackboard, terms=self.terms, trees=self._ticker
+            )
+        return self._machines[node.name]
+
+    def _begin_starting(self) -> None:
+        """Start the activities of the states that are still active; first those whose control is where it belongs."""
+        nodes, self._starting = sorted(self._starting, key=lambda node: node.index), []
+        for node in nodes:
+            if node not in self._config.nodes:
+                continue
+            if node.control is not None and node.control != self.holder:
+                self._request_control(node)
+            else:
+                self._begin(node)
+
+    def _request_control(self, node: Node, until: float | None = None) -> None:
+        assert node.state is not None and node.control is not None
+        request = Handover(node.control)
+        if request not in self.effects:
+            self.effects.append(request)
+        self._pending[node.name] = self.view.at + node.state.handover_s if until is None else until
+
+    def _begin(self, node: Node) -> None:
+        machine = self._machine(node) if node.activity else None
+        if machine is not None:
+            turn = machine.begin(self)
+            self._running[node.name] = turn.state
+            self._turn(node.name, turn)
+
+    def _turn(self, name: str, turn: Turn) -> None:
+        """Take over what a machine has made of something."""
+        self._touched = True
+        for key, value in turn.writes:
+            self.write_key(key, value)
+        self._emit(turn.effects)
+        self.notes += turn.notes
+        if turn.outcome is None:
+            self._running[name] = turn.state
+            return
+        self._running.pop(name, None)
+        node = self._graph.nodes[name]
+        self._timers.pop(("timeout", name), None)
+        if turn.outcome.why and node.family != "decision":
+            self.notes.append(f"{name} {turn.outcome.name}: {turn.outcome.why}")
+        self._internal.append(self._outcome_of(node, turn.outcome))
+
+    def _leave_activity(self, node: Node) -> None:
+        state = self._running.pop(node.name, None)
+        machine = self._machines.get(node.name)
+        if state is not None and machine is not None:
+            turn = machine.leave(state, self)
+            self._emit(turn.effects)
+            self.notes += turn.notes
+
+    def _poll(self) -> bool:
+        """Let the machines look at the time and the keys; whether one had something to say."""
+        if self.outcome is not None or self.mode == "paused":
+            return False
+        said, tick = False, Event("tick", self.view.at, kind="tick")
+        for name in list(self._running):
+            machine = self._machines[name]
+            assert machine is not None
+            if name in self._running and (turn := machine.hear(self._running[name], tick, self)) is not None:
+                self._turn(name, turn)
+                said = True
+        return said
+
+    def _dispatch(self, event: Event) -> bool:
+        """Tell the machine that waits for it; whether one did."""
+        for name in list(self._running):
+            machine = self._machines[name]
+            assert machine is not None
+            turn = machine.hear(self._running[name], event, self)
+            if turn is not None:
+                self._turn(name, turn)
+                self._poll()
+                self._complete(None)
+                return True
+        return False
+
+    def _report(self, event: Event) -> None:
+        """An action's server or a service has said something."""
+        number = event.number
+        known = number in self._ledger.goals
+        if self.mode == "paused" and any(getattr(state, "number", 0) == number for state in self._running.values()):
+            self._queue = (*self._queue, event)
+            self._touched = True
+            return
+        self.effects += self._ledger.hear(event)
+        if number in self._calls and event.kind == "result":
+            service = self._calls.pop(number)
+            if event.name != "succeeded":
+                why = str(event.data.get("why", event.name))
+                self.notes.append(f"call of '{service}' failed: {why}")
+                self._heard(Trigger("call_failed", {"call": service, "why": why}))
+            return
+        if self.outcome is not None or not self._dispatch(event):
+            if not known:
+                self._refused = f"stale: nothing that was started as {number} is running"
+            elif event.kind == "result":
+                self.notes.append(f"goal {number} has ended: {event.name}")
+            self._poll()
+            if self._internal and self.outcome is None:
+                self._complete(None)
+
+    def _reads(self) -> frozenset[str]:
+        """The keys whose change may change something now."""
+        reads = self._config.reads | self._graph.invariant_reads
+        for name, state in self._running.items():
+            machine = self._machines[name]
+            assert machine is not None
+            reads |= machine.reads(state)
+        if self._settling or self._final is not None:
+            reads |= frozenset({"*"})
+        return reads
+
+    def _control(self, event: Event) -> None:
+        """Control is with somebody else now: what waited for it starts, what needs another stops."""
+        self.holder = event.name
+        self.notes.append(f"control: {event.name}")
+        if self.mode == "paused":
+            return
+        for name in list(self._running):
+            node = self._graph.nodes[name]
+            if node.control is not None and node.control != self.holder:
+                self._leave_activity(node)
+                self._pending[name] = math.inf
+        for name in sorted(self._pending, key=lambda each: self._graph.nodes[each].index):
+            if self._graph.nodes[name].control == self.holder:
+                del self._pending[name]
+                self._begin(self._graph.nodes[name])
+        self._complete(None)

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pure semantics: what a mission makes of an event, as a Step.
+
+Rule: everything that decides is in here or below. The same mission, events and times give the same Steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rai_missions.blackboard import Stamped, fits
+from rai_missions.chart.core import Named
+from rai_missions.chart.graph import Leap
+from rai_missions.chart.instants import Instants
+from rai_missions.errors import UsageError
+from rai_missions.event import Event
+from rai_missions.guards.guard import Truth
+from rai_missions.mission import Mission
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
+from rai_missions.step import Step
+from rai_missions.written import suggestion
+
+__all__ = ("Chart", "Named", "Snapshot")
+
+Snapshot = Mapping[str, Any]
+"""All that a chart remembers, as values; `Chart.restore` goes on from there."""
+
+_new = tuple.__new__
+
+
+class Chart(Instants):
+    """One run of a mission, as far as rules decide it.
+
+    Args:
+        mission: A mission that `check` finds no fault in.
+        ticker: Who ticks trees (`rai_missions.trees.PyTrees()`); needed only where the mission has one.
+        terms: What is known of the robot: which actions exclude each other, when a composed one has succeeded.
+        named: The predicates that `{"named": …}` guards name.
+
+    Raises:
+        UsageError: The mission has a tree and no ticker was given, or names a predicate that was not.
+    """
+
+    # -- the public face ------------------------------------------------------------------------------------------
+
+    @property
+    def active(self) -> frozenset[str]:
+        """The names of the active states, ancestors included."""
+        return self.view.active
+
+    @property
+    def at(self) -> float:
+        """Now, in seconds on the run's clock."""
+        return self.view.at
+
+    @property
+    def wake_at(self) -> float | None:
+        """The earliest instant at which time alone can change something."""
+        return None if self._wake == math.inf else self._wake
+
+    @property
+    def unheard(self) -> tuple[str, ...]:
+        """The robot keys that the start waits for and that were never heard."""
+        keys = self.mission.blackboard.items()
+        return tuple(n for n, key in keys if key.source == "robot" and not key.optional and n not in self.view.board)
+
+    @property
+    def open_goals(self) -> int:
+        """Goals whose end has not been confirmed and that are not given up as orphaned."""
+        return sum(goal.phase != "orphaned" for goal in self._ledger.goals.values())
+
+    def start(self, at: float = 0.0) -> Step:
+        """Enter the mission.
+
+        Raises:
+            UsageError: It was started before.
+        """
+        if self.mode != "ready":
+            raise UsageError(f"the mission was started before; it is {self.mode}")
+        self._clear()
+        view = self.view
+        view.at = max(at, view.at)
+        for name, key in self.mission.blackboard.items():
+            if key.initial is not None and key.source != "robot" and view.board[name].at < view.at:
+                view.board[name] = Stamped(view.board[name].value, view.at)
+        self.mode = "running"
+        if self._graph.root.clocked:
+            view.entered[""] = view.at
+        self._after_rows(self._graph.root)
+        self._jump(self._graph.start(self._memory))
+        self._complete(None)
+        return self._close(Event("start", at, kind="command"))
+
+    def write(self, key: str, value: Any, at: float = 0.0) -> Step:
+        """Tell the blackboard what a key is, as of `at`.
+
+        Raises:
+            UsageError: The mission has no such key.
+        """
+        if key not in self.mission.blackboard:
+            raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.mission.blackboard)}")
+        return self.send(Event(key, at, {"value": value}, "write"))
+
+    def send(self, event: Event) -> Step:
+        """Let an event happen: everything due before it first, then it, to completion."""
+        name, at, data, kind, _ = event
+        if kind != "event" or not self._quick or at >= self._wake:
+            return self._send(event)
+        view = self.view
+        if at > view.at:
+            view.at = at
+        else:
+            at = view.at
+        config = self._config
+        plan = config.plans.get(name)
+        if plan is None:
+            plan = config.plan(name, declared=name in self._declared)
+        if not plan:
+            return self._send(event) if name not in self._declared else self._quiet(event, at)
+        view.event = data
+        looked: list[tuple[str, Truth]] = []
+        rows = self._enabled(plan, looked)
+        if not rows:
+            return self._quiet(event, at, tuple(looked))
+        leap = config.leaps.get((tuple(rows), name))
+        if leap is None or not leap.plain:
+            return self._send(event)
+        self._config = leap.config
+        view.active = leap.config.active
+        self.seq += 1
+        wake = None if self._wake == math.inf else self._wake
+        if not leap.acts:
+            return _new(Step, (self.seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", ()))
+        return self._acted(event, leap, looked)
+
+    def _acted(self, event: Event, leap: Leap, looked: list[tuple[str, Truth]]) -> Step:
+        """The end of a quick step that does something on the way."""
+        for act in leap.acts:
+            act(self)
+        written = self.written
+        if self._internal or (written and self._listening):
+            self.seq -= 1
+            self.moves.append(leap.move)
+            self.looked += looked
+            self._complete(None)
+            return self._close(event)
+        step: Step = _new(Step, (
+            self.seq, self.view.at, event, leap.moves, tuple(looked), tuple(written), None,
+            None if self._wake == math.inf else self._wake, tuple(self.effects), "", tuple(self.notes),
+        ))  # fmt: skip
+        written.clear()
+        if self.effects or self.notes:
+            self._clear()
+        return step
+
+    def _quiet(self, event: Event, at: float, looked: tuple[tuple[str, Truth], ...] = ()) -> Step:
+        """A step in which no row fired."""
+        self.seq += 1
+        wake = None if self._wake == math.inf else self._wake
+        return _new(Step, (self.seq, at, event, (), looked, (), None, wake, (), "", ()))
+
+    def snapshot(self) -> Snapshot:
+        """All that the run remembers, as values that later steps do not change."""
+        names = (
+            "seq", "mode", "holder", "outcome", "why", "_order", "_number", "_paused_at", "_queue", "_suspended",
+            "_unknown", "_cancel_by", "_wake", "_quick", "_listening",
+        )  # fmt: skip
+        copies = ("_timers", "_running", "_pending", "_rounds", "_settling", "_calls")
+        memory = {self._graph.order[at].name: tuple(each.name for each in nodes) for at, nodes in self._memory.items()}
+        return {
+            **{name: getattr(self, name) for name in names},
+            **{name: dict(getattr(self, name)) for name in copies},
+            "atomic": tuple(node.name for node in self._config.atomic),
+            "memory": memory,
+            "goals": self._ledger.saved(),
+            "final": self._final.name if self._final else None,
+            "at": self.view.at, "board": dict(self.view.board), "entered": dict(self.view.entered),
+            "held": dict(self.view.held), "event": self.view.event, "answer": self.view.answer,
+        }  # fmt: skip
+
+    @classmethod
+    def restore(
+        cls, mission: Mission, saved: Snapshot, ticker: Trees | None = None, *, terms: Terms | None = None,
+        named: Named | None = None,
+    ) -> Chart:  # fmt: skip
+        """A chart that goes on where a snapshot was taken."""
+        chart = cls(mission, ticker, terms=terms, named=named)
+        nodes, view = chart._graph.nodes, chart.view
+        for name, value in saved.items():
+            if name in ("atomic", "memory", "goals", "final"):
+                continue
+            if name in ("at", "board", "entered", "held", "event", "answer"):
+                setattr(view, name, dict(value) if name in ("board", "entered", "held") else value)
+            else:
+                setattr(chart, name, dict(value) if isinstance(value, dict) else value)
+        chart._config = chart._graph.configuration(nodes[name] for name in saved["atomic"])
+        if not saved["atomic"]:
+            chart._config = chart._graph.empty
+        view.active = chart._config.active
+        chart._memory = {
+            nodes[name].index: tuple(nodes[each] for each in held) for name, held in saved["memory"].items()
+        }
+        chart._ledger.restore(saved["goals"])
+        chart._final = nodes[saved["final"]] if saved["final"] else None
+        return chart
+
+    def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:
+        """Take over what quiet steps wrote, without stepping: a replay stands where the run stood then.
+
+        Args:
+            writes: Key, value and stamp.
+            at: The time until which nothing else happened.
+            seq: The number of the last step until then.
+        """
+        for key, value, stamp in writes:
+            self.view.board[key] = Stamped(value, stamp)
+        self.view.at, self.seq = max(self.view.at, at), seq
+        self._quick = False
+
+    # -- one step -------------------------------------------------------------------------------------------------
+
+    def _send(self, event: Event) -> Step:
+        self._clear()
+        at = max(event.at, self.view.at)
+        if self.mode == "ready":
+            self.view.at = at
+            if event.kind == "write":
+                self._write(event)
+            elif event.kind == "control":
+                self.holder = event.name
+            else:
+                self._refused = "the mission has not been started"
+            return self._close(event)
+        self._catch_up(at)
+        self.view.at = at
+        self._handle(event)
+        return self._close(event)
+
+    def _close(self, event: Event) -> Step:
+        self.seq += 1
+        self._quick = self.mode == "running" and self._final is None and self.outcome is None
+        self._listening = self._reads() if self.mode != "ended" else frozenset()
+        self._wake = self._next_instant()
+        why = self.why if self.outcome is not None and self.mode == "ended" and not self._refused else self._refused
+        step = Step(
+            self.seq, self.view.at, event, tuple(self.moves), tuple(self.looked), tuple(self.written), self.outcome,
+            None if self._wake == math.inf else self._wake, tuple(self.effects), why, tuple(self.notes),
+        )  # fmt: skip
+        asked = any(place.startswith("named:") for place, _ in self.looked)
+        said = self.moves or self.effects or self.notes or self._touched or self._refused or asked
+        self.quiet = not said and event.kind in ("write", "tick")
+        self._clear()
+        return step
+
+    def _handle(self, event: Event) -> None:
+        kind = event.kind
+        if kind in ("tick", "feedback"):
+            return
+        if kind == "command":
+            self._command(event)
+        elif kind in ("accepted", "result"):
+            self._report(event)
+        elif self.outcome is not None:
+            self._refused = "the mission has ended"
+        elif kind == "write":
+            self._write(event)
+        elif kind == "control":
+            self._control(event)
+        elif self.mode == "paused":
+            self._queue = (*self._queue, event)
+            self._touched = True
+        elif self._final is not None:
+            self._refused = f"the mission is ending in '{self._final.name}'"
+        else:
+            self._happen(event)
+
+    def _write(self, event: Event) -> None:
+        key = self.mission.blackboard.get(event.name)
+        value = event.data.get("value")
+        stamp = min(float(event.data.get("stamp", event.at)), self.view.at)
+        if key is None:
+            self._refused = f"the mission has no key '{event.name}'{suggestion(event.name, self.mission.blackboard)}"
+            return
+        if why := fits(key, value):
+            self._refused = f"'{event.name}' was not written: {why}"
+            return
+        entry = self.view.board.get(event.name)
+        if entry is not None and entry.at > stamp:
+            self._refused = f"'{event.name}' was not written: {entry.at - stamp:.3g} s older than what is known"
+            return
+        self.view.board[event.name] = Stamped(value, stamp)
+        self.written.append((event.name, value))
+        if event.name not in self._listening and "*" not in self._listening:
+            return
+        if self.mode == "paused":
+            self._check_invariants()
+        elif self.mode != "ready":
+            self._poll()
+            self._complete(None)

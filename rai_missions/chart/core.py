@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a chart remembers, and the small things that every part of it does.
+
+Rule: nothing here decides; the layers above do, each on top of the one below.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.blackboard import Blackboard, Stamped
+from rai_missions.chart.acts import Act, act_of
+from rai_missions.chart.graph import Configuration, Graph, Leap, Node, Row
+from rai_missions.errors import UsageError
+from rai_missions.event import Event
+from rai_missions.guards.guard import Truth
+from rai_missions.mission import Mission
+from rai_missions.states.activity import Machine, Outcome
+from rai_missions.states.goals import Ledger
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
+from rai_missions.step import CancelGoal, Move
+
+__all__ = ("Core", "Look", "Named", "Timer", "Trigger")
+
+Named = Mapping[str, Callable[..., Truth]]
+"""Predicates of the user's program by name; each gets the blackboard's values and the guard's `with`."""
+
+
+TimerKey = tuple[str, Any]
+"""`after` and a row's place, `timeout` and a state, or `raise` and the timer's id."""
+NOTHING: Mapping[str, Any] = {}
+
+
+class Trigger(NamedTuple):
+    """What a microstep answers to: an event, or an outcome of a state."""
+
+    name: str
+    data: Mapping[str, Any]
+    source: Node | None = None
+    """The state whose outcome it is; None for an event."""
+    climbs: bool = True
+    why: str = ""
+    row: Row | None = None
+    """The one row that it may fire: that of an `after_s`."""
+
+
+class Timer(NamedTuple):
+    """Something that comes later."""
+
+    due: float
+    order: int
+    name: str
+    data: Mapping[str, Any] = {}
+
+
+class Look:
+    """What guards see of a chart."""
+
+    __slots__ = ("_chart", "active", "answer", "at", "board", "entered", "event", "held")
+
+    def __init__(self, chart: Core) -> None:
+        self._chart = chart
+        self.at = 0.0
+        self.board: Blackboard = {}
+        self.active: frozenset[str] = frozenset()
+        self.entered: dict[str, float] = {}
+        self.held: dict[str, float] = {}
+        self.event: Mapping[str, Any] = {}
+        self.answer: Mapping[str, Any] = {}
+
+    def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
+        return self._chart.ask_named(name, arguments)
+
+
+class Core:
+    """The state of one run of a mission.
+
+    Args and errors: as `Chart` says.
+    """
+
+    def __init__(
+        self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None, named: Named | None = None
+    ) -> None:
+        self.mission = mission
+        self.terms = terms if terms is not None else Terms()
+        self.view = Look(self)
+        self._named = dict(named or {})
+        self._ticker = ticker
+        self._graph = Graph(mission, self._act)
+        self._declared = frozenset(mission.events)
+        self._machines: dict[str, Machine | None] = {}
+        self._invariants = tuple(self._graph.invariants.items())
+        self._always_held = {memory: test for _, each in self._invariants for memory, test in each.holds.items()}
+        self._reset()
+        for name, key in mission.blackboard.items():
+            if key.initial is not None:
+                self.view.board[name] = Stamped(key.initial, 0.0)
+        if ticker is None and any(state.word == "tree" for _, _, state in mission.walk()):
+            raise UsageError("the mission runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
+
+    def _reset(self) -> None:
+        self.seq = 0
+        """Steps so far."""
+        self.mode = "ready"
+        """`ready`, `running`, `paused`, `canceling` or `ended`."""
+        self.holder = "autonomy"
+        """Who holds control: `autonomy`, `agent`, `operator` or `nobody`."""
+        self.outcome: str | None = None
+        self.why = ""
+        self.quiet = False
+        """The last step did nothing but write the blackboard: it need not be written down by itself."""
+        self._config: Configuration = self._graph.empty
+        self._memory: dict[int, tuple[Node, ...]] = {}
+        self._timers: dict[TimerKey, Timer] = {}
+        self._order = 0
+        self._number = 0
+        self._running: dict[str, Any] = {}
+        self._pending: dict[str, float] = {}
+        self._rounds: dict[str, tuple[tuple[Any, ...], int]] = {}
+        self._settling: dict[str, float] = {}
+        self._calls: dict[int, str] = {}
+        self._ledger = Ledger(self.terms)
+        self._paused_at = 0.0
+        self._queue: tuple[Event, ...] = ()
+        self._suspended: tuple[str, ...] = ()
+        self._unknown: frozenset[str] = frozenset()
+        self._cancel_by = math.inf
+        self._final: Node | None = None
+        self._wake = math.inf
+        self._quick = False
+        self._listening: frozenset[str] = frozenset()
+        self._clear()
+
+    def _clear(self) -> None:
+        """What one step gathers."""
+        self.moves: list[Move] = []
+        self.looked: list[tuple[str, Truth]] = []
+        self.written: list[tuple[str, Any]] = []
+        self.effects: list[Any] = []
+        self.notes: list[str] = []
+        self._internal: deque[Trigger] = deque()
+        self._starting: list[Node] = []
+        self._refused = ""
+        self._touched = False
+        """Something that the run remembers has changed, beside the blackboard."""
+
+    def _act(self, effect: Any, place: str, state: str) -> Act:
+        return act_of(effect, place, state, self.mission.blackboard)
+
+    def _enabled(self, plan: tuple[tuple[Row, ...], ...], looked: list[tuple[str, Truth]]) -> list[Row]:
+        """The first row of each chain whose guard is true (SCXML: selectTransitions)."""
+        view, rows = self.view, list[Row]()
+        for chain in plan:
+            for row in chain:
+                test = row.test
+                if test is not None:
+                    value = test(view)
+                    looked.append((row.place, value))
+                    if value is not True:
+                        continue
+                if row not in rows:
+                    rows.append(row)
+                break
+        return rows
+
+    # -- what acts do (acts.Stage) --------------------------------------------------------------------------------
+
+    def raise_event(self, name: str, data: Mapping[str, Any]) -> None:
+        self._internal.append(Trigger(name, data))
+
+    def raise_later(self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None) -> None:
+        self._set_timer(("raise", timer if timer is not None else self._order + 1), after_s, name, data)
+
+    def drop(self, timer: str) -> None:
+        self._timers.pop(("raise", timer), None)
+
+    def next_call(self, service: str) -> int:
+        self._number += 1
+        self._calls[self._number] = service
+        return self._number
+
+    def _set_timer(
+        self, key: tuple[str, Any], after_s: float, name: str, data: Mapping[str, Any] | None = None
+    ) -> None:
+        self._order += 1
+        self._timers[key] = Timer(self.view.at + after_s, self._order, name, data or {})
+
+    # -- the desk of the machines (states/activity.py) ------------------------------------------------------------
+
+    def next_number(self) -> int:
+        self._number += 1
+        return self._number
+
+    def open_goal(self, owner: str, action: str, cancel_s: float) -> int:
+        self._number += 1
+        self._ledger.open(self._number, owner, action, cancel_s)
+        return self._number
+
+    def close_goal(self, number: int) -> None:
+        self._ledger.finish(number)
+
+    def obstruction(self, action: str) -> str:
+        return self._ledger.obstruction(action)
+
+    def write_key(self, key: str, value: Any) -> None:
+        self.view.board[key] = Stamped(value, self.view.at)
+        self.written.append((key, value))
+
+    def ask_named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
+        """The value of a predicate, noted so that a replay can repeat it."""
+        predicate = self._named.get(name)
+        if predicate is None:
+            return None
+        try:
+            value = predicate({key: entry.value for key, entry in self.view.board.items()}, **arguments)
+        except Exception as error:  # noqa: BLE001 - the user's code; what it raises makes the guard unknown
+            self.notes.append(f"guard '{name}' raised {type(error).__name__}: {error}")
+            value = None
+        value = value if isinstance(value, bool) else None
+        self.looked.append((f"named:{name}", value))
+        return value
+
+    def _emit(self, effects: tuple[Any, ...]) -> None:
+        for effect in effects:
+            if isinstance(effect, CancelGoal):
+                self.effects += self._ledger.cancel(effect.number, self.view.at)
+            else:
+                self.effects.append(effect)
+
+    @staticmethod
+    def _outcome_of(node: Node, outcome: Outcome) -> Trigger:
+        return Trigger(outcome.name, outcome.data, node, why=outcome.why)
+
+    # -- what the layers above do ---------------------------------------------------------------------------------
+
+    def _complete(self, trigger: Trigger | None) -> None:
+        """Take what is enabled until nothing is."""
+        raise NotImplementedError
+
+    def _heard(self, trigger: Trigger) -> None:
+        """A macrostep of its own."""
+        raise NotImplementedError
+
+    def _jump(self, leap: Leap) -> None:
+        """Make one microstep."""
+        raise NotImplementedError
+
+    def _end(self, outcome: str, why: str) -> None:
+        """The mission is over."""
+        raise NotImplementedError

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time: what was due until now happens at its own instant, and the next instant is known."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rai_missions.chart.core import Timer, Trigger
+from rai_missions.chart.microsteps import MOST_MICROSTEPS
+from rai_missions.chart.modes import Modes
+from rai_missions.states.activity import Outcome
+
+__all__ = ("Instants",)
+
+
+class Instants(Modes):
+    """A chart that knows what time alone does."""
+
+    def _catch_up(self, at: float) -> None:
+        """Let everything that was due until `at` happen, each at its own instant."""
+        same = 0
+        while (due := self._next_instant()) <= at and same < MOST_MICROSTEPS:
+            same = same + 1 if due <= self.view.at else 0
+            self.view.at = max(self.view.at, due)
+            self._instant()
+        if same >= MOST_MICROSTEPS:
+            self._end("failed", f"timers without end in {', '.join(sorted(self.view.active))}")
+
+    def _instant(self) -> None:
+        """What time alone does now."""
+        now = self.view.at
+        for goal in self._ledger.overdue(now):
+            self.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
+            self._heard(Trigger("orphaned", {"action": goal.action, "number": goal.number}))
+        if self.mode == "paused":
+            self._check_invariants()
+            return
+        if self.mode == "canceling" and now >= self._cancel_by:
+            self._end("canceled", "the cancel took longer than cancel_s")
+        while self.outcome is None:
+            due = [(timer.due, timer.order, key) for key, timer in self._timers.items() if timer.due <= now]
+            if not due:
+                break
+            key = min(due)[2]
+            self._fire(key, self._timers.pop(key))
+        for name in [name for name, until in self._pending.items() if until <= now]:
+            del self._pending[name]
+            node = self._graph.nodes[name]
+            self._heard(
+                self._outcome_of(node, Outcome("rejected", why=f"{node.control} was not given control in time"))
+            )
+        self._poll()
+        self._complete(None)
+
+    def _fire(self, key: tuple[str, Any], timer: Timer) -> None:
+        kind, which = key
+        if kind == "after":
+            self._heard(Trigger("after_s", {}, row=self._graph.rows[which]))
+        elif kind == "timeout":
+            node = self._graph.nodes[which]
+            self._leave_activity(node)
+            self._heard(self._outcome_of(node, Outcome("timed_out", why=f"{timer.name} s have passed")))
+        else:
+            self._heard(Trigger(timer.name, timer.data))
+
+    def _next_instant(self) -> float:
+        """The earliest instant at which time alone can change something."""
+        now, soonest = self.view.at, self._ledger.wake_at()
+        if self.mode == "ended" or self.mode == "ready":
+            return soonest if self.mode == "ended" else math.inf
+        for _, condition in self._invariants:
+            for instant in condition.instants:
+                soonest = min(soonest, _later(instant(self.view), now))
+        if self.mode == "paused":
+            return soonest
+        soonest = min(soonest, self._cancel_by)
+        for timer in self._timers.values():
+            soonest = min(soonest, timer.due)
+        for until in (*self._pending.values(), *self._settling.values()):
+            soonest = min(soonest, until)
+        for instant in self._config.instants:
+            soonest = min(soonest, _later(instant(self.view), now))
+        if self._final is not None and self._final.requires is not None:
+            for instant in self._final.requires.instants:
+                soonest = min(soonest, _later(instant(self.view), now))
+        for name, state in self._running.items():
+            machine = self._machines[name]
+            assert machine is not None
+            soonest = min(soonest, machine.wake_at(state, self.view))
+        return soonest
+
+
+def _later(instant: float, now: float) -> float:
+    return instant if instant > now else math.inf

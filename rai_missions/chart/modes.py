@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pause, resume, cancel and kill: what a person may do to any mission, drawn in none."""
+
+from __future__ import annotations
+
+from rai_missions.chart.core import Trigger
+from rai_missions.chart.microsteps import Microsteps
+from rai_missions.event import Event
+from rai_missions.written import suggestion
+
+__all__ = ("Modes",)
+
+
+class Modes(Microsteps):
+    """A chart that obeys commands."""
+
+    def _command(self, event: Event) -> None:
+        by = str(event.data.get("by", "")) or "command"
+        if self.outcome is not None:
+            self._refused = "the mission has ended"
+        elif event.name == "kill":
+            self._kill(f"killed by {by}")
+        elif event.name == "cancel":
+            self._cancel(by)
+        elif event.name == "pause":
+            self._pause()
+        elif event.name == "resume":
+            self._resume()
+        else:
+            self._refused = f"no command '{event.name}'{suggestion(event.name, ('pause', 'resume', 'cancel', 'kill'))}"
+
+    def _cancel(self, by: str) -> None:
+        if self.mode == "canceling":
+            self._refused = "it is being canceled already"
+            return
+        if self.mode == "paused":
+            self._shift(self.view.at - self._paused_at)
+            self._queue = self._suspended = ()
+        self.mode, self.why = "canceling", f"canceled by {by}"
+        self._cancel_by = self.view.at + self.mission.cancel_s
+        if self.mission.on_cancel is None:
+            self._end("canceled", self.why)
+            return
+        self._final = None
+        target = self._graph.nodes[self.mission.on_cancel]
+        self._jump(self._graph.flee(self._config, target, self._memory, "cancel"))
+        self._complete(None)
+
+    def _pause(self) -> None:
+        if self.mode != "running":
+            self._refused = f"only a running mission can be paused; it is {self.mode}"
+            return
+        self.mode, self._paused_at = "paused", self.view.at
+        suspended = []
+        for name in list(self._running):
+            node = self._graph.nodes[name]
+            action = getattr(node.state, "action", None)
+            if node.family in ("action", "tree") and action not in self.terms.keep:
+                self._leave_activity(node)
+                suspended.append(name)
+        self._suspended = tuple(suspended)
+        self.notes.append("paused")
+
+    def _resume(self) -> None:
+        if self.mode != "paused":
+            self._refused = f"only a paused mission can be resumed; it is {self.mode}"
+            return
+        self._shift(self.view.at - self._paused_at)
+        self.mode = "running"
+        self.notes.append("resumed")
+        self._starting += [self._graph.nodes[name] for name in self._suspended]
+        for name in [name for name in self._pending if self._graph.nodes[name].control == self.holder]:
+            del self._pending[name]
+            self._starting.append(self._graph.nodes[name])
+        queue, self._queue, self._suspended = self._queue, (), ()
+        self._complete(None)
+        for event in queue:
+            if self.outcome is None:
+                self._happen(event)
+
+    def _shift(self, by_s: float) -> None:
+        """Give every timer the time it had left when the mission was paused."""
+        self._timers = {key: timer._replace(due=timer.due + by_s) for key, timer in self._timers.items()}
+        self.view.entered = {name: at + by_s for name, at in self.view.entered.items()}
+        self.view.held = {memory: at + by_s for memory, at in self.view.held.items()}
+        self._pending = {name: until + by_s for name, until in self._pending.items()}
+        self._settling = {name: until + by_s for name, until in self._settling.items()}
+        for name, state in self._running.items():
+            machine = self._machines[name]
+            assert machine is not None
+            self._running[name] = machine.shifted(state, by_s)
+
+    def _happen(self, event: Event) -> None:
+        if event.kind == "event":
+            if event.name not in self._declared:
+                known = suggestion(event.name, self._declared)
+                self._refused = f"the mission declares no event '{event.name}'{known}"
+            else:
+                self._heard(Trigger(event.name, event.data))
+        elif event.kind in ("proposal", "behaviour"):
+            if not self._dispatch(event) and event.kind == "proposal":
+                self._refused = f"stale: question {event.number} is no longer asked"
+        elif event.kind == "result":
+            self._report(event)
