@@ -204,6 +204,8 @@ class Chart(Instants):
             nodes[name].index: tuple(nodes[each] for each in held) for name, held in saved["memory"].items()
         }
         chart._ledger.restore(saved["goals"])
+        for name in chart._running:
+            chart._machine(nodes[name])
         chart._final = nodes[saved["final"]] if saved["final"] else None
         return chart
 
