@@ -153,7 +153,8 @@ class Core:
 
     def _enabled(self, plan: tuple[tuple[Row, ...], ...], looked: list[tuple[str, Truth]]) -> list[Row]:
         """The first row of each chain whose guard is true (SCXML: selectTransitions)."""
-        view, rows = self.view, list[Row]()
+        view = self.view
+        rows: list[Row] = []
         for chain in plan:
             for row in chain:
                 test = row.test
