@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 
-__all__ = ("FORMAT", "Lock", "SqliteError", "open_to_read", "open_to_write")
+__all__ = ("FORMAT", "LONGEST_BYTES", "Lock", "SqliteError", "open_to_read", "open_to_write")
 
 SqliteError = sqlite3.Error
 
@@ -28,7 +28,7 @@ COLUMNS = {
 }
 TABLES = {name: f"CREATE TABLE {name} ({columns})" for name, columns in COLUMNS.items()}
 LONGEST_BYTES = 64 * 1024 * 1024
-"""No row and no picture is longer."""
+"""No row and no picture is longer: neither written nor read."""
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
 
@@ -88,6 +88,7 @@ def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
         open_to_read(path).close()  # whatever is no journal is left as it is
     connection = sqlite3.connect(_uri(path, "rw"), uri=True, isolation_level=None, check_same_thread=False, timeout=0)
     try:
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
         for pragma in ("locking_mode=EXCLUSIVE", "journal_mode=WAL", "synchronous=NORMAL", "trusted_schema=OFF"):
             connection.execute(f"PRAGMA {pragma}").fetchall()
         if new:

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
+from rai_missions.journal.database import LONGEST_BYTES
 from rai_missions.journal.rows import GENESIS, chained
 from rai_missions.step import Ask, Step
 from rai_missions.verdict import Evidence, Question
@@ -147,6 +148,15 @@ def test_a_row_that_was_not_written_leaves_the_chain_whole(tmp_path: Path) -> No
         )
         with pytest.raises(ConnectorError, match=r"j cannot be written: database or disk is full; row 1 is lost"):
             journal.note("x" * 100_000)
+        assert journal.note("short") == 1
+    assert verify(path) == ()
+
+
+def test_a_row_that_nobody_could_read_is_not_written(tmp_path: Path) -> None:
+    path = tmp_path / "j"
+    with Journal.create(path, HEADER) as journal:
+        with pytest.raises(ConnectorError, match="too big; row 1 is lost"):
+            journal.note("x" * LONGEST_BYTES)
         assert journal.note("short") == 1
     assert verify(path) == ()
 
