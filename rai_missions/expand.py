@@ -166,7 +166,7 @@ def _file(written: str, chain: Chain) -> Path:
     if not file.is_relative_to(chain.folder):
         raise _refused(f"{shown(written)} lies outside the mission's folder; put it inside")
     if not found:
-        near = (each.name for each in here.parent.glob("*.json") if each.resolve() != here)
+        near = (each.name for each in here.parent.glob("*.json") if each.name != here.name)
         raise _refused(f"there is no file {shown(written)}{suggestion(written, near)}")
     if file in chain.files:
         circle = " → ".join(chain.named(each) for each in (*chain.files[chain.files.index(file) :], file))
@@ -304,7 +304,7 @@ def _until(over: list[In], row: Transition) -> Transition:
     if not over:
         return row
     going = [Not(guard=final) for final in over]
-    return row.model_copy(update={"when": made("all", all=(*((row.when,) if row.when else ()), *going))})
+    return row.model_copy(update={"when": made("all", all=(*((row.when,) if row.when is not None else ()), *going))})
 
 
 def _settling(name: str, state: State, settle_s: float) -> dict[str, State]:

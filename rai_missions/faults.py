@@ -39,7 +39,8 @@ def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[F
         steps, on_name, rest = _steps(item["loc"], data)
         place = pointer(steps)
         # The branches of a union are no places: what the first of them says is enough.
-        seen = (place, "" if rest else item["type"] + str(item["loc"]))
+        of_union = rest and item["type"] != "missing"
+        seen = (place, "" if of_union else item["type"] + str(item["loc"]))
         if seen in told:
             continue
         told.add(seen)
@@ -69,7 +70,7 @@ def _model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[A
     for step in (*steps, None):
         kind = _bare(kind)
         if isinstance(kind, type) and issubclass(kind, BaseModel):
-            choose = getattr(kind, "choose", None)
+            choose = getattr(kind, "choose", None) if kind is not model else None
             if choose is not None and isinstance(data, Mapping):
                 try:
                     kind = kind.kinds[choose(data)]  # type: ignore[attr-defined]

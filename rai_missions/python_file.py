@@ -50,7 +50,7 @@ def _executed(path: Path, source: bytes, name: str) -> ModuleType:
     try:
         exec(compile(source, str(path), "exec"), module.__dict__)  # noqa: S102 - a Python mission is a program
     except SyntaxError as error:
-        raise DefinitionError([Fault("", f"line {error.lineno}: not Python: {error.msg}")], name) from None
+        raise DefinitionError([Fault("", f"line {error.lineno or 1}: not Python: {error.msg}")], name) from None
     except (Exception, SystemExit) as error:
         raise _from(error, path, name) from error
     return module

@@ -63,7 +63,7 @@ def _each(change: Callable[[Names, Any], Any]) -> Callable[[Names, Any], Any]:
 
 
 def _words(change: Callable[[Names, Any], Any]) -> Callable[[Names, Any], Any]:
-    return lambda names, given: {change(names, word): renamed(item, names) for word, item in given.items()}
+    return lambda names, given: {change(names, word): _inside(item, names) for word, item in given.items()}
 
 
 def state(names: Names, given: str) -> str:

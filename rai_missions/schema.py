@@ -51,7 +51,12 @@ RULES: Mapping[str, Mapping[str, Any]] = {
         ]
     },
     "Asked": {"properties": {"options": {"propertyNames": {"not": {"enum": list(OUTCOMES)}}}}},
-    Mission.__name__: {"properties": {"$schema": {"type": "string"}}},
+    Mission.__name__: {
+        "properties": {
+            "$schema": {"type": "string"},
+            "events": {"type": ["object", "array"], "items": {"type": "string"}},
+        }
+    },
 }
 """Model → what its validators ask beyond the types of its fields; merged into its schema."""
 

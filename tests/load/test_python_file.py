@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission in Python is a file loaded by path; what goes wrong in it is told with its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rai_missions import DefinitionError, UsageError, load
+
+DATA = Path(__file__).parents[1] / "data"
+GOOD = """
+from rai_missions import Mission
+from rai_missions.states import State
+
+def mission() -> Mission:
+    return Mission("small", initial="a", states={"a": State()})
+"""
+
+
+def told(tmp_path: Path, text: str | bytes) -> str:
+    file = tmp_path / "m.py"
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(DefinitionError) as refused:
+        load(file)
+    assert refused.value.source == str(file)
+    return "\n".join(str(fault) for fault in refused.value.faults)
+
+
+def test_a_file_offers_a_mission_and_nothing_is_written_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "m.py").write_text(GOOD)
+    assert load(tmp_path / "m.py").name == "small"
+    assert [each.name for each in tmp_path.iterdir()] == ["m.py"]
+
+
+def test_a_changed_file_is_read_anew(tmp_path: Path) -> None:
+    (tmp_path / "m.py").write_text(GOOD)
+    load(tmp_path / "m.py")
+    (tmp_path / "m.py").write_text(GOOD.replace("small", "large"))
+    assert load(tmp_path / "m.py").name == "large"
+
+
+def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> None:
+    (tmp_path / "m.py").write_text("raise SystemExit('executed')")
+    with pytest.raises(UsageError, match="is Python, which is not to be executed here"):
+        load(tmp_path / "m.py", python=False)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x = 1\ndef f(:\n", "/: line 2: not Python: invalid syntax"),
+        (b"\xff\xfe", "/: line 1: not Python: (unicode error) 'utf-8' codec can't decode byte 0xff"),
+        (b"x = 1\0", "/: line 1: not Python: source code "),
+        ("x = 1\n\nx = {}['a']\n", "/: line 3: KeyError: 'a'"),
+        ("import sys\nsys.exit(3)", "/: line 2: SystemExit: 3"),
+        ("x = 1", "/: the file offers no function 'mission'; write `def mission() -> Mission:`"),
+        ("mission = 3", "/: the file offers no function 'mission'"),
+        ("def mission():\n    return 3", "/: mission() returned '3'; return a Mission"),
+        ("def f():\n    raise ValueError\ndef mission():\n    f()", "/: line 2: ValueError"),
+        ("def mission():\n    return mission()", "/: line 2: RecursionError"),
+        (
+            GOOD.replace('"a": State()', '"a": State(timout_s=1)'),
+            "/timout_s: line 6: a state has no 'timout_s'; did you mean 'timeout_s'? in State(…)",
+        ),
+        (
+            "from rai_missions import Key, Keys\nk = Keys(battery=Key(float))\nlow = k.batery < 1",
+            "/: line 3: AttributeError: no key 'batery'; did you mean 'battery'?",
+        ),
+    ],
+)
+def test_what_goes_wrong_is_told_with_its_line(tmp_path: Path, text: str | bytes, sentence: str) -> None:
+    assert told(tmp_path, text).startswith(sentence)
+
+
+def test_a_file_may_define_dataclasses_and_be_called_anything(tmp_path: Path) -> None:
+    extra = "from __future__ import annotations\nimport dataclasses\n@dataclasses.dataclass\nclass A:\n    b: int\n"
+    (tmp_path / "my mission-2.py").write_text(extra + GOOD)
+    assert load(tmp_path / "my mission-2.py").name == "small"
+
+
+def test_the_twin_of_the_guides_tractor_equals_its_json() -> None:
+    assert load(DATA / "tractor_design.py") == load(DATA / "tractor_design.json")
