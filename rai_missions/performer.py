@@ -15,7 +15,7 @@ from rai_missions.connectors.connector import Connector, Reply, Report
 from rai_missions.errors import MissionError
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
-from rai_missions.robot import ActionEntry, Robot
+from rai_missions.robot import ActionEntry, Robot, plain
 from rai_missions.senses import Senses
 from rai_missions.step import (
     Ask,
@@ -151,7 +151,7 @@ class Performer:
 
     def _reported(self, number: int, report: Report) -> None:
         if report.said in ("accepted", "feedback"):
-            self._event(report.said, report.said, number, report.data)
+            self._event(report.said, report.said, number, _told(report.data))
         elif report.said != "cancel_rejected":
             outcome = "failed" if report.said == "lost" else report.said
             why = {"why": report.why} if report.why else {}
@@ -183,7 +183,7 @@ class Performer:
             good = entry.succeeded(reply.outcome, reply.data)
             outcome = "succeeded" if good else ("failed" if reply.outcome == "succeeded" else reply.outcome)
             why = reply.why or ("" if good else str(reply.data.get("message", "")))
-            self._result(effect.number, outcome, {**reply.data, **({"why": why} if why else {})})
+            self._result(effect.number, outcome, {**_told(reply.data), **({"why": why} if why else {})})
 
         try:
             request = entry.request_of(effect.request)
@@ -248,3 +248,11 @@ class Performer:
                 self._event("control", to, 0, {})
 
         self._connector.call(entry.service, entry.type, entry.request_of({}), answered=answered)
+
+
+def _told(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """What came back, as a journal can hold it; what it cannot is named instead."""
+    try:
+        return dict(plain(data))
+    except MissionError as error:
+        return {"why": str(error)}

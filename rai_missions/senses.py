@@ -6,6 +6,7 @@ Rule: what it hears it passes on with its stamp; what it cannot understand is no
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -20,6 +21,8 @@ __all__ = ("Senses",)
 log = logging.getLogger(__name__)
 
 Hear = Callable[[Mapping[str, Any]], None]
+Poll = tuple[str, str, float, str]
+"""Service, type, seconds between two questions, and the request as text."""
 
 
 class Senses:
@@ -42,7 +45,7 @@ class Senses:
         self._closes: list[Close] = []
         self._open = False
         self._puzzled: set[str] = set()
-        self._polls: dict[tuple[str, str, float], list[Hear]] = {}
+        self._polls: dict[Poll, tuple[Mapping[str, Any], list[Hear]]] = {}
 
     def open(self) -> None:
         """Subscribe to topics and begin to ask services."""
@@ -54,8 +57,8 @@ class Senses:
         for name, event in self._robot.events.items():
             if not event.posted:
                 self._listen(event, self._event_of(name, event))
-        for (service, type_name, every_s), hears in self._polls.items():
-            self._poll(service, type_name, every_s, hears)
+        for poll, (request, hears) in self._polls.items():
+            self._poll(poll, request, hears)
 
     def close(self) -> None:
         """Hear nothing more."""
@@ -70,9 +73,10 @@ class Senses:
         if source.topic is not None:
             self._closes.append(self._connector.subscribe(source.topic, source.type, lambda heard: hear(heard.data)))
         elif source.service is not None and source.every_s is not None:
-            self._polls.setdefault((source.service, source.type, source.every_s), []).append(hear)
+            poll = (source.service, source.type, source.every_s, json.dumps(source.request, sort_keys=True))
+            self._polls.setdefault(poll, (source.request, []))[1].append(hear)
 
-    def _poll(self, service: str, type_name: str, every_s: float, hears: list[Hear]) -> None:
+    def _poll(self, poll: Poll, request: Mapping[str, Any], hears: list[Hear]) -> None:
         """Ask a service now, and again when the time has come; one question for all who want its answer."""
         if not self._open or self._connector is None:
             return
@@ -82,8 +86,9 @@ class Senses:
                 for hear in hears:
                     hear(reply.data)
 
-        self._connector.call(service, type_name, {}, answered=answered, timeout_s=every_s)
-        self._later(self._now() + every_s, lambda: self._poll(service, type_name, every_s, hears))
+        service, type_name, every_s, _ = poll
+        self._connector.call(service, type_name, request, answered=answered, timeout_s=every_s)
+        self._later(self._now() + every_s, lambda: self._poll(poll, request, hears))
 
     def _write_of(self, key: str, source: Source) -> Hear:
         def hear(message: Mapping[str, Any]) -> None:
