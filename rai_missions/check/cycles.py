@@ -24,6 +24,8 @@ __all__ = ("endless_cycles", "possible_cycles")
 
 Found = Iterator[tuple[str, str]]
 Truth = bool | None
+CROWD = 100
+"""So many rows are looked at that could come right after another."""
 TRIES = 20
 """From so many rows of a knot a way around is looked for."""
 
@@ -35,8 +37,10 @@ class Jump:
     row: Row
     guard: Guard
     form: Form
-    active: frozenset[Spot]
+    active: tuple[Spot, ...]
     """What it enters, and what around that stays active; regions beside it do not count."""
+    names: frozenset[str]
+    """Of these."""
     ends: bool
     """The mission ends with it."""
     stays: Spot | None
@@ -103,15 +107,15 @@ def _jump(survey: Survey, row: Row) -> Jump:
     assert guard is not None
     targets = survey.found(row.transition.to)
     stays = _stays(row, targets)
-    around = frozenset(stays.upward() if stays is not None else ())
-    active = around.union(spot for spot in entered_with(survey, targets) if spot.inside(stays))
+    active = tuple(sorted(entered_with(survey, targets, stays), key=lambda spot: spot.index))
     written = _set_by(row.transition.do)
     moved = [spot for spot in active if spot.inside(stays)] if targets else []
     left = row.owner.upward() if row.owner is not None and targets else ()
     written.update(*(_set_by(spot.state.entry) for spot in moved), *(_set_by(spot.state.exit) for spot in left))
     reads = frozenset(path.partition(".")[0] for path, _ in guard_reads(guard, ""))
     ends = any(spot.parent is None and isinstance(spot.state, Final) for spot in active)
-    return Jump(row, guard, form(guard), active, ends, stays, frozenset(written), reads)
+    names = frozenset(spot.name for spot in active)
+    return Jump(row, guard, form(guard), active, names, ends, stays, frozenset(written), reads)
 
 
 def _set_by(effects: Iterable[Effect]) -> set[str]:
@@ -157,7 +161,7 @@ def _after(jump: Jump, guard: Guard, owner: Spot | None) -> Truth:
 
 
 def _active(jump: Jump, name: str) -> Truth:
-    if any(spot.name == name for spot in jump.active):
+    if name in jump.names:
         return True
     return None if any(isinstance(spot.state, Parallel) for spot in jump.active) else False
 
@@ -169,7 +173,7 @@ def _followers(survey: Survey, jumps: list[Jump]) -> dict[Jump, list[Jump]]:
         owned.setdefault(jump.row.owner, []).append(jump)
     follows: dict[Jump, list[Jump]] = {}
     for jump in jumps:
-        candidates = [other for owner in (*jump.active, None) for other in owned.get(owner, ())]
+        candidates = [other for owner in (*jump.active, None) for other in owned.get(owner, ())][:CROWD]
         follows[jump] = [
             other
             for other in candidates
@@ -191,7 +195,7 @@ def _endless(jumps: tuple[Jump, ...]) -> bool:
 
 def _reachable(one: Jump, other: Jump) -> bool:
     """Whether the owner of a row is active once another was taken."""
-    return other.row.owner is None or other.row.owner in one.active
+    return other.row.owner is None or other.row.owner.name in one.names
 
 
 def _around(follows: dict[Jump, list[Jump]], knot: list[Jump]) -> Cycle | None:

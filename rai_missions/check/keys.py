@@ -12,6 +12,7 @@ from rai_missions.check.survey import Survey, Write
 from rai_missions.effects import Raise
 from rai_missions.guards import Named
 from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.tree import BehaviourLeaf
 
 __all__ = ("forbidden_writes", "unknown_keys", "unknown_payload", "unused_events", "unused_keys", "unwritten_keys")
 
@@ -96,8 +97,9 @@ def _parameters(survey: Survey) -> set[str] | None:
 
 def unused_keys(survey: Survey) -> Found:
     """Every key is read, or is a key of the mission that is written."""
-    if any(isinstance(part, Named) for _, part, _ in survey.parts):
-        return  # a predicate of the program may read any key
+    named = any(isinstance(part, Named) for _, part, _ in survey.parts)
+    if named or any(isinstance(planted.node, BehaviourLeaf) for _, planted in survey.planted):
+        return  # what stands in the program may read any key
     used = {key_of(survey, read.path) for read in survey.reads} | {
         survey.keys.meant(write.key) for write in survey.writes
     }

@@ -56,9 +56,10 @@ def default_entry(survey: Survey, spot: Spot) -> list[Spot]:
     return found or spot.children  # an initial that is wrong is one fault, not one a child
 
 
-def entered_with(survey: Survey, targets: Iterable[Spot]) -> set[Spot]:
-    """What is active once the targets are entered, their ancestors included, history without memory."""
+def entered_with(survey: Survey, targets: Iterable[Spot], stays: Spot | None) -> set[Spot]:
+    """What entering the targets makes active inside a state that stays so, history without memory; that state too."""
     reach = Reach(survey)
+    reach.active.update(stays.upward() if stays is not None else ())
     reach.enter(targets, follow=False)
     return reach.active
 
