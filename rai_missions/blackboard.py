@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, model_validator
-from typing_extensions import Annotated, Self
 
 from rai_missions.event import Image
 from rai_missions.written import Bool, Json, Name, Seconds, Text, Written, fault

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: `rai-missions run check draw diff replay schema new doctor`.
 
-Rule: exit 0 the mission succeeded (or the check, replay holds), 1 it ended otherwise, 2 the input is at fault, told on stderr.
+Rule: exit 0 the mission succeeded (or the check or replay holds), 1 it ended otherwise, 2 the input is at fault.
 What a command needs is imported when it runs.
 """
 
@@ -21,14 +21,27 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     run = commands.add_parser("run", help="run a mission on a robot, simulated or real", epilog=EXIT)
     run.add_argument("mission", metavar="MISSION", help="a .json file, or a .py file that offers mission()")
     run.add_argument("--robot", metavar="PROFILE", help="the robot profile: what stands behind the mission's names")
-    run.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="an argument of the mission; may be repeated")
-    run.add_argument("--model", metavar="PROVIDER:NAME", help="who answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, local[:FILE.gguf]")
+    run.add_argument(
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="an argument of the mission; may be repeated"
+    )
+    run.add_argument(
+        "--model",
+        metavar="PROVIDER:NAME",
+        help="who answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, local[:FILE.gguf]",
+    )
     run.add_argument("--no-operator", action="store_true", help="ask nobody on the terminal")
     run.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
     run.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
-    run.add_argument("--journal", metavar="FILE", help="where the run is written down (default: journals/NAME-TIME.journal)")
+    run.add_argument(
+        "--journal", metavar="FILE", help="where the run is written down (default: journals/NAME-TIME.journal)"
+    )
     run.add_argument("--picture", metavar="FILE", help="draw the path taken when it ends: .svg, .png, .dot, .mmd, .md")
-    run.add_argument("--speed", choices=("1", "max"), default=None, help="a simulated world's pace: 1 as on the wall, max as fast as it goes (default)")
+    run.add_argument(
+        "--speed",
+        choices=("1", "max"),
+        default=None,
+        help="a simulated world's pace: 1 as on the wall, max as fast as it goes (default)",
+    )
     run.add_argument("--seed", type=int, metavar="N", help="the simulated world's seed, instead of the profile's")
     run.add_argument("--json", action="store_true", help="print one object at the end, and nothing else on stdout")
     run.add_argument("--verbose", action="store_true", help="print steps that changed nothing too")
@@ -38,17 +51,23 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
 def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     check = commands.add_parser("check", help="find every fault of a mission before it runs", epilog=EXIT)
     check.add_argument("mission", metavar="MISSION")
-    check.add_argument("--robot", metavar="PROFILE", help="check too that the profile has every name that the mission uses")
+    check.add_argument(
+        "--robot", metavar="PROFILE", help="check too that the profile has every name that the mission uses"
+    )
     check.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
     check.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     check.add_argument("--strict", action="store_true", help="warnings count: exit 1")
     check.add_argument("--json", action="store_true", help="print the findings as one JSON list")
     draw = commands.add_parser("draw", help="draw a mission, with the path of a journal in bold", epilog=EXIT)
     draw.add_argument("mission", metavar="MISSION")
-    draw.add_argument("-o", "--output", metavar="FILE", help="by its ending: .svg .png .dot .mmd .md (default: NAME.svg)")
+    draw.add_argument(
+        "-o", "--output", metavar="FILE", help="by its ending: .svg .png .dot .mmd .md (default: NAME.svg)"
+    )
     draw.add_argument("--journal", metavar="FILE", help="the path that this run took, in bold")
     draw.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
-    diff = commands.add_parser("diff", help="what changed between two missions, by meaning", epilog=EXIT + " (for diff: they differ)")
+    diff = commands.add_parser(
+        "diff", help="what changed between two missions, by meaning", epilog=EXIT + " (for diff: they differ)"
+    )
     diff.add_argument("old", metavar="OLD")
     diff.add_argument("new", metavar="NEW")
     diff.add_argument("-o", "--output", metavar="FILE", help="draw both in one picture: .svg .png .dot")
@@ -64,7 +83,9 @@ def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     schema.add_argument("of", nargs="?", choices=("mission", "robot"), default="mission")
     new = commands.add_parser("new", help="start a mission of your own from a template", epilog=EXIT)
     new.add_argument("directory", metavar="DIRECTORY", help="made; must not be there or be empty")
-    new.add_argument("--template", default="minimal", metavar="NAME", help="minimal (default), or a shipped mission: tractor")
+    new.add_argument(
+        "--template", default="minimal", metavar="NAME", help="minimal (default), or a shipped mission: tractor"
+    )
     commands.add_parser("doctor", help="say what this machine has, what it lacks and how to get it", epilog=EXIT)
 
 

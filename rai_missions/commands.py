@@ -117,7 +117,17 @@ def replay(given: argparse.Namespace) -> int:
         lines = Lines(mission_of(record), sys.stdout)
     result = again(given.journal, on_step=lines.step if given.verbose and not given.json else None)
     if given.json:
-        print(json.dumps({"holds": result.holds, "steps": result.steps, "difference": result.difference, "outcome": result.outcome, "why": result.why}))
+        print(
+            json.dumps(
+                {
+                    "holds": result.holds,
+                    "steps": result.steps,
+                    "difference": result.difference,
+                    "outcome": result.outcome,
+                    "why": result.why,
+                }
+            )
+        )
     elif result.holds:
         ended = f"{result.outcome}: {result.why}" if result.outcome else "it had not ended"
         print(f"{result.steps} steps done again, all the same; {ended}")
@@ -231,7 +241,9 @@ def _steps(journal: str | None, mission: Mission | None = None) -> tuple[Any, ..
     with read(journal) as record:
         if mission is not None and mission_of(record) != mission:
             sentence = "this is the journal of another mission, or of another version of it"
-            raise DefinitionError([Fault("", f"{sentence}: {mission_of(record).name} {mission_of(record).version}")], journal)
+            raise DefinitionError(
+                [Fault("", f"{sentence}: {mission_of(record).name} {mission_of(record).version}")], journal
+            )
         return tuple(record.steps())
 
 

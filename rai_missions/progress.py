@@ -88,7 +88,9 @@ class Lines:
         self._print("")
         self._print(f"{result.outcome}: {trimmed(result.why, 400)}")
         said = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
-        self._print(f"steps {result.steps} · questions {self._asked} (answers that counted: {said}) · {result.duration_s:.1f} s")
+        self._print(
+            f"steps {result.steps} · questions {self._asked} (answers that counted: {said}) · {result.duration_s:.1f} s"
+        )
         if result.journal:
             self._print(f"journal: {result.journal}")
         if picture:

@@ -99,7 +99,6 @@ def _said(value: Any) -> str:
 
 def _plain(key: str, apply: Callable[[Any, Any], Any], value: Any, *, equality: bool) -> Test:
     """The common case made short: a whole key that never goes stale, against a value."""
-
     number = isinstance(value, int | float) and not isinstance(value, bool)
 
     def test(view: View) -> Truth:

@@ -123,7 +123,9 @@ class AskingMachine:
             over = self._fall_back("the deadline has passed", question.refused)
         elif desk.view.at >= question.until:
             over = self._next(state, desk, turn=state.turn + 1, attempt=1)
-            over = over._replace(notes=(f"question {question.number}: {question.asked} gave no answer in time", *over.notes))
+            over = over._replace(
+                notes=(f"question {question.number}: {question.asked} gave no answer in time", *over.notes)
+            )
         else:
             return None
         return over._replace(effects=(Withdraw(question.number), *over.effects))

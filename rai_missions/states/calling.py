@@ -14,7 +14,13 @@ from rai_missions.step import CallService
 
 __all__ = ("Calling", "CallingMachine")
 
-OUTCOMES = {"succeeded": "succeeded", "failed": "failed", "timed_out": "timed_out", "unavailable": "rejected", "rejected": "rejected"}
+OUTCOMES = {
+    "succeeded": "succeeded",
+    "failed": "failed",
+    "timed_out": "timed_out",
+    "unavailable": "rejected",
+    "rejected": "rejected",
+}
 
 
 class Calling(NamedTuple):

@@ -40,7 +40,7 @@ class Parallel(State, word="parallel"):
 
 
 class Each(State, word="each"):
-    """Its states run once for each item of a list, copied on entry; the first outcome other than `succeeded` ends it."""
+    """Its states run once for each item of a list, copied on entry; the first outcome but `succeeded` ends it."""
 
     positional: ClassVar = ("each",)
 

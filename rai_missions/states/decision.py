@@ -75,7 +75,9 @@ class Asked(Written):
             raise fault("fallback", f"'fallback' names no option: '{self.fallback}'{known}")
         option = self.options[self.fallback]
         if option.when is not None:
-            raise fault("fallback", f"the fallback '{self.fallback}' has a 'when'; it must always be open: drop its guard")
+            raise fault(
+                "fallback", f"the fallback '{self.fallback}' has a 'when'; it must always be open: drop its guard"
+            )
         if option.parameters is not None:
             raise fault("fallback", f"the fallback '{self.fallback}' takes parameters, and nobody would give them")
         return self

@@ -25,7 +25,7 @@ class Goal(NamedTuple):
     action: str
     cancel_s: float
     phase: str = "sent"
-    """`sent`, `running` once accepted, `withdrawn` (to be canceled as soon as it is accepted), `canceling`, `orphaned`."""
+    """`sent`, `running` once accepted, `withdrawn` (canceled as soon as it is accepted), `canceling`, `orphaned`."""
     until: float = math.inf
     """When a cancel must have been confirmed."""
 

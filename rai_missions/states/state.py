@@ -24,7 +24,9 @@ OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverif
 Controller = Literal["autonomy", "agent", "operator"]
 """Who may command the robot's actuators."""
 
-Effects = Annotated[tuple[OneOf[Effect], ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+Effects = Annotated[
+    tuple[OneOf[Effect], ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
+]
 TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
 
 
@@ -34,7 +36,7 @@ class Transition(Written):
     positional: ClassVar = ("on",)
 
     on: Annotated[tuple[TriggerName, ...], *one_or_many] = ()
-    """Events or outcomes; `*` is any declared event. With neither `on` nor `after_s` it fires as soon as its guard holds."""
+    """Events or outcomes; `*` is any declared event. Without `on` and `after_s` it fires as soon as its guard holds."""
     of: Name | None = None
     """The state whose outcome is meant, if not this row's own."""
     after_s: Seconds | None = None
