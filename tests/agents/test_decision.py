@@ -163,6 +163,7 @@ def test_a_mode_that_the_server_refuses_gives_way_to_the_next_and_is_not_tried_a
         agent.ask(QUESTION, told)
         said = told.wait()
         assert (said["option"], said["usage"]["calls"]) == ("abort", calls)
+    assert [sorted(bound)[0] for _, bound in model.heard] == ["method", "tool_choice", "tool_choice"]
 
 
 def test_a_model_that_is_wanted_in_one_mode_is_asked_in_no_other() -> None:
@@ -195,7 +196,7 @@ def test_what_was_used_goes_with_the_answer() -> None:
         (RaisingModel(SystemExit(3)), "the model raised SystemExit: 3"),
         (WordyModel(), "answered with 1000019 characters; at most 20000 are read"),
         (BabblingModel(), "answered with more than 20000 characters"),
-        (ToolFloodModel(at_once=4), "asked for 4 calls of tools; 2 of the budget are left"),
+        (ToolFloodModel(at_once=3), "asked for 3 calls of tools; 2 of the budget are left"),
         (ToolFloodModel(), "asked for 1000 calls of tools at once"),
         (
             ScriptedModel([AIMessage("", tool_calls=[call("abort"), call("replan")])]),
