@@ -72,7 +72,7 @@ class Machine(Protocol):
         """The state is active and control is where it belongs: start."""
 
     def hear(self, state: Any, event: Event, desk: Desk) -> Turn | None:
-        """Something happened; None where it does not concern this. A `tick` says that time or a key changed."""
+        """Something happened; None where it does not concern this. A `tick`: time or a key has changed."""
 
     def leave(self, state: Any, desk: Desk) -> Turn:
         """The state is left, paused or out of time: end what runs."""
