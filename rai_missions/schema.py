@@ -21,6 +21,8 @@ __all__ = ("mission_schema", "schema_of")
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 FAMILIES: Mapping[str, type[Kind]] = {family.__name__: family for family in (Effect, Guard, State, TreeNode)}
+STRONGER = {("Guard", "in"): "key", ("State", "states"): "each"}
+"""A kind's word that is also a word of another kind, which then decides."""
 VALUE = {"type": ["string", "number", "boolean", "object", "array"]}
 """Any JSON value but null, which is no value."""
 
@@ -88,12 +90,31 @@ def _families(schema: Any, definitions: dict[str, Any]) -> None:
     """Put the families that a schema refers to, and their kinds, among the definitions."""
     for name in _referred(schema):
         if name in FAMILIES and name not in definitions:
-            family = FAMILIES[name]
-            members = {f"{name}.{word or 'plain'}": kind for word, kind in family.kinds.items()}
-            definitions[name] = {"oneOf": [{"$ref": f"#/$defs/{member}"} for member in members]}
-            for member, kind in members.items():
-                definitions[member] = _schema(kind, definitions)
-                _families(definitions[member], definitions)
+            definitions[name] = _by_word(name, FAMILIES[name])
+            for word, kind in FAMILIES[name].kinds.items():
+                definitions[_member(name, word)] = _schema(kind, definitions)
+                _families(definitions[_member(name, word)], definitions)
+
+
+def _member(family: str, word: str) -> str:
+    return f"{family}.{word or 'plain'}"
+
+
+def _by_word(name: str, family: type[Kind]) -> dict[str, Any]:
+    """A family: whatever has a kind's word is that kind. A `oneOf` would try every kind at every depth."""
+    words = [word for word in family.kinds if word]
+    members = {word: {"$ref": f"#/$defs/{_member(name, word)}"} for word in family.kinds}
+    rows: list[dict[str, Any]] = []
+    for word in words:
+        decides: dict[str, Any] = {"required": [word]}
+        if (stronger := STRONGER.get((name, word))) is not None:
+            decides["not"] = {"required": [stronger]}
+        rows.append({"if": decides, "then": members[word]})
+    some = {"anyOf": [{"required": [word]} for word in words]}
+    known = {word: {"description": (family.kinds[word].__doc__ or "").strip()} for word in words}
+    if "" in members:
+        return {"type": "object", "properties": known, "allOf": [*rows, {"if": {"not": some}, "then": members[""]}]}
+    return {"type": "object", "properties": known, **some, "allOf": rows}
 
 
 def _referred(schema: Any) -> Iterable[str]:
