@@ -15,7 +15,7 @@ from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.states.activity import NO_KEYS, Desk, Outcome, Turn
 from rai_missions.states.decision import Asked
 from rai_missions.step import Ask, Withdraw
-from rai_missions.verdict import Evidence, Offer, Proposal, Question, judge
+from rai_missions.verdict import Evidence, Limits, Offer, Proposal, Question, judge
 
 __all__ = ("Asking", "AskingMachine")
 
@@ -38,6 +38,8 @@ class AskingMachine:
         self.tests = {name: guard.compile(site) for name, guard in asked.guards()}
         self.shown = [(path, Operand(path, Site(site.place, site.keys))) for path in asked.evidence]
         self.keys = site.keys
+        budget = asked.budget
+        self.budget = Limits(budget.calls, budget.tokens, budget.seconds)
 
     def begin(self, desk: Desk) -> Turn:
         deadline = desk.view.at + self.asked.deadline_s if self.asked.deadline_s is not None else math.inf
@@ -52,12 +54,9 @@ class AskingMachine:
         question = Question(
             number=desk.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
             options=self._offers(view), evidence=self._evidence(view), attempt=attempt, at=view.at,
-            until=self._until(view, turn, deadline), refused=refused, **self._limits(),
+            until=self._until(view, turn, deadline), refused=refused, tools=self.asked.tools, budget=self.budget,
         )  # fmt: skip
         return Turn(Asking(question, turn, deadline), (Ask(question),))
-
-    def _limits(self) -> dict[str, Any]:
-        return {name: value for name, value in (("tools", self.asked.tools),) if name in Question._fields}
 
     def _offers(self, view: View) -> tuple[Offer, ...]:
         return tuple(
