@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of missions, for review before a robot moves: of the graph, of a run's path, and of what a change changed.
+
+Rule: reads missions, steps and journals only, and changes nothing; Graphviz is looked for when a picture needs it.
+"""
+
+from visualize.difference import Difference, difference
+from visualize.files import FORMATS, Drawing, draw, draw_difference, drawn, show
+from visualize.picture import picture
+from visualize.shapes import Picture
+
+__all__ = (
+    "FORMATS",
+    "Difference",
+    "Drawing",
+    "Picture",
+    "difference",
+    "draw",
+    "draw_difference",
+    "drawn",
+    "picture",
+    "show",
+)

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures as files, by their ending, and as objects that notebooks show.
+
+Rule: a file is whole or it is not there: it is written beside its place and then renamed.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+from rai_missions.errors import UsageError
+from rai_missions.mission import Mission
+from rai_missions.step import Step
+from visualize.difference import Difference
+from visualize.dot import render
+from visualize.graphing import dot_text
+from visualize.mermaid import mermaid
+from visualize.picture import picture
+from visualize.shapes import Picture
+from visualize.table import table
+
+__all__ = ("FORMATS", "Drawing", "draw", "draw_difference", "drawn", "show")
+
+FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
+    "svg": lambda given: render(given, "svg"),
+    "png": lambda given: render(given, "png"),
+    "dot": lambda given: dot_text(given).encode(),
+    "mmd": lambda given: mermaid(given).encode(),
+    "mermaid": lambda given: mermaid(given).encode(),
+    "md": lambda given: table(given).encode(),
+}
+"""A file's ending → the bytes of a picture."""
+
+
+def drawn(given: Picture, form: str) -> bytes:
+    """A picture as the bytes of a file.
+
+    Args:
+        given: The picture.
+        form: `svg`, `png`, `dot`, `mmd`, `mermaid` or `md`, with or without a dot before it.
+
+    Raises:
+        UsageError: There is no such form, or no Graphviz for it.
+    """
+    writer = FORMATS.get(form.removeprefix(".").lower())
+    if writer is None:
+        raise UsageError(
+            f"pictures are not drawn as '{form}'; the endings are {', '.join(f'.{each}' for each in FORMATS)}"
+        )
+    return writer(given)
+
+
+def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] = ()) -> Path:
+    """Draw a mission into a file, and the path that a run took in bold.
+
+    Args:
+        mission: The graph.
+        path: The file; its ending says how it is drawn.
+        steps: Of a run or a journal.
+
+    Raises:
+        UsageError: The ending is not known, the file cannot be written, or there is no Graphviz for it.
+    """
+    return _write(path, lambda: picture(mission, steps))
+
+
+def draw_difference(given: Difference, path: str | os.PathLike[str]) -> Path:
+    """Draw two missions in one picture, what was added, removed and changed marked.
+
+    Raises:
+        UsageError: As `draw`.
+    """
+    return _write(path, lambda: given.picture)
+
+
+def _write(path: str | os.PathLike[str], made: Callable[[], Picture]) -> Path:
+    target = Path(path)
+    if target.suffix.removeprefix(".").lower() not in FORMATS:
+        endings = ", ".join(f".{each}" for each in FORMATS)
+        raise UsageError(f"'{target}' does not end in a form of picture; the endings are {endings}")
+    data = drawn(made(), target.suffix)
+    beside = None
+    try:
+        number, beside = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        with os.fdopen(number, "wb") as file:
+            file.write(data)
+        os.chmod(beside, 0o666 & ~_umask())
+        os.replace(beside, target)
+    except OSError as error:
+        if beside is not None:
+            Path(beside).unlink(missing_ok=True)
+        raise UsageError(f"'{target}' cannot be written: {error.strerror or error}") from None
+    return target
+
+
+def _umask() -> int:
+    """The bits that new files of this process go without; a temporary file has fewer."""
+    now = os.umask(0)
+    os.umask(now)
+    return now
+
+
+class Drawing:
+    """A picture that a notebook shows."""
+
+    def __init__(self, given: Picture) -> None:
+        self.picture = given
+
+    def _repr_svg_(self) -> str:
+        return drawn(self.picture, "svg").decode("utf-8")
+
+    def __repr__(self) -> str:
+        return f"<{self.picture.name}: {len(self.picture.nodes)} states, {len(self.picture.edges)} edges>"
+
+
+def show(mission: Mission, steps: Iterable[Step] = ()) -> Drawing:
+    """The mission as a notebook shows it: `show(mission)` as the last line of a cell."""
+    return Drawing(picture(mission, steps))

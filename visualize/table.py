@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture as a Markdown table: every row of the mission, in the order in which they are tried."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from visualize.shapes import Edge, Picture
+from visualize.style import clean
+
+__all__ = ("table",)
+
+SPECIAL = re.compile(r"([\\`*_\[\]<>|~#!&])")
+"""What Markdown, or HTML within it, would read as more than text."""
+
+
+def table(picture: Picture) -> str:
+    """The Markdown of a picture; a row with several targets is one line."""
+    return "\n".join([*_lines(picture), ""])
+
+
+def _lines(picture: Picture) -> Iterator[str]:
+    yield f"# {escaped(f'{picture.name} {picture.version}')}"
+    if picture.about:
+        yield from ("", escaped(picture.about))
+    if picture.steps:
+        outcome = f": {picture.outcome}" if picture.outcome else ""
+        why = f", {picture.why}" if picture.why else ""
+        yield from ("", f"A run of {picture.steps} steps{escaped(outcome + why)}.")
+    yield from ("", _line(*_head(picture)), _line(*("---" for _ in _head(picture))))
+    for _, edges in sorted(_rows(picture).items()):
+        yield _line(*_cells(picture, edges))
+    decisions = [node for node in picture.nodes if node.choices]
+    if decisions:
+        yield from ("", _line("decision", "option", "offered when", "means"), _line("---", "---", "---", "---"))
+    for node in decisions:
+        for choice in node.choices:
+            name = f"{choice.name} (fallback)" if choice.fallback else choice.name
+            yield _line(escaped(node.name), escaped(name), escaped(choice.guard or "always"), escaped(choice.about))
+    if picture.invariants:
+        yield from ("", "Never false:", "")
+    for name, guard in picture.invariants:
+        yield f"- {escaped(name)}: {escaped(guard)}"
+
+
+def _rows(picture: Picture) -> dict[int, list[Edge]]:
+    numbers: dict[tuple[str, str], int] = {}
+    found: dict[int, list[Edge]] = {}
+    for edge in picture.edges:
+        number = numbers.setdefault((edge.mark, edge.place), len(numbers))
+        found.setdefault(number, []).append(edge)
+    return found
+
+
+def _head(picture: Picture) -> tuple[str, ...]:
+    return ("state", "trigger", "guard", "to", "do", *(("taken",) if picture.steps else ()))
+
+
+def _cells(picture: Picture, edges: list[Edge]) -> Iterator[str]:
+    edge = edges[0]
+    yield escaped(edge.source) or "*every state*"
+    yield escaped(edge.when)
+    yield escaped(edge.guard)
+    yield " and ".join(escaped(each.target) for each in edges if each.target) or "*stays*"
+    yield escaped("; ".join(edge.do))
+    if picture.steps:
+        yield f"**{escaped(edge.taken.words())}**" if edge.taken.times else ""
+
+
+def _line(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def escaped(given: str) -> str:
+    """A text as Markdown shows it, on one line."""
+    return SPECIAL.sub(r"\\\1", clean(given)).replace("\n", " ")
