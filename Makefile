@@ -18,7 +18,7 @@ help: ## Say what can be made
 setup: .venv/.ready-run ## Make .venv and install the package and its simulated worlds
 
 run: .venv/.ready-run ## Run the tractor's mission in the simulated orchard and draw the path taken
-	@mkdir -p out && rm -f out/tractor.journal*
+	@mkdir -p out
 	@$(BIN)/rai-missions run missions/tractor/mission.json --robot missions/tractor/robot.sim.json \
 	    --no-operator --speed max --journal out/tractor.journal --picture out/tractor.svg
 

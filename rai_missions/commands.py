@@ -18,6 +18,8 @@ from rai_missions.check import check, exit_status
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
+from rai_missions.progress import Lines
+from rai_missions.verdict import Answerer
 
 __all__ = ("COMMANDS",)
 
@@ -25,20 +27,21 @@ __all__ = ("COMMANDS",)
 def run(given: argparse.Namespace) -> int:
     """Run a mission and print it as it goes."""
     from rai_missions.agents.mission import Setting, prepare
-    from rai_missions.progress import Lines
 
     mission = load(given.mission, python=not given.no_python)
-    lines = Lines(mission, sys.stderr if given.json else sys.stdout, verbose=given.verbose)
+    lines = _lines(mission, given)
     journal = given.journal or f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
     setting = Setting(
-        mission, given.robot, _arguments(given.set, mission), model=given.model, operator=_operator(given),
+        mission, given.robot, _arguments(given.set, mission), model=given.model, operator=_operator(given, lines),
         journal=_fresh(Path(journal)), named=_named(given.guards), seed=given.seed,
         speed=1.0 if given.speed == "1" else math.inf, on_step=None if given.json else lines.step,
+        on_status=None if given.json else lines.status,
     )  # fmt: skip
     with prepare(setting) as prepared:
         if not given.json:
             robot = prepared.robot.name if prepared.robot is not None else ""
             lines.begin(robot, ", ".join(sorted(prepared.answerers)), journal, model=given.model)
+            lines.watch(prepared.runner.chart)
         with _interruptible(prepared.runner):
             result = prepared.runner.run()
     if given.picture:
@@ -109,7 +112,6 @@ def diff(given: argparse.Namespace) -> int:
 def replay(given: argparse.Namespace) -> int:
     """Do a run again."""
     from rai_missions.journal import read
-    from rai_missions.progress import Lines
     from rai_missions.replay import mission_of
     from rai_missions.replay import replay as again
 
@@ -176,6 +178,15 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
 }  # fmt: skip
 
 
+def _lines(mission: Mission, given: argparse.Namespace) -> Lines:
+    """A live view on a terminal, a line a step elsewhere."""
+    if sys.stdout.isatty() and not given.json:
+        from rai_missions.screen import Screen
+
+        return Screen(mission, sys.stdout, verbose=given.verbose)
+    return Lines(mission, sys.stdout, verbose=given.verbose)
+
+
 def _fresh(journal: Path) -> Path:
     """A journal is never written over: an older one of the same name is moved aside."""
     if journal.exists() and journal.is_file():
@@ -202,13 +213,13 @@ def _arguments(given: list[str], mission: Mission) -> dict[str, Any]:
     return arguments
 
 
-def _operator(given: argparse.Namespace) -> Any:
+def _operator(given: argparse.Namespace, lines: Lines) -> Answerer | None:
     """The person at the terminal, if there is one."""
     if given.no_operator or given.json or not sys.stdin.isatty():
         return None
     from rai_missions.agents.operator import OperatorAgent
 
-    return OperatorAgent()
+    return lines.lend(OperatorAgent())
 
 
 def _named(path: str | None) -> dict[str, Callable[..., bool | None]] | None:

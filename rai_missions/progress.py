@@ -9,10 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TextIO
 
+from rai_missions.chart import Chart
 from rai_missions.event import Event, Image
+from rai_missions.lifecycle import Status
 from rai_missions.mission import Mission
 from rai_missions.runner import Result
 from rai_missions.step import Ask, CallService, CancelGoal, Handover, LogLine, PublishMessage, SayAloud, StartGoal, Step
+from rai_missions.verdict import Answerer
 
 __all__ = ("Lines", "trimmed")
 
@@ -61,11 +64,21 @@ class Lines:
         self._print(f"journal: {journal or 'none'}")
         self._print("")
 
+    def watch(self, chart: Chart) -> None:
+        """The run begins; its state may be shown beside the lines."""
+
+    def lend(self, person: Answerer) -> Answerer:
+        """Somebody who asks where these lines are printed."""
+        return person
+
+    def status(self, status: Status) -> None:
+        """The run's mode, control or states have changed."""
+
     def step(self, step: Step) -> None:
         """One step; those that changed nothing are left out unless all are wanted."""
         if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
             return
-        parts = [self._path(step), *self._does(step)]
+        parts = [self._way(step), *self._does(step)]
         if step.ignored:
             parts = [f"ignored: {step.why}" if step.why else "ignored"]
         if step.event.kind == "proposal" and not step.moves:
@@ -105,7 +118,7 @@ class Lines:
             return f"{event.name} answers"
         return {"tick": "time", "control": f"control: {event.name}"}.get(event.kind, event.name)
 
-    def _path(self, step: Step) -> str:
+    def _way(self, step: Step) -> str:
         if not step.moves:
             return ""
         left = [name for name in step.exited if name not in step.entered]
