@@ -47,13 +47,15 @@ ROOMS = {
 ROOM = {name: room for room, names in ROOMS.items() for name in names}
 
 
-def __getattr__(name: str) -> Any:
-    """A public name, imported from its room when it is first used (PEP 562)."""
-    if name not in ROOM:
-        raise AttributeError(f"module 'rai_missions' has no attribute '{name}'")
-    value = getattr(import_module(f"rai_missions.{ROOM[name]}"), "Call" if name == "CallEffect" else name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
+
+    def __getattr__(name: str) -> Any:
+        """A public name, imported from its room when it is first used (PEP 562)."""
+        if name not in ROOM:
+            raise AttributeError(f"module 'rai_missions' has no attribute '{name}'")
+        value = getattr(import_module(f"rai_missions.{ROOM[name]}"), "Call" if name == "CallEffect" else name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

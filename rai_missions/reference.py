@@ -122,6 +122,9 @@ class Ref:
     def __bool__(self) -> NoReturn:
         raise TypeError(f"'{self.__path__}' has no truth of its own; combine with & | ~, not with and, or, not, in")
 
+    def __contains__(self, item: object) -> NoReturn:
+        raise TypeError(f"what '{self.__path__}' holds is known in a run; compare with `ref.is_in(…)`")
+
     def __iter__(self) -> NoReturn:
         raise TypeError(f"'{self.__path__}' stands for a value that is known in a run; it has no items here")
 

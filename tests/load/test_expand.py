@@ -48,7 +48,11 @@ DOCK: dict[str, Any] = {
             "exit": [{"drop": "soon"}, {"call": "horn", "request": {"times": {"from": "tries"}}}],
         },
         "asking": {
-            "decision": {"question": "Again?", "evidence": ["pose"], "options": {"again": {}, "stop": {"when": {"fresh": "pose"}}}},
+            "decision": {
+                "question": "Again?",
+                "evidence": ["pose"],
+                "options": {"again": {}, "stop": {"when": {"fresh": "pose"}}},
+            },
             "transitions": [{"on": "again", "to": "looking"}, {"on": "stop", "to": "failed"}],
         },
         "looking": {
@@ -60,7 +64,7 @@ DOCK: dict[str, Any] = {
     },
     "transitions": [{"when": {"all": [{"key": "tries", ">": 5}, {"not": {"in": "approach"}}]}, "to": "failed"}],
     "invariants": {"slow": {"key": "tries", "<": 9}},
-}  # fmt: skip
+}
 TOP: dict[str, Any] = {
     "format": 1,
     "name": "top",
@@ -233,7 +237,11 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
             {},
             "/states/dock/mission: 'link.json' lies outside the mission's folder; put it inside",
         ),
-        ({"mission": "x" * 5000 + ".json"}, {}, f"/states/dock/mission: '{'x' * 59}…' cannot be opened; name a .json file"),
+        (
+            {"mission": "x" * 5000 + ".json"},
+            {},
+            f"/states/dock/mission: '{'x' * 59}…' cannot be opened; name a .json file",
+        ),
         ({"mission": "loop.json"}, {}, "/states/dock/mission: 'loop.json' cannot be opened; name a .json file"),
         (
             {"mission": "dock.py"},
@@ -265,7 +273,11 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
             "/states/dock/mission: its key 'said' is written by answers, which know it by that name; "
             'keep the name: "with": {"said": {"from": "said"}}, and declare it in this mission',
         ),
-        ({"with": {"poes": 1}}, {}, "/states/dock/with/poes: 'dock.json' has no key or event 'poes'; did you mean 'pose'?"),
+        (
+            {"with": {"poes": 1}},
+            {},
+            "/states/dock/with/poes: 'dock.json' has no key or event 'poes'; did you mean 'pose'?",
+        ),
         (
             {"with": {"pose": {"from": "plaec"}}},
             {},
@@ -280,7 +292,7 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
         (
             {"with": {"pose": {"x": 1, "y": 2}}},
             {},
-            "/states/dock/with/pose: a key of the robot takes no value; share one of this mission's: {\"from\": key}",
+            '/states/dock/with/pose: a key of the robot takes no value; share one of this mission\'s: {"from": key}',
         ),
         ({"with": {"bumped": "bumpr"}}, {}, "/states/dock/with/bumped: no event 'bumpr'; did you mean 'bumper'?"),
         (
@@ -289,7 +301,7 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
             "/states/dock/with/bumped: 'bumped' is an event; give the name of one of this mission's, not 5",
         ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_included_is_told(tmp_path: Path, changes: Any, dock: Any, sentence: str) -> None:
     folder = tmp_path / "in"
     folder.mkdir()
@@ -310,7 +322,10 @@ def test_an_option_that_is_an_event_outside_is_refused(tmp_path: Path) -> None:
 def test_the_faults_of_all_inclusions_are_told_at_once(tmp_path: Path) -> None:
     states = {"a": {"mission": "no.json"}, "b": {"states": {"c": {"mission": "bad.json"}}, "initial": "c"}}
     file = written(tmp_path, top=TOP | {"initial": "a", "states": states}, bad={"name": 1})
-    assert [line.partition(": ")[0] for line in told(file)] == ["/states/a/mission", *["/states/b/states/c/mission"] * 3]
+    assert [line.partition(": ")[0] for line in told(file)] == [
+        "/states/a/mission",
+        *["/states/b/states/c/mission"] * 3,
+    ]
 
 
 def test_what_grows_without_end_is_refused(tmp_path: Path) -> None:
@@ -329,10 +344,21 @@ def test_missions_inside_each_other_are_counted(tmp_path: Path) -> None:
 
 
 NAMES_NOTHING = {
-    (Asked, "options"), (Asked, "ask"), (Asked, "fallback"), (Asked, "tools"), (Option, "parameters"),
-    (Mission, "name"), (Mission, "blackboard"), (Mission, "events"), (Mission, "initial"), (Mission, "states"),
-    (Mission, "invariants"), (Mission, "on_cancel"), (Key, "initial"), (Key, "fields"),
-}  # fmt: skip
+    (Asked, "options"),
+    (Asked, "ask"),
+    (Asked, "fallback"),
+    (Asked, "tools"),
+    (Option, "parameters"),
+    (Mission, "name"),
+    (Mission, "blackboard"),
+    (Mission, "events"),
+    (Mission, "initial"),
+    (Mission, "states"),
+    (Mission, "invariants"),
+    (Mission, "on_cancel"),
+    (Key, "initial"),
+    (Key, "fields"),
+}
 """Fields of names that stay as they are, or that the expansion itself takes care of."""
 SERVED = {"action", "call", "publish", "named", "then", "factory"}
 """Words for what the profile or the program has, and a decision's own options."""

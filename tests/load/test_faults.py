@@ -87,8 +87,14 @@ ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (state(action="go", gaol={}), "/states/a/gaol: a state with 'action' has no 'gaol'; did you mean 'goal'?"),
         (state(action="go", goal=[]), "/states/a/goal: [] is not an object; write {…}"),
         (state(action="a", call="b"), "/states/a: a state is one thing, this is 2: action, call; nest or split it"),
-        (state(action="go", over_orphan=1), "/states/a/over_orphan: 1 is neither true nor false; write one of them, without quotes"),
-        (state(final="done"), "/states/a/final: no such choice: 'done'; there is: aborted, canceled, failed, succeeded"),
+        (
+            state(action="go", over_orphan=1),
+            "/states/a/over_orphan: 1 is neither true nor false; write one of them, without quotes",
+        ),
+        (
+            state(final="done"),
+            "/states/a/final: no such choice: 'done'; there is: aborted, canceled, failed, succeeded",
+        ),
         (state(control="agnet"), "/states/a/control: no such choice: 'agnet'; did you mean 'agent'?"),
         (row(on="e", too="a"), f"{ROW}/too: a transition has no 'too'; did you mean 'to'?"),
         (row(to="a"), f"{ROW}: a row without 'on', 'after_s' and 'when' would fire at once, always; give one"),
@@ -112,13 +118,16 @@ ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (entry(set="a", from_="b"), f"{ENTRY}/from_: an effect with 'set' has no 'from_'; did you mean 'from'?"),
         (entry(set="a"), f"{ENTRY}: 'set' takes one of value, from, add; this has 0"),
         (tree({"sequnce": []}), "/states/a/tree: no tree node is written ['sequnce']; did you mean 'sequence'?"),
-        (tree({"retry": 1.5, "child": {"wait_s": 1}}), "/states/a/tree/retry: 1.5 is not a whole number; write one, without quotes"),
+        (
+            tree({"retry": 1.5, "child": {"wait_s": 1}}),
+            "/states/a/tree/retry: 1.5 is not a whole number; write one, without quotes",
+        ),
         (
             tree({"parallel": [{"wait_s": 1}], "policy": "success_on_al"}),
             "/states/a/tree/policy: no such choice: 'success_on_al'; did you mean 'success_on_all'?",
         ),
     ],
-)  # fmt: skip
+)
 def test_a_fault_says_where_what_and_what_instead(tmp_path: Path, document: Any, sentence: str) -> None:
     assert told(tmp_path, document) == [sentence]
 
@@ -126,7 +135,10 @@ def test_a_fault_says_where_what_and_what_instead(tmp_path: Path, document: Any,
 def test_every_fault_is_told_at_once_in_the_order_of_the_document(tmp_path: Path) -> None:
     document = SMALL | {
         "name": "A",
-        "states": {"a": {"final": "x"}, "b": {"entry": [{"say": 1}, {"set": "k"}], "transitions": [{"on": "e", "t": 1}]}},
+        "states": {
+            "a": {"final": "x"},
+            "b": {"entry": [{"say": 1}, {"set": "k"}], "transitions": [{"on": "e", "t": 1}]},
+        },
         "on_cancel": 3,
     }
     places = [line.partition(": ")[0] for line in told(tmp_path, document)]

@@ -58,7 +58,8 @@ def test_a_text_cut_short_is_never_read_as_a_whole_object(value: object, data: s
         ),
         (
             b'{"a": "b',
-            "/: line 1, column 7: the text ends in the middle (unterminated string starting at); is the file cut short?",
+            "/: line 1, column 7: the text ends in the middle (unterminated string starting at); "
+            "is the file cut short?",
         ),
         (b'{"a" 1}', "/: line 1, column 6: not JSON: expecting ':' delimiter, at '1}'"),
         (b"{} {}", "/: line 1, column 4: there is more after the end of the JSON value; keep one value a file"),
