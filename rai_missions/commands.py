@@ -104,7 +104,7 @@ def diff(given: argparse.Namespace) -> int:
     if given.output:
         from visualize import draw_difference
 
-        draw_difference(old, new, given.output)
+        draw_difference(found, given.output)
         print(f"picture: {given.output}")
     return 0 if found.empty else 1
 
