@@ -26,14 +26,15 @@ UNFIT = frozenset({400, 415, 422, 500, 501})
 """HTTP statuses by which servers refuse a form of answer that they do not know; the next mode may do."""
 
 
-class Spent(Exception):
-    """The budget is spent, or nobody waits any more; the text says which."""
+class Spent(BaseException):
+    """The budget is spent, or nobody waits any more; the text says which.
+
+    No `Exception`, so that nothing on the way out of a provider's package logs it or takes it for a fault.
+    """
 
 
 class Watch(BaseCallbackHandler):
     """Ends a stream that nobody waits for any more, or that says too much."""
-
-    raise_error = True
 
     def __init__(self, pending: Pending) -> None:
         self.pending, self.heard = pending, 0

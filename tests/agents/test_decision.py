@@ -216,14 +216,14 @@ def test_a_model_that_claims_success_only_wishes_for_what_is_not_offered() -> No
         assert told.wait().get("option") in (None, "succeeded", "done")
 
 
-def test_a_stream_that_nobody_waits_for_ends() -> None:
+def test_a_stream_that_nobody_waits_for_ends_without_a_word(caplog: pytest.LogCaptureFixture) -> None:
     model = BabblingModel(word="")
     agent, told = DecisionAgent(model), Told()
     agent.ask(QUESTION, told)
     agent.withdraw(QUESTION.number)
     assert model.ended.wait(10)
     agent.stop()
-    assert told.all == []
+    assert (told.all, caplog.records) == ([], [])
 
 
 @pytest.fixture
