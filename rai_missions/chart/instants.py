@@ -45,6 +45,8 @@ class Instants(Modes):
             key = min(due)[2]
             self._fire(key, self._timers.pop(key))
         for name in [name for name, until in self._pending.items() if until <= now]:
+            if self._pending.get(name, math.inf) > now:
+                continue  # the one before led out of it, or anew into it
             del self._pending[name]
             node = self._graph.nodes[name]
             self._heard(
