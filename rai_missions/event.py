@@ -37,7 +37,7 @@ class Event(NamedTuple):
     | `result`     | `succeeded`, `failed`, `canceled`, `rejected`     | number of start   |
     | `proposal`   | the answerer that answers, declines or fails      | number of question|
     | `control`    | who holds control now                             | –                 |
-    | `behaviour`  | path of a Python behaviour (`data["status"]`)     | number of start   |
+    | `behaviour`  | `behaviour`; its end stands in `data["status"]`   | number of start   |
     | `command`    | `pause`, `resume`, `cancel`, `kill`               | –                 |
     """
     number: int = 0

@@ -9,14 +9,16 @@ from __future__ import annotations
 import logging
 import uuid
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
+from rai_missions.behaviours import Behaviours
 from rai_missions.connectors.connector import Connector, Reply, Report
 from rai_missions.errors import MissionError
 from rai_missions.event import Event
-from rai_missions.guards.guard import View
 from rai_missions.robot import ActionEntry, Robot, plain
 from rai_missions.senses import Senses
+from rai_missions.states.tree import BehaviourLeaf
 from rai_missions.step import (
     Ask,
     CallService,
@@ -26,7 +28,9 @@ from rai_missions.step import (
     LogLine,
     PublishMessage,
     SayAloud,
+    StartBehaviour,
     StartGoal,
+    StopBehaviour,
     Withdraw,
 )
 from rai_missions.verdict import Answerer
@@ -34,6 +38,10 @@ from rai_missions.verdict import Answerer
 __all__ = ("Performer",)
 
 log = logging.getLogger(__name__)
+
+ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
+LONGEST_ANSWER = 1_000_000
+"""Characters; a journal keeps every answer."""
 
 
 class Performer:
@@ -48,24 +56,28 @@ class Performer:
         later: Has something done at an instant of the run's clock.
         now: The run's clock.
         view: What is known, for those who answer from it.
+        leaves: The leaves of trees that are written in Python, by owner.
         confirm: Told of each effect that was carried out, by number.
     """
 
     def __init__(
         self, *, run: str, robot: Robot | None, connector: Connector | None, answerers: Mapping[str, Answerer],
         post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
-        view: View, confirm: Callable[[int, str], None],
+        view: View, confirm: Callable[[int, str], None], leaves: Mapping[str, BehaviourLeaf] | None = None,
     ) -> None:  # fmt: skip
         self._run, self._robot, self._connector = run, robot, connector
         self._answerers, self._post, self._later, self._now = answerers, post, later, now
-        self._view, self._confirm = view, confirm
+        self._allow = allow
         self._goals: dict[int, str] = {}
+        self._composed: dict[str, CancelGoal] = {}
         self._entries: dict[int, ActionEntry] = {}
         self._open: dict[int, str] = {}
+        self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
         self._senses = Senses(robot, connector, post=post, later=later, now=now)
         self._perform: Mapping[type, Callable[[Any], None]] = {
             StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call, PublishMessage: self._publish,
-            Ask: self._ask, Withdraw: self._withdraw, Handover: lambda effect: self.hand_over(effect.to),
+            Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
+            StartBehaviour: self._behaviours.start, StopBehaviour: self._behaviours.stop,
             SayAloud: self._say, LogLine: lambda effect: log.info("%s", effect.text),
         }  # fmt: skip
 
@@ -81,13 +93,45 @@ class Performer:
     def close(self) -> None:
         """Stop listening, and take back every question."""
         self._senses.close()
+        self._behaviours.close()
         for number in list(self._open):
             self._withdraw(Withdraw(number))
 
+    def begin(self) -> None:
+        """The mission starts."""
+        self._senses.begin()
+
     def perform(self, effects: tuple[Effect, ...]) -> None:
-        """Carry out the effects of a step, in order; what fails comes back as an event."""
+        """Carry out the effects of a step, in order; what fails comes back as an event and does not stop the rest."""
         for effect in effects:
-            self._perform[type(effect)](effect)
+            try:
+                self._perform[type(effect)](effect)
+            except Exception as error:  # a connector is not trusted to behave
+                why = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
+                log.warning("not carried out: %.200s: %s", effect, why)
+                self._failed(effect, why)
+
+    def _failed(self, effect: Effect, why: str) -> None:
+        if isinstance(effect, StartGoal):
+            if (goal_id := self._goals.get(effect.number)) is not None and self._connector is not None:
+                with suppress(Exception):  # it may have arrived before the connector failed
+                    self._connector.cancel_goal(goal_id)
+            self._result(effect.number, "rejected", {"why": why})
+        elif isinstance(effect, CallService):
+            self._result(effect.number, "unavailable", {"why": why})
+
+    def stop_everything(self) -> None:
+        """The run breaks off: end every goal that may still run, heard of or not."""
+        for goal_id in list(self._goals.values()):
+            if self._connector is not None:
+                with suppress(Exception):  # the others must be stopped too
+                    self._connector.cancel_goal(goal_id)
+        self.perform(tuple(self._composed.values()))
+
+    def answered(self, number: int) -> None:
+        """A question has its answer, from whomever: nobody else need think about it."""
+        if number in self._open:
+            self._withdraw(Withdraw(number))
 
     # -- goals ----------------------------------------------------------------------------------------------------
 
@@ -100,18 +144,16 @@ class Performer:
         if entry is None or self._connector is None:
             self._result(effect.number, "rejected", {"why": f"no robot has an action '{effect.action}'"})
             return
-        try:
-            if entry.action is None:
-                self._start_composed(entry, effect)
-            else:
-                self._entries[effect.number] = entry
-                goal_id = self._goals[effect.number] = self.goal_id(effect.number, effect.owner)
-                self._connector.send_goal(
-                    entry.action, entry.type, entry.goal_of(effect.goal), goal_id=goal_id,
-                    report=lambda report: self._reported(effect.number, report),
-                )  # fmt: skip
-        except MissionError as error:
-            self._result(effect.number, "rejected", {"why": str(error)})
+        if entry.action is None:
+            self._composed[effect.action] = CancelGoal(effect.number, effect.action)
+            self._start_composed(entry, effect)
+            return
+        goal = entry.goal_of(effect.goal)
+        self._entries[effect.number] = entry
+        goal_id = self._goals[effect.number] = self.goal_id(effect.number, effect.owner)
+        self._connector.send_goal(
+            entry.action, entry.type, goal, goal_id=goal_id, report=lambda report: self._reported(effect.number, report)
+        )
 
     def _start_composed(self, entry: ActionEntry, effect: StartGoal) -> None:
         """An action made of services: its `start` accepts, its guards end it, its `cancel` confirms."""
@@ -131,18 +173,15 @@ class Performer:
         entry = self._robot.actions.get(effect.action) if self._robot is not None else None
         if entry is None or self._connector is None:
             return
-        try:
-            if entry.action is not None:
-                self._connector.cancel_goal(self._goals.get(effect.number, ""))
-            elif entry.cancel is None:
-                self._result(effect.number, "canceled", {})
-            else:
-                self._connector.call(
-                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}),
-                    answered=lambda reply: self._canceled(entry, effect.number, reply),
-                )  # fmt: skip
-        except MissionError as error:
-            log.warning("the cancel of '%s' could not be sent: %s", effect.action, error)
+        if entry.action is not None:
+            self._connector.cancel_goal(self._goals.get(effect.number, ""))
+        elif entry.cancel is None:
+            self._result(effect.number, "canceled", {})
+        else:
+            self._connector.call(
+                entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}),
+                answered=lambda reply: self._canceled(entry, effect.number, reply),
+            )  # fmt: skip
 
     def _canceled(self, entry: ActionEntry, number: int, reply: Reply) -> None:
         assert entry.cancel is not None
@@ -152,20 +191,25 @@ class Performer:
     def _reported(self, number: int, report: Report) -> None:
         if report.said in ("accepted", "feedback"):
             self._event(report.said, report.said, number, _told(report.data))
-        elif report.said != "cancel_rejected":
+        elif report.said in ENDS:
             outcome = "failed" if report.said == "lost" else report.said
-            why = {"why": report.why} if report.why else {}
+            why = {"why": str(report.why)} if report.why else {}
             self._result(number, outcome, {**self._result_of(number, report), **why})
+        elif report.said != "cancel_rejected":
+            log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.said)
 
     def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
         entry = self._entries.pop(number, None)
         try:
             return entry.result_of(report.data) if entry is not None else {}
-        except MissionError as error:
-            return {"why": str(error)}
+        except Exception as error:  # noqa: BLE001 - whatever a server tells, its goal has ended
+            return {"why": f"its result was not understood: {error}"[:300]}
 
     def _result(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
         self._goals.pop(number, None)
+        for action, cancel in list(self._composed.items()):
+            if cancel.number == number:
+                del self._composed[action]
         self._event("result", outcome, number, data)
 
     def _event(self, kind: str, name: str, number: int, data: Mapping[str, Any]) -> None:
@@ -185,21 +229,15 @@ class Performer:
             why = reply.why or ("" if good else str(reply.data.get("message", "")))
             self._result(effect.number, outcome, {**_told(reply.data), **({"why": why} if why else {})})
 
-        try:
-            request = entry.request_of(effect.request)
-            self._connector.call(entry.service, entry.type, request, answered=answered, timeout_s=effect.timeout_s)
-        except MissionError as error:
-            self._result(effect.number, "unavailable", {"why": str(error)})
+        request = entry.request_of(effect.request)
+        self._connector.call(entry.service, entry.type, request, answered=answered, timeout_s=effect.timeout_s)
 
     def _publish(self, effect: PublishMessage) -> None:
         entry = self._robot.topics.get(effect.topic) if self._robot is not None else None
         if entry is None or self._connector is None:
             log.warning("nobody has a topic '%s'; its message is lost", effect.topic)
             return
-        try:
-            self._connector.publish(entry.topic, entry.type, entry.message_of(effect.message))
-        except MissionError as error:
-            log.warning("'%s' could not be published: %s", effect.topic, error)
+        self._connector.publish(entry.topic, entry.type, entry.message_of(effect.message))
 
     def _say(self, effect: SayAloud) -> None:
         if self._robot is not None and "say" in self._robot.topics:
@@ -213,9 +251,8 @@ class Performer:
         answerer = self._answerers.get(question.asked)
 
         def answer(data: Mapping[str, Any]) -> None:
-            if self._open.pop(question.number, None) is None:
-                data = {**data, "late": True}
-            self._event("proposal", question.asked, question.number, data)
+            late = {} if self._open.pop(question.number, None) is not None else {"late": True}
+            self._event("proposal", question.asked, question.number, {**_said(data), **late})
 
         self._open[question.number] = question.asked
         if answerer is None:
@@ -236,23 +273,46 @@ class Performer:
             except Exception:
                 log.exception("'%s' failed to give question %d back", asked, effect.number)
 
-    def hand_over(self, to: str) -> None:
+    def _request_control(self, effect: Handover) -> None:
+        if why := self._allow(effect.to):
+            log.warning("control does not go to %s: %s", effect.to, why)
+        else:
+            self.hand_over(effect.to, "mission")
+
+    def hand_over(self, to: str, by: str) -> None:
         """Have control handed over where the actuators are; the acknowledgement comes back as an event."""
         entry = self._robot.control.get(to) if self._robot is not None else None
         if entry is None or self._connector is None:
-            self._event("control", to, 0, {})
+            self._event("control", to, 0, {"by": by})
             return
 
         def answered(reply: Reply) -> None:
             if entry.succeeded(reply.outcome, reply.data):
-                self._event("control", to, 0, {})
+                self._event("control", to, 0, {"by": by})
+            else:
+                log.warning("control does not go to %s: %s", to, reply.why or reply.data.get("message", reply.outcome))
 
-        self._connector.call(entry.service, entry.type, entry.request_of({}), answered=answered)
+        try:
+            self._connector.call(entry.service, entry.type, entry.request_of({}), answered=answered)
+        except Exception:
+            log.exception("control could not be handed to %s", to)
+
+
+def _said(data: Any) -> Mapping[str, Any]:
+    """What somebody answers, as a journal can hold it; what is no answer has failed."""
+    try:
+        said = plain(data)
+        if isinstance(said, Mapping) and len(str(said)) <= LONGEST_ANSWER:
+            return said
+        why = "it is too long" if isinstance(said, Mapping) else f"{data!r:.60} is no answer"
+    except Exception as error:  # noqa: BLE001 - whoever answers is not trusted to behave
+        why = str(error)[:300]
+    return {"failed": f"said what is no answer: {why}"}
 
 
 def _told(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """What came back, as a journal can hold it; what it cannot is named instead."""
     try:
         return dict(plain(data))
-    except MissionError as error:
-        return {"why": str(error)}
+    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
+        return {"why": f"what it said was not understood: {error}"[:300]}

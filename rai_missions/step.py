@@ -15,7 +15,7 @@ from rai_missions.verdict import Question
 
 __all__ = (
     "Ask", "CallService", "CancelGoal", "Effect", "Handover", "LogLine", "Move", "PublishMessage", "SayAloud",
-    "StartGoal", "Step", "Withdraw",
+    "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw",
 )  # fmt: skip
 
 
@@ -84,7 +84,33 @@ class Handover(NamedTuple):
     to: str
 
 
-Effect = StartGoal | CancelGoal | CallService | PublishMessage | SayAloud | LogLine | Ask | Withdraw | Handover
+class StartBehaviour(NamedTuple):
+    """Tick a behaviour that is written in Python, until it has ended or is stopped."""
+
+    number: int
+    owner: str
+    """`state#path` of its leaf."""
+
+
+class StopBehaviour(NamedTuple):
+    """Interrupt a behaviour that was started under this number."""
+
+    number: int
+
+
+Effect = (
+    StartGoal
+    | CancelGoal
+    | CallService
+    | PublishMessage
+    | SayAloud
+    | LogLine
+    | Ask
+    | Withdraw
+    | Handover
+    | StartBehaviour
+    | StopBehaviour
+)
 """What the performer is to do."""
 
 

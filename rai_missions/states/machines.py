@@ -12,6 +12,7 @@ from rai_missions.guards.guard import Site
 from rai_missions.states.action import Action
 from rai_missions.states.activity import Machine
 from rai_missions.states.asking import AskingMachine
+from rai_missions.states.behaving import BehavingMachine
 from rai_missions.states.call import Call
 from rai_missions.states.calling import CallingMachine
 from rai_missions.states.decision import Decision
@@ -20,7 +21,7 @@ from rai_missions.states.state import State
 from rai_missions.states.tending import Limb, TendingMachine
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
-from rai_missions.states.tree import ActionLeaf, CallLeaf, DecisionLeaf, Tree, TreeNode, tree_paths
+from rai_missions.states.tree import ActionLeaf, BehaviourLeaf, CallLeaf, DecisionLeaf, Tree, TreeNode, tree_paths
 
 __all__ = ("machine_of",)
 
@@ -43,6 +44,8 @@ class _Bench:
             return Limb(CallingMachine(node, owner, Site(place, self.keys, state)), node.timeout_s)
         if isinstance(node, DecisionLeaf):
             return Limb(AskingMachine(node.decision, owner, Site(f"{place}/decision", self.keys, state)), None)
+        if isinstance(node, BehaviourLeaf):
+            return Limb(BehavingMachine(owner), None)
         return None
 
 

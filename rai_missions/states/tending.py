@@ -74,9 +74,7 @@ class TendingMachine:
         return self._tick(_Growth(Tending()), desk)
 
     def hear(self, state: Tending, event: Event, desk: Desk) -> Turn | None:
-        growth, concerned = _Growth(state), event.kind in ("tick", "behaviour")
-        if event.kind == "behaviour":
-            growth.outcomes[event.name] = str(event.data.get("status", ""))
+        growth, concerned = _Growth(state), event.kind == "tick"
         for path, tended in state.leaves.items():
             heard = self._leaf(path, tended, event, desk)
             if heard is not None:
@@ -84,7 +82,7 @@ class TendingMachine:
                 self._take(growth, path, heard, tended.deadline, desk)
         if not concerned:
             return None
-        if event.kind not in ("tick", "behaviour") and not growth.outcomes:
+        if event.kind != "tick" and not growth.outcomes:
             return growth.turn(None)
         turn = self._tick(growth, desk)
         return turn if self._says(turn, state) else None
