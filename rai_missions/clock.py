@@ -10,12 +10,14 @@ import math
 import queue
 import time
 from collections import deque
-from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from rai_missions.event import Event
 
 __all__ = ("Clock", "Mailbox", "SimulatedClock", "Steppable", "WallClock")
+
+LONGEST_WAIT_S = 86_400.0
+"""A wait for longer ends early and begins again: threads cannot wait for centuries."""
 
 
 class Mailbox:
@@ -62,8 +64,12 @@ class Mailbox:
         """Return when something has come, or after so many seconds of wall time; None waits for ever."""
         if self._urgent or self._front:
             return
+        if timeout_s is not None:
+            timeout_s = min(timeout_s, LONGEST_WAIT_S)
         try:
-            event = self._queue.get(timeout=timeout_s) if timeout_s is None or timeout_s > 0 else self._queue.get_nowait()
+            event = (
+                self._queue.get(timeout=timeout_s) if timeout_s is None or timeout_s > 0 else self._queue.get_nowait()
+            )
         except queue.Empty:
             return
         if event is not None:
@@ -101,8 +107,10 @@ class WallClock:
 class Steppable(Protocol):
     """What a simulated clock moves: a world."""
 
-    at: float
     period_s: float
+
+    @property
+    def at(self) -> float: ...
 
     def step(self) -> None: ...
 
@@ -118,34 +126,53 @@ class SimulatedClock:
     def __init__(self, world: Steppable | None = None, speed: float = math.inf) -> None:
         self._world, self._speed = world, speed
         self._at = world.at if world is not None else 0.0
-        self._pace: tuple[float, float, float] | None = None
+        self._pace = Pace(math.inf, 0.0, 0.0)
 
     def now(self) -> float:
         return self._at
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         speed = min(self._speed, 1.0) if paced else self._speed
-        if self._world is None and until == math.inf:
-            mailbox.wait(None)
-            return
-        ahead = self._anchor(speed)
+        if speed != self._pace.speed:
+            self._pace = Pace(speed, time.monotonic(), self._at)
         while mailbox.empty and self._at < until:
-            if speed != math.inf and (early_s := ahead(self._at)) > 0:
-                mailbox.wait(early_s)
+            target = self._at + self._world.period_s if self._world is not None else until
+            early_s = self._pace.early_s(target) if speed != math.inf else (math.inf if target == math.inf else 0.0)
+            if early_s > 0:
+                mailbox.wait(early_s if early_s != math.inf else None)
+                self._flow(target)
                 continue
-            self._advance(until)
+            if early_s < -LATE_S:
+                self._pace = Pace(speed, time.monotonic(), self._at)
+            self._advance(target)
 
-    def _advance(self, until: float) -> None:
-        if self._world is None:
-            self._at = until
-            return
-        self._world.step()
-        self._at = self._world.at
+    def _flow(self, target: float) -> None:
+        """Without a world, what came on the way to an instant came before it."""
+        if self._world is None and self._pace.speed != math.inf:
+            self._at = max(self._at, min(target, self._pace.reached()))
 
-    def _anchor(self, speed: float) -> Callable[[float], float]:
-        """How many seconds of the wall an instant lies ahead of its time."""
-        if self._pace is None or self._pace[0] != speed:
-            self._pace = (speed, time.monotonic(), self._at)
-        _, wall, start = self._pace
-        period_s = self._world.period_s if self._world is not None else 0.0
-        return lambda at: wall + (at + period_s - start) / speed - time.monotonic()
+    def _advance(self, target: float) -> None:
+        if self._world is not None:
+            self._world.step()
+            target = self._world.at
+        self._at = target
+
+
+LATE_S = 0.25
+"""Simulated time that falls so far behind its pace does not make up for it: whoever thinks would lose that time."""
+
+
+class Pace(NamedTuple):
+    """How fast simulated time may go, from an instant on the wall and on the run's clock."""
+
+    speed: float
+    wall: float
+    start: float
+
+    def early_s(self, at: float) -> float:
+        """How many seconds of the wall an instant still lies ahead; negative if it is late."""
+        return self.wall + (at - self.start) / self.speed - time.monotonic()
+
+    def reached(self) -> float:
+        """The instant whose turn it is now."""
+        return self.start + (time.monotonic() - self.wall) * self.speed

@@ -18,14 +18,14 @@ __all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status")
 MODES = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
 CONTROLLERS = ("autonomy", "agent", "operator", "nobody")
 
-ALIVE = ["running", "paused", "canceling"]
+ALIVE = ["ready", "running", "paused", "canceling"]
 MODE_ROWS: list[dict[str, Any]] = [
-    {"trigger": "start", "source": "ready", "dest": "running"},
-    {"trigger": "pause", "source": "running", "dest": "paused"},
-    {"trigger": "resume", "source": "paused", "dest": "running"},
-    {"trigger": "cancel", "source": ["running", "paused"], "dest": "canceling"},
+    {"trigger": "start", "source": ["ready"], "dest": "running"},
+    {"trigger": "pause", "source": ["running"], "dest": "paused"},
+    {"trigger": "resume", "source": ["paused"], "dest": "running"},
+    {"trigger": "cancel", "source": ["ready", "running", "paused"], "dest": "canceling"},
     {"trigger": "canceled", "source": ["running", "canceling"], "dest": "canceled"},
-    {"trigger": "succeeded", "source": "running", "dest": "succeeded"},
+    {"trigger": "succeeded", "source": ["running"], "dest": "succeeded"},
     {"trigger": "failed", "source": ["ready", "running"], "dest": "failed"},
     {"trigger": "aborted", "source": ["running"], "dest": "aborted"},
     {"trigger": "kill", "source": ALIVE, "dest": "aborted"},
@@ -67,6 +67,8 @@ class Control:
         self._machine = _machine(CONTROL_ROWS, CONTROLLERS, holder)
         self.requested: str | None = None
         """Whom it was asked for and has not reached yet."""
+        self.kept = False
+        """The operator has taken it, rather than been given it by the mission; then only the operator gives it back."""
 
     @property
     def holder(self) -> str:
@@ -82,7 +84,7 @@ class Control:
             raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(CONTROLLERS)}")
         if self.holder == "nobody" and by != "operator":
             return "control is with nobody since the stop; only the operator can lift it"
-        if self.holder == "operator" and by not in ("operator",) and to != "nobody":
+        if self.kept and by != "operator" and to != "nobody":
             return "the operator has control and has not given it back"
         return ""
 
@@ -91,6 +93,8 @@ class Control:
         why = self.refuses(to, by)
         if not why:
             self.requested = to
+            if by == "operator":
+                self.kept = to == "operator"
         return why
 
     def acknowledge(self, to: str) -> None:
@@ -109,10 +113,6 @@ class Control:
         except MachineError as error:
             raise UsageError(f"control cannot go from '{self.holder}' to '{to}': {error}") from None
         self.requested = None
-
-    def permits(self, by: str) -> bool:
-        """Whether a command of somebody may reach the actuators now."""
-        return self.holder == by
 
 
 class Lifecycle:
@@ -159,13 +159,27 @@ class Lifecycle:
         return Status(self.revision, *status)
 
     def _go(self, target: str) -> None:
-        named = {"running": "start" if self.mode == "ready" else "resume", "paused": "pause", "canceling": "cancel"}
-        trigger = named.get(target, target)
-        if target == "aborted" and self.mode != "running":
-            trigger = "kill"
-        if target == "canceled" and self.mode == "paused":
-            self._machine.cancel()
-        try:
-            getattr(self._machine, trigger)()
-        except MachineError:
-            raise UsageError(f"a run cannot go from '{self.mode}' to '{target}'") from None
+        """Fire what leads there; a step that does much may pass through `running` or `canceling` on its way."""
+        triggers = {
+            "running": ("start", "resume"),
+            "paused": ("pause",),
+            "canceling": ("cancel",),
+            "aborted": ("aborted", "kill"),
+        }
+        ways: list[tuple[str, ...]] = [(last,) for last in triggers.get(target, (target,))]
+        ways += [(first, *way) for first in ("start", "resume", "cancel") for way in ways]
+        for way in ways:
+            if self._leads(way):
+                for trigger in way:
+                    getattr(self._machine, trigger)()
+                return
+        raise UsageError(f"a run cannot go from '{self.mode}' to '{target}'")
+
+    def _leads(self, way: tuple[str, ...]) -> bool:
+        mode = self.mode
+        for trigger in way:
+            found = [row["dest"] for row in MODE_ROWS if row["trigger"] == trigger and mode in row["source"]]
+            if not found:
+                return False
+            mode = found[0]
+        return True

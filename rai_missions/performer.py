@@ -55,15 +55,14 @@ class Performer:
         post: Where events go.
         later: Has something done at an instant of the run's clock.
         now: The run's clock.
-        view: What is known, for those who answer from it.
         leaves: The leaves of trees that are written in Python, by owner.
-        confirm: Told of each effect that was carried out, by number.
+        allow: Asks that control be handed to somebody for the mission; says why not, or nothing.
     """
 
     def __init__(
         self, *, run: str, robot: Robot | None, connector: Connector | None, answerers: Mapping[str, Answerer],
         post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
-        view: View, confirm: Callable[[int, str], None], leaves: Mapping[str, BehaviourLeaf] | None = None,
+        allow: Callable[[str], str], leaves: Mapping[str, BehaviourLeaf] | None = None,
     ) -> None:  # fmt: skip
         self._run, self._robot, self._connector = run, robot, connector
         self._answerers, self._post, self._later, self._now = answerers, post, later, now
@@ -106,7 +105,7 @@ class Performer:
         for effect in effects:
             try:
                 self._perform[type(effect)](effect)
-            except Exception as error:  # a connector is not trusted to behave
+            except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
                 why = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
                 log.warning("not carried out: %.200s: %s", effect, why)
                 self._failed(effect, why)

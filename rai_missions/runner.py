@@ -11,16 +11,18 @@ import itertools
 import logging
 import math
 import uuid
+from collections import deque
 from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
+from rai_missions.behaviours import behaviour_leaves
 from rai_missions.blackboard import fits
 from rai_missions.chart import Chart, Named
 from rai_missions.clock import Clock, Mailbox, WallClock
 from rai_missions.connectors.connector import Connector
-from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError
+from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.event import Event, Tick
+from rai_missions.journal.scribe import Book, Scribe
 from rai_missions.lifecycle import Lifecycle, Status
 from rai_missions.mission import Mission
 from rai_missions.performer import Performer
@@ -33,8 +35,7 @@ __all__ = ("Commands", "Result", "Runner", "default_ticker")
 
 log = logging.getLogger(__name__)
 
-QUIET_S = 1.0
-"""How long a write that enabled nothing may travel before it is written down."""
+T = TypeVar("T")
 
 
 class Result(NamedTuple):
@@ -69,23 +70,13 @@ class Commands(Protocol):
     def hand_over(self, to: str, by: str = "operator") -> str:
         """Ask for control to go to somebody; returns why not, or empty."""
 
-    def answer(self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator") -> None:
+    def answer(
+        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
+    ) -> None:
         """Answer an open question."""
 
     def post(self, event: Event) -> None:
         """Something has happened outside."""
-
-
-class Book(Protocol):
-    """What a runner writes to: `rai_missions.journal.Journal`."""
-
-    path: Path
-
-    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int: ...
-
-    def confirm(self, number: int, how: str) -> int: ...
-
-    def note(self, text: str, data: Any = None) -> int: ...
 
 
 class Runner:
@@ -94,7 +85,8 @@ class Runner:
     Args:
         mission: A mission without faults (`rai_missions.check`).
         robot: The profile that says what stands behind the mission's names.
-        connector: How the robot is reached; started and stopped by the run.
+        connector: How the robot is reached. One that runs already is left running; else it is the run's, and is
+            started and stopped by it.
         answerers: Who answers questions, by the names in `ask`.
         clock: The run's time; the wall's by default.
         journal: Where the run is written down; nowhere by default.
@@ -123,19 +115,21 @@ class Runner:
         self.clock: Clock = clock if clock is not None else WallClock()
         self.mailbox = Mailbox()
         self.lifecycle = Lifecycle()
-        self.chart = Chart(mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None, named=named)
+        self.chart = Chart(
+            mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None, named=named
+        )
         self.performer = Performer(
             run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}), post=self.post,
-            later=self.later, now=self.clock.now, view=self.chart.view, confirm=self._confirm,
+            later=self.later, now=self.clock.now, allow=lambda to: self.lifecycle.control.request(to, "mission"),
+            leaves=behaviour_leaves(mission),
         )  # fmt: skip
-        self._connector, self._journal = connector, journal
+        self._connector, self._scribe = connector, Scribe(journal)
+        self._puzzled: set[str] = set()
         self._on_step, self._on_status = on_step, on_status
         self._arguments = _accepted(mission, arguments or {})
         self._later: list[tuple[float, int, Callable[[], None]]] = []
         self._order = itertools.count()
-        self._carried: dict[str, tuple[str, Any, float]] = {}
-        self._carried_since = math.inf
-        self._last_at = 0.0
+        self._requests: deque[Callable[[], None]] = deque()
         self._decisions = 0
 
     # -- commands -------------------------------------------------------------------------------------------------
@@ -153,12 +147,19 @@ class Runner:
         self.mailbox.post_urgent(Event("kill", self.clock.now(), {"by": by}, "command"))
 
     def hand_over(self, to: str, by: str = "operator") -> str:
-        why = self.lifecycle.control.request(to, by)
+        why = self.lifecycle.control.refuses(to, by)
         if not why:
-            self.performer.hand_over(to)
+            self._requests.append(lambda: self._hand_over(to, by))
+            self.mailbox.wake()
         return why
 
-    def answer(self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator") -> None:
+    def _hand_over(self, to: str, by: str) -> None:
+        if not self.lifecycle.control.request(to, by):
+            self.performer.hand_over(to, by)
+
+    def answer(
+        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
+    ) -> None:
         data = {"option": option, "parameters": dict(parameters or {}), "by": by}
         self.post(Event(by, self.clock.now(), data, "proposal", number))
 
@@ -182,68 +183,84 @@ class Runner:
             UsageError: The robot did not say what the mission needs to know before it starts; the names stand in it.
         """
         began = self.clock.now()
+        ours = self._connector is not None and not getattr(self._connector, "running", False)
         try:
-            if self._connector is not None:
+            if self._connector is not None and ours:
                 self._connector.start()
             self.performer.open()
             self._get_ready()
-            self._step(lambda: self.chart.start(self.clock.now()))
+            if self.chart.outcome is None:
+                self.performer.begin()
+                self._step(lambda: self.chart.start(self.clock.now()))
             self._loop(lambda: self.chart.outcome is not None)
-            patience = self.clock.now() + max(self.mission.settle_s, 5.0)
-            self._loop(lambda: not self.chart.open_goals or self.clock.now() >= patience)
+            self._loop(lambda: not self.chart.open_goals)
             self._write_carried()
             return self._result(began)
+        except BaseException as error:
+            self._break_off(error)
+            raise
         finally:
             self.performer.close()
-            if self._connector is not None:
+            if self._connector is not None and ours:
                 self._connector.stop()
 
     def _get_ready(self) -> None:
         """Hear every robot key once before the start."""
+        chart = self.chart
         for key, value in self._arguments.items():
-            self._step(lambda key=key, value=value: self.chart.write(key, value, self.clock.now()))  # type: ignore[misc]
+            self._step(lambda key=key, value=value: chart.write(key, value, self.clock.now()))  # type: ignore[misc]
         until = self.clock.now() + self.mission.ready_s
-        self._loop(lambda: not self.chart.unheard or self.clock.now() >= until, until)
-        if self.chart.unheard:
-            names = ", ".join(self.chart.unheard)
+        self._loop(lambda: chart.outcome is not None or not chart.unheard or self.clock.now() >= until, until)
+        if chart.unheard and chart.outcome is None:
+            names = ", ".join(chart.unheard)
             raise UsageError(f"the robot has not said within {self.mission.ready_s:g} s: {names}; is it running?")
 
     def _loop(self, done: Callable[[], bool], until: float = math.inf) -> None:
         while not done():
+            self._do_due()
             event = self.mailbox.take()
             if event is None:
                 self._idle(until)
             else:
                 self._take(event)
 
-    def _idle(self, until: float) -> None:
-        """Nothing has come: wait for it, or for the next instant."""
-        wake = self.chart.wake_at
-        due = min(until, wake if wake is not None else math.inf, self._later[0][0] if self._later else math.inf)
-        if self._carried:
-            due = min(due, self._carried_since + QUIET_S)
-        self.clock.wait(self.mailbox, due, paced=self.performer.thinking)
+    def _do_due(self) -> None:
+        """What is asked of the runner itself, and what its time has come for."""
+        while self._requests:
+            self._requests.popleft()()
         now = self.clock.now()
         while self._later and self._later[0][0] <= now:
             heapq.heappop(self._later)[2]()
-        if self._carried and now >= self._carried_since + QUIET_S:
+        if now >= self._scribe.due:
             self._write_carried()
+
+    def _idle(self, until: float) -> None:
+        """Nothing has come: wait for it, or for the next instant."""
+        if not self.mailbox.empty:
+            return
+        wake = self.chart.wake_at
+        due = min(until, math.inf if wake is None else wake, self._later[0][0] if self._later else math.inf)
+        self.clock.wait(self.mailbox, min(due, self._scribe.due), paced=self.performer.thinking)
+        now = self.clock.now()
         if wake is not None and wake <= now and self.mailbox.empty:
-            self._take(Tick(now))
+            self._step(lambda: self.chart.send(Tick(now)))
 
     def _take(self, event: Event) -> None:
         now = self.clock.now()
+        event = event if event.at <= now else event._replace(at=now)
         if event.kind == "command" and event.name == "kill":
             self._kill(event)
             return
-        self._step(lambda: self.chart.send(event if event.at <= now else event._replace(at=now)))
+        self._step(lambda: self.chart.send(event))
+        if event.kind == "proposal":
+            self.performer.answered(event.number)
 
-    def _step(self, make: Callable[[], Step]) -> None:
+    def _step(self, make: Callable[[], Step], *, quiet: bool = True) -> None:
         """Step, journal, effects."""
         since = self.chart.at
         step = make()
-        if self.chart.quiet and step.event.kind in ("write", "tick"):
-            self._carry(step)
+        if quiet and self.chart.quiet and step.event.kind in ("write", "tick"):
+            self._scribe.carry(step, self.chart.view.board)
         elif not self._write(step, since):
             return
         self.performer.perform(step.effects)
@@ -257,65 +274,62 @@ class Runner:
         self._write(step, since)
         self._tell(step)
 
+    def _break_off(self, error: BaseException) -> None:
+        """The run cannot go on, whatever the reason: nothing that it started may go on without it."""
+        self.performer.stop_everything()
+        if not isinstance(error, UsageError):
+            log.critical("the run breaks off: %s: %s", type(error).__name__, error)
+        try:
+            self._scribe.note(f"the run breaks off: {type(error).__name__}: {error}"[:1000])
+        except Exception:
+            log.exception("the journal cannot say why the run breaks off")
+
     def _tell(self, step: Step) -> None:
-        if step.question is not None:
-            self._decisions += 1
+        self._decisions += step.question is not None
         chart = self.chart
         status = self.lifecycle.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
         if status is not None and self._on_status is not None:
-            self._on_status(status)
+            self._observe(self._on_status, status, "on_status")
         if self._on_step is not None:
-            self._on_step(step)
+            self._observe(self._on_step, step, "on_step")
+
+    def _observe(self, observer: Callable[[T], None], what: T, name: str) -> None:
+        """Whoever looks on cannot harm the run; the first thing that an observer raises is logged."""
+        try:
+            observer(what)
+        except Exception:
+            if name not in self._puzzled:
+                self._puzzled.add(name)
+                log.exception("%s raised; the run goes on", name)
 
     # -- the journal ----------------------------------------------------------------------------------------------
 
-    def _carry(self, step: Step) -> None:
-        """A step that only wrote the blackboard travels with the next row, the newest value of each key."""
-        for key, _ in step.writes:
-            entry = self.chart.view.board[key]
-            self._carried[key] = (key, entry.value, entry.at)
-            self._carried_since = min(self._carried_since, step.at)
-
     def _write(self, step: Step, since: float) -> bool:
-        if self._journal is None:
-            self._carried.clear()
-            return True
         try:
-            self._journal.write(step, since=since, quiet=tuple(self._carried.values()))
-        except MissionError as error:
+            self._scribe.write(step, since)
+        except Exception as error:  # noqa: BLE001 - whatever the reason, what is not written down may not be done
             self._lose_journal(error)
             return False
-        self._carried.clear()
-        self._carried_since = math.inf
         return True
 
     def _write_carried(self) -> None:
-        if self._journal is not None and self._carried:
-            since = self.chart.at
-            self._write(self.chart.send(Tick(max(self.clock.now(), since))), since)
-        self._carried.clear()
-        self._carried_since = math.inf
+        """Have what travels written down: with a step in which only time passes."""
+        if self._scribe.due < math.inf:
+            self._step(lambda: self.chart.send(Tick(max(self.clock.now(), self.chart.at))), quiet=False)
 
-    def _lose_journal(self, error: MissionError) -> None:
+    def _lose_journal(self, error: Exception) -> None:
         """What cannot be written down does not go on."""
         log.critical("the journal cannot be written, the mission is killed: %s", error)
-        self._journal = None
+        self._scribe.give_up()
         step = self.chart.send(Event("kill", self.clock.now(), {"by": f"the journal: {error}"}, "command"))
         self.performer.perform(step.effects)
         self._tell(step)
 
-    def _confirm(self, number: int, how: str) -> None:
-        if self._journal is not None:
-            try:
-                self._journal.confirm(number, how)
-            except MissionError as error:
-                self._lose_journal(error)
-
     def _result(self, began: float) -> Result:
         chart = self.chart
         return Result(
-            chart.outcome or "failed", chart.why, chart.seq, str(self._journal.path) if self._journal is not None else None,
-            self.run_id, tuple(sorted(chart.active)), self._decisions, self.clock.now() - began,
+            chart.outcome or "failed", chart.why, chart.seq, self._scribe.path, self.run_id,
+            tuple(sorted(chart.active)), self._decisions, self.clock.now() - began,
         )  # fmt: skip
 
 
@@ -331,7 +345,10 @@ def default_ticker(mission: Mission) -> Trees | None:
 def _accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
     takes = {name for name, key in mission.blackboard.items() if key.source == "argument"}
     faults = [
-        Fault(f"/blackboard/{name}", f"the mission takes no argument '{name}'; it takes: {', '.join(sorted(takes)) or 'none'}")
+        Fault(
+            f"/blackboard/{name}",
+            f"the mission takes no argument '{name}'; it takes: {', '.join(sorted(takes)) or 'none'}",
+        )
         for name in arguments
         if name not in takes
     ]

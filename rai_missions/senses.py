@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Close, Connector, Reply
-from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.robot import EventSource, Robot, Source
 
@@ -45,6 +44,7 @@ class Senses:
         self._closes: list[Close] = []
         self._open = False
         self._puzzled: set[str] = set()
+        self._before: dict[str, bool | None] = {}
         self._polls: dict[Poll, tuple[Mapping[str, Any], list[Hear]]] = {}
 
     def open(self) -> None:
@@ -60,12 +60,18 @@ class Senses:
         for poll, (request, hears) in self._polls.items():
             self._poll(poll, request, hears)
 
+    def begin(self) -> None:
+        """The mission starts: what was so before is no news to it yet, so an event that lasts happens anew."""
+        self._before.clear()
+
     def close(self) -> None:
         """Hear nothing more."""
         self._open = False
-        for close in self._closes:
-            close()
-        self._closes.clear()
+        while self._closes:
+            try:
+                self._closes.pop()()
+            except Exception:
+                log.exception("a subscription could not be closed")
         self._polls.clear()
 
     def _listen(self, source: Source | EventSource, hear: Hear) -> None:
@@ -87,7 +93,10 @@ class Senses:
                     hear(reply.data)
 
         service, type_name, every_s, _ = poll
-        self._connector.call(service, type_name, request, answered=answered, timeout_s=every_s)
+        try:
+            self._connector.call(service, type_name, request, answered=answered, timeout_s=every_s)
+        except Exception as error:  # noqa: BLE001 - a connector's fault is a robot not heard, never the run's end
+            self._puzzle(service, error)
         self._later(self._now() + every_s, lambda: self._poll(poll, request, hears))
 
     def _write_of(self, key: str, source: Source) -> Hear:
@@ -95,7 +104,7 @@ class Senses:
             now = self._now()
             try:
                 value = source.value(message, now)
-            except ConnectorError as error:
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle(key, error)
                 return
             if value is not None:
@@ -104,21 +113,19 @@ class Senses:
         return hear
 
     def _event_of(self, name: str, source: EventSource) -> Hear:
-        before: list[bool | None] = [None]
-
         def hear(message: Mapping[str, Any]) -> None:
             try:
                 fires = source.fires(message)
-                happens = source.happens(before[0], fires)
-                before[0] = fires
+                happens = source.happens(self._before.get(name), fires)
+                self._before[name] = fires
                 if happens:
                     self._post(Event(name, self._now(), source.payload(message)))
-            except ConnectorError as error:
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle(name, error)
 
         return hear
 
-    def _puzzle(self, name: str, error: ConnectorError) -> None:
+    def _puzzle(self, name: str, error: Exception) -> None:
         if name not in self._puzzled:
             self._puzzled.add(name)
             log.warning("'%s' was not understood and counts as not heard: %s", name, error)

@@ -4,15 +4,21 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 from rai_missions.chart.core import Core, Trigger
 from rai_missions.chart.graph import Node
 from rai_missions.event import Event
 from rai_missions.states.activity import Machine, Turn
 from rai_missions.states.machines import machine_of
+from rai_missions.states.state import Controller
 from rai_missions.step import Handover
+from rai_missions.wording import suggestion
 
 __all__ = ("Activities",)
+
+HOLDERS = (*get_args(Controller), "nobody")
+"""Who can hold control."""
 
 
 class Activities(Core):
@@ -140,9 +146,12 @@ class Activities(Core):
 
     def _control(self, event: Event) -> None:
         """Control is with somebody else now: what waited for it starts, what needs another stops."""
+        if event.name not in HOLDERS:
+            self._refused = f"nobody called '{event.name}' can hold control{suggestion(event.name, HOLDERS)}"
+            return
         self.holder = event.name
         self.notes.append(f"control: {event.name}")
-        if self.mode == "paused":
+        if self.mode in ("ready", "paused"):
             return
         for name in list(self._running):
             node = self._graph.nodes[name]

@@ -232,7 +232,9 @@ class Chart(Instants):
             if event.kind == "write":
                 self._write(event)
             elif event.kind == "control":
-                self.holder = event.name
+                self._control(event)
+            elif event.kind == "command" and event.name in ("cancel", "kill"):
+                self._command(event)
             else:
                 self._refused = "the mission has not been started"
             return self._close(event)

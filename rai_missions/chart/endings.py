@@ -154,7 +154,7 @@ class Endings(Activities):
         self._unknown = frozenset(unknown)
 
     def _kill(self, why: str) -> None:
-        self.effects += self._ledger.stop_all()
+        self.effects += self._ledger.stop_all(self.view.at)
         self.holder = "nobody"
         self._end("aborted", why)
 

@@ -38,7 +38,7 @@ class Modes(Microsteps):
             self._queue = self._suspended = ()
         self.mode, self.why = "canceling", f"canceled by {by}"
         self._cancel_by = self.view.at + self.mission.cancel_s
-        if self.mission.on_cancel is None:
+        if self.mission.on_cancel is None or not self._config.atomic:
             self._end("canceled", self.why)
             return
         self._final = None

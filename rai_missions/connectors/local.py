@@ -45,6 +45,11 @@ class LocalConnector:
         self._servers: dict[str, tuple[ActionServer, Mailbox]] = {}
         self._goals: dict[str, Goal] = {}
 
+    @property
+    def running(self) -> bool:
+        """It was started and not stopped since."""
+        return self._running
+
     def start(self) -> None:
         with self._lock:
             self._running = True

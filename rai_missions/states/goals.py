@@ -57,10 +57,13 @@ class Ledger:
         self.goals[number] = goal._replace(phase=phase, until=at + goal.cancel_s)
         return (CancelGoal(number, goal.action),) if accepted else ()
 
-    def stop_all(self) -> tuple[CancelGoal, ...]:
+    def stop_all(self, at: float) -> tuple[CancelGoal, ...]:
         """Cancel whatever may run, accepted or not: the emergency stop does not wait for an acceptance."""
         cancels = tuple(CancelGoal(goal.number, goal.action) for goal in self.goals.values())
-        self.goals = {number: goal._replace(phase="canceling") for number, goal in self.goals.items()}
+        self.goals = {
+            number: goal._replace(phase="canceling", until=min(goal.until, at + goal.cancel_s))
+            for number, goal in self.goals.items()
+        }
         return cancels
 
     def hear(self, event: Event) -> tuple[CancelGoal, ...]:

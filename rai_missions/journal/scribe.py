@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes a run down as it goes: steps at once, blackboard writes that enabled nothing along with the next row.
+
+Rule: of each key only the newest value travels, and none travels longer than a second.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Protocol
+
+from rai_missions.blackboard import Blackboard
+from rai_missions.step import Step
+
+__all__ = ("Book", "Scribe")
+
+QUIET_S = 1.0
+"""How long a write that enabled nothing may travel before it is written down."""
+
+
+class Book(Protocol):
+    """What a run is written to: `rai_missions.journal.Journal`."""
+
+    path: Path
+
+    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int: ...
+
+    def note(self, text: str, data: Any = None) -> int: ...
+
+
+class Scribe:
+    """Between a runner and its journal.
+
+    Args:
+        book: The journal; None: nothing is written down.
+    """
+
+    def __init__(self, book: Book | None) -> None:
+        self._book = book
+        self._carried: dict[str, tuple[str, Any, float]] = {}
+        self._since = math.inf
+        self.path = str(book.path) if book is not None else None
+
+    @property
+    def due(self) -> float:
+        """The instant at which what travels must be written down; infinity if nothing does."""
+        return self._since + QUIET_S
+
+    def carry(self, step: Step, board: Blackboard) -> None:
+        """A step that only wrote the blackboard."""
+        if self._book is None:
+            return
+        for key, _ in step.writes:
+            entry = board[key]
+            self._carried[key] = (key, entry.value, entry.at)
+            self._since = min(self._since, step.at)
+
+    def write(self, step: Step, since: float) -> None:
+        """Write a step with what travels; raises what the journal raises."""
+        if self._book is not None:
+            self._book.write(step, since=since, quiet=tuple(self._carried.values()))
+        self._clear()
+
+    def note(self, text: str) -> None:
+        """Write down why there is no run, or why it broke off; raises what the journal raises."""
+        if self._book is not None:
+            self._book.note(text)
+
+    def give_up(self) -> None:
+        """The journal is lost: nothing more is written."""
+        self._book = None
+        self._clear()
+
+    def _clear(self) -> None:
+        self._carried.clear()
+        self._since = math.inf
