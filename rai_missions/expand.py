@@ -6,50 +6,29 @@ Rule: what comes out is an ordinary mission. Nothing that runs, checks or draws 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from rai_missions.blackboard import Key, fits
+from rai_missions.blackboard import Key
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.faults import faults_of
 from rai_missions.guards import Guard, In, Not
-from rai_missions.guards.elapsed import Elapsed
 from rai_missions.guards.guard import made
+from rai_missions.inclusion import Chain, included_file, misfits, questions, refused, shared_key
 from rai_missions.json_text import MAX_BYTES, MAX_DEPTH, read_json
 from rai_missions.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.renaming import Names, renamed
-from rai_missions.states import Compound, Decision, Final, Include, State, Transition
+from rai_missions.states import Compound, Final, Include, State, Transition
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
-from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
-from rai_missions.wording import pointer, shown, suggestion
+from rai_missions.wording import shown
 
-__all__ = ("MAX_INCLUSIONS", "MAX_STATES", "expanded", "read_mission")
+__all__ = ("MAX_STATES", "expanded", "read_mission")
 
 MAX_STATES = 20_000
 """In a mission with all that it includes."""
-MAX_INCLUSIONS = 16
-"""Missions inside each other."""
-
-
-class Chain(NamedTuple):
-    """Where an inclusion stands: the files that led to it, and what all of them have brought so far."""
-
-    files: tuple[Path, ...]
-    """Outermost first."""
-    total: dict[str, int]
-    """States and bytes of everything included, counted as often as it is."""
-
-    @property
-    def folder(self) -> Path:
-        """What may be included lies in here."""
-        return self.files[0].parent
-
-    def named(self, file: Path) -> str:
-        """A file as a reader of the top mission knows it."""
-        return str(file.relative_to(self.folder))
 
 
 class Brought(NamedTuple):
@@ -133,127 +112,33 @@ def _replaced(states: Mapping[str, State], brought: Mapping[str, Brought]) -> di
 
 def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Brought:
     """What one inclusion becomes; raises faults with places from the inclusion on."""
-    file = _file(include.mission, chain)
+    file = included_file(include.mission, chain)
     try:
         chain.total["bytes"] += file.stat().st_size
         if chain.total["bytes"] > MAX_BYTES:
-            raise _refused(f"all that is included is larger than {MAX_BYTES // 2**20} MiB; include less")
+            raise refused(f"all that is included is larger than {MAX_BYTES // 2**20} MiB; include less")
         inner = _without_inclusions(read_mission(file), chain._replace(files=(*chain.files, file)), "")
     except UsageError as error:
-        raise _refused(str(error)) from None
+        raise refused(str(error)) from None
     except DefinitionError as error:
         if not error.source and error.faults[0].place == "/mission":
             raise
         raise DefinitionError(
             Fault("/mission", f"in {shown(include.mission)}, {fault}") for fault in error.faults
         ) from None
-    faults = [*_misfits(include, inner, parent), *_unfit(include, inner, parent)]
-    if faults:
+    if faults := tuple(misfits(include, inner, parent)):
         raise DefinitionError(faults)
-    return _compound(name, include, inner)
-
-
-def _file(written: str, chain: Chain) -> Path:
-    """The file that an inclusion names, if it may be included."""
-    here = chain.files[-1]
-    if "\0" in written or "\\" in written or Path(written).is_absolute() or not written.endswith(".json"):
-        raise _refused(f"{shown(written)} cannot be included; name a .json file relative to this one, with '/'")
-    try:
-        file = (here.parent / written).resolve()
-        found = file.is_relative_to(chain.folder) and file.is_file()
-    except (OSError, RuntimeError):  # a name too long, links in a circle
-        raise _refused(f"{shown(written)} cannot be opened; name a .json file") from None
-    if not file.is_relative_to(chain.folder):
-        raise _refused(f"{shown(written)} lies outside the mission's folder; put it inside")
-    if not found:
-        near = (each.name for each in here.parent.glob("*.json") if each.name != here.name)
-        raise _refused(f"there is no file {shown(written)}{suggestion(written, near)}")
-    if file in chain.files:
-        circle = " → ".join(chain.named(each) for each in (*chain.files[chain.files.index(file) :], file))
-        raise _refused(f"a mission cannot include itself: {circle}; break the circle")
-    if len(chain.files) > MAX_INCLUSIONS:
-        raise _refused(f"more than {MAX_INCLUSIONS} missions inside each other; include less deeply")
-    return file
-
-
-def _refused(sentence: str) -> DefinitionError:
-    return DefinitionError([Fault("/mission", sentence)])
-
-
-def _misfits(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
-    """What `with` says that cannot be."""
-    for word, given in include.with_.items():
-        place = pointer(("with", word))
-        if word in inner.blackboard:
-            yield from (Fault(place, why) for why in _key_misfits(inner.blackboard[word], given, parent))
-        elif word in inner.events:
-            if not isinstance(given, str):
-                yield Fault(place, f"'{word}' is an event; give the name of one of this mission's, not {shown(given)}")
-            elif given not in parent.events:
-                yield Fault(place, f"no event {shown(given)}{suggestion(given, parent.events)}")
-        else:
-            known = suggestion(word, (*inner.blackboard, *inner.events))
-            yield Fault(place, f"{shown(include.mission)} has no key or event '{word}'{known}")
-
-
-def _key_misfits(key: Key, given: Any, parent: Mission) -> Iterator[str]:
-    name = _shared(given)
-    if name is None:
-        if key.source in ("robot", "answer"):
-            yield f'a key of the {key.source} takes no value; share one of this mission\'s: {{"from": key}}'
-        elif why := fits(key, given):
-            yield why
-    elif name not in parent.blackboard:
-        yield f"no key {shown(name)}{suggestion(name, parent.blackboard)}"
-    elif (theirs := parent.blackboard[name].type) != key.type and (theirs, key.type) != ("integer", "number"):
-        yield f"'{name}' is of type '{theirs}', not '{key.type}'; share a key of that type"
-
-
-def _shared(given: Any) -> str | None:
-    """The parent's key that `{"from": key}` shares."""
-    if isinstance(given, Mapping) and len(given) == 1 and isinstance(given.get("from"), str):
-        return str(given["from"])
-    return None
-
-
-def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
-    """What the included mission says that it cannot say as a part of another."""
-    for asked in _asked(inner):
-        for option in asked.options:
-            if option in parent.events:
-                yield Fault("/mission", f"its option '{option}' is also an event of this mission; rename one of them")
-    for place, row in _rows(inner):
-        if ANY_EVENT in row.on and not inner.events:
-            yield Fault("/mission", f"its row {place} is for any event, and it declares none; drop the row")
-    for invariant, guard in inner.invariants.items():
-        if any(isinstance(each, Elapsed) for each in guard.walk()):
-            why = "asks for 'elapsed_s', which would count from the start of the whole; use a row with 'after_s'"
-            yield Fault("/mission", f"its invariant '{invariant}' {why}")
-    for key, declared in inner.blackboard.items():
-        if declared.source == "answer" and _shared(include.with_.get(key)) != key:
-            why = f'keep the name: "with": {{"{key}": {{"from": "{key}"}}}}, and declare it in this mission'
-            yield Fault("/mission", f"its key '{key}' is written by answers, which know it by that name; {why}")
-
-
-def _rows(mission: Mission) -> Iterator[tuple[str, Transition]]:
-    sources = (("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk()))
-    for place, rows in sources:
-        for index, row in enumerate(rows):
-            yield f"{place}/transitions/{index}", row
-
-
-def _asked(mission: Mission) -> Iterator[Any]:
-    for _, _, state in mission.walk():
-        if isinstance(state, Decision):
-            yield state.decision
-        elif isinstance(state, Tree):
-            yield from (node.decision for _, node in tree_paths(state.tree) if isinstance(node, DecisionLeaf))
+    brought = _compound(name, include, inner)
+    for word in (*brought.keys, *brought.events, *brought.invariants):
+        if word in parent.blackboard or word in parent.events or word in parent.invariants:
+            raise refused(f"it brings '{word}', which this mission has itself; rename that")
+    return brought
 
 
 def _names(name: str, include: Include, inner: Mission) -> Names:
     """What the names of an included mission become."""
-    kept = {*OUTCOMES, *BUILT_IN_EVENTS, *(option for asked in _asked(inner) for option in asked.options)}
-    shared = {word: _shared(given) for word, given in include.with_.items() if word in inner.blackboard}
+    kept = {*OUTCOMES, *BUILT_IN_EVENTS, *(option for asked in questions(inner) for option in asked.options)}
+    shared = {word: shared_key(given) for word, given in include.with_.items() if word in inner.blackboard}
 
     def private(given: str) -> str:
         return f"{name}/{given}"
@@ -292,7 +177,7 @@ def _compound(name: str, include: Include, inner: Mission) -> Brought:
     keys = {
         names.key(each): key.model_copy(update={"initial": include.with_[each]}) if each in include.with_ else key
         for each, key in inner.blackboard.items()
-        if _shared(include.with_.get(each)) is None
+        if shared_key(include.with_.get(each)) is None
     }
     events = {names.event(each): event for each, event in inner.events.items() if each not in include.with_}
     invariants = {f"{name}/{each}": Not(guard=here) | renamed(guard, names) for each, guard in inner.invariants.items()}

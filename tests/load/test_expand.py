@@ -319,6 +319,13 @@ def test_an_option_that_is_an_event_outside_is_refused(tmp_path: Path) -> None:
     ]
 
 
+def test_a_private_name_that_is_taken_is_refused(tmp_path: Path) -> None:
+    top = TOP | {"blackboard": TOP["blackboard"] | {"dock/tries": {"type": "string"}}}
+    assert told(written(tmp_path, top=top, dock=DOCK)) == [
+        "/states/dock/mission: it brings 'dock/tries', which this mission has itself; rename that"
+    ]
+
+
 def test_the_faults_of_all_inclusions_are_told_at_once(tmp_path: Path) -> None:
     states = {"a": {"mission": "no.json"}, "b": {"states": {"c": {"mission": "bad.json"}}, "initial": "c"}}
     file = written(tmp_path, top=TOP | {"initial": "a", "states": states}, bad={"name": 1})
