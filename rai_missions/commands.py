@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.check import check, exit_status
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -21,33 +21,33 @@ from rai_missions.mission import Mission
 from rai_missions.progress import Lines
 from rai_missions.verdict import Answerer
 
+if TYPE_CHECKING:
+    from rai_missions.agents.mission import Setting
+
 __all__ = ("COMMANDS",)
 
 
 def run(given: argparse.Namespace) -> int:
     """Run a mission and print it as it goes."""
-    from rai_missions.agents.mission import Setting, prepare
+    from rai_missions.agents.mission import prepare
 
     mission = load(given.mission, python=not given.no_python)
     lines = _lines(mission, given)
-    journal = given.journal or f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
-    setting = Setting(
-        mission, given.robot, _arguments(given.set, mission), model=given.model, operator=_operator(given, lines),
-        journal=_fresh(Path(journal)), named=_named(given.guards), seed=given.seed,
-        speed=1.0 if given.speed == "1" else math.inf, on_step=None if given.json else lines.step,
-        on_status=None if given.json else lines.status,
-    )  # fmt: skip
-    with prepare(setting) as prepared:
-        if not given.json:
+    setting = _setting(given, mission, lines)
+    try:
+        with prepare(setting) as prepared:
             robot = prepared.robot.name if prepared.robot is not None else ""
-            lines.begin(robot, ", ".join(sorted(prepared.answerers)), journal, model=given.model)
-            lines.watch(prepared.runner.chart)
-        with _interruptible(prepared.runner):
-            result = prepared.runner.run()
+            if not given.json:
+                lines.begin(robot, ", ".join(sorted(prepared.answerers)), str(setting.journal), model=given.model)
+                lines.watch(prepared.runner.chart)
+            with _interruptible(prepared.runner):
+                result = prepared.runner.run()
+    finally:
+        lines.close()
     if given.picture:
         from visualize import draw as draw_picture
 
-        draw_picture(mission, given.picture, steps=_steps(journal))
+        draw_picture(mission, given.picture, steps=_steps(result.journal))
     if given.json:
         told = ("outcome", "why", "steps", "decisions", "duration_s", "journal")
         words = {"mission": mission.name, "run": result.run, "state": list(result.state)}
@@ -55,6 +55,26 @@ def run(given: argparse.Namespace) -> int:
     else:
         lines.end(result, given.picture or "")
     return 0 if result.outcome == "succeeded" else 1
+
+
+def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setting:
+    """What the words of the command line make a run of."""
+    from rai_missions.agents.mission import Setting
+
+    named = f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
+    return Setting(
+        mission,
+        given.robot,
+        _arguments(given.set, mission),
+        model=given.model,
+        operator=_operator(given, lines),
+        journal=_fresh(Path(given.journal or named)),
+        named=_named(given.guards),
+        seed=given.seed,
+        speed=1.0 if given.speed == "1" else math.inf,
+        on_step=None if given.json else lines.step,
+        on_status=None if given.json else lines.status,
+    )
 
 
 def check_mission(given: argparse.Namespace) -> int:

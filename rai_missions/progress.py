@@ -7,7 +7,7 @@ Rule: it is told of steps and prints; it keeps nothing that anybody else needs.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TextIO
+from typing import Any, Protocol, TextIO
 
 from rai_missions.chart import Chart
 from rai_missions.event import Event, Image
@@ -17,7 +17,7 @@ from rai_missions.runner import Result
 from rai_missions.step import Ask, CallService, CancelGoal, Handover, LogLine, PublishMessage, SayAloud, StartGoal, Step
 from rai_missions.verdict import Answerer
 
-__all__ = ("Lines", "trimmed")
+__all__ = ("Lines", "Person", "trimmed")
 
 WIDTH = 150
 
@@ -41,6 +41,13 @@ def _plain(value: Any) -> str:
     return str(value)
 
 
+class Person(Answerer, Protocol):
+    """Somebody at the terminal."""
+
+    def stop(self) -> None:
+        """Nothing more will be asked."""
+
+
 class Lines:
     """Prints a run line by line.
 
@@ -53,6 +60,7 @@ class Lines:
     def __init__(self, mission: Mission, out: TextIO, *, verbose: bool = False) -> None:
         self._mission, self._out, self._verbose = mission, out, verbose
         self._asked = 0
+        self._persons: list[Person] = []
         self._shown: tuple[str, ...] = ()
         self._answered: dict[str, int] = {}
 
@@ -67,9 +75,15 @@ class Lines:
     def watch(self, chart: Chart) -> None:
         """The run begins; its state may be shown beside the lines."""
 
-    def lend(self, person: Answerer) -> Answerer:
-        """Somebody who asks where these lines are printed."""
+    def lend(self, person: Person) -> Answerer:
+        """Somebody who asks where these lines are printed; sent away when the run is over."""
+        self._persons.append(person)
         return person
+
+    def close(self) -> None:
+        """The run is over, however it went."""
+        for person in self._persons:
+            person.stop()
 
     def status(self, status: Status) -> None:
         """The run's mode, control or states have changed."""

@@ -18,7 +18,7 @@ from rich.text import Text
 from rai_missions.chart import Chart
 from rai_missions.lifecycle import Status
 from rai_missions.mission import Mission
-from rai_missions.progress import Lines, trimmed
+from rai_missions.progress import Lines, Person, trimmed
 from rai_missions.runner import Result
 from rai_missions.step import Ask, Step
 from rai_missions.verdict import Answerer, Question
@@ -53,9 +53,13 @@ class Screen(Lines):
         """Whose state the foot shows."""
         self._chart = chart
 
-    def lend(self, person: Answerer) -> Answerer:
+    def lend(self, person: Person) -> Answerer:
         """Somebody who asks on this terminal: the foot is taken away first."""
-        return _Borrower(self._hide, person)
+        return _Borrower(self._hide, super().lend(person))
+
+    def close(self) -> None:
+        self._hide()
+        super().close()
 
     def status(self, status: Status) -> None:
         """The run's mode, control or states have changed."""

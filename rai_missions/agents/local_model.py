@@ -128,6 +128,9 @@ class ModelServer:
             "seed": SEED,
             "timeout": timeout_s,
             "max_retries": 0,
+            # A call that is given up ends between two words instead of holding the server's one place.
+            "streaming": True,
+            "stream_usage": True,
             "use_responses_api": False,
             "openai_proxy": None,
             # Named, so that the proxies of the environment are not asked for what is on this machine.
