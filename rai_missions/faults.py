@@ -168,7 +168,8 @@ BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
 def _misnamed(given: str, pattern: str) -> str:
     """Why a word is no name, and the nearest that is one."""
     near = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given)
-    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near.lower()).strip("_/.").lstrip("_/.0123456789")
+    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near.lower())
+    near = near.strip("_/.").lstrip("_/.0123456789")
     hint = f"; did you mean '{near}'?" if near and len(near) <= 60 and re.match(pattern, near) else ""
     if r"\." in pattern:
         return f"{shown(given)} is neither a key nor a field of one; write it like 'obstacle.height_m'{hint}"
