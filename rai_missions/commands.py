@@ -119,8 +119,6 @@ def diff(given: argparse.Namespace) -> int:
     found = difference(old, new)
     for line in found.lines():
         print(line)
-    if found.empty:
-        print("the same, by meaning")
     if given.output:
         from visualize import draw_difference
 

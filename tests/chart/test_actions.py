@@ -12,13 +12,14 @@ from rai_missions.step import CancelGoal, StartGoal, Step
 from tests.chart.charts import mission, row, sent, ticked
 
 BOARD = {"there": {"type": "boolean", "source": "robot", "max_age_s": 5}}
+DONE = row("succeeded", "done")
 THERE = {"key": "there", "==": True}
 
 
 def driving(**words: Any) -> dict[str, Any]:
     return {
-        "drive": {"action": "go", "timeout_s": 60, "transitions": [row("succeeded", "done"), row("e", "other")], **words},
-        "other": {"action": "turn", "timeout_s": 60, "transitions": [row("succeeded", "done"), row("rejected", "lost")]},
+        "drive": {"action": "go", "timeout_s": 60, "transitions": [DONE, row("e", "other")], **words},
+        "other": {"action": "turn", "timeout_s": 60, "transitions": [DONE, row("rejected", "lost")]},
         "done": {}, "lost": {},
     }  # fmt: skip
 

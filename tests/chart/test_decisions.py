@@ -33,7 +33,8 @@ def asking(**words: Any) -> dict[str, Any]:
     rows.append(row("grow", "grown", when={"key": "answer.size", "<": 5}))
     return {
         "ask": {"decision": decision, "transitions": rows},
-        "crossed": {}, "gone": {}, "grown": {}, "left": {"transitions": [row("e", "ask")]}, "halt": {"final": "aborted"},
+        "crossed": {}, "gone": {}, "grown": {}, "left": {"transitions": [row("e", "ask")]},
+        "halt": {"final": "aborted"},
     }  # fmt: skip
 
 

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import pytest
-from tests.chart.charts import chart, row, sent, ticked
 
 from rai_missions.event import Event
+from tests.chart.charts import chart, row, sent, ticked
 
 
 def log(text: str) -> dict[str, str]:
@@ -198,8 +198,9 @@ def parallel_of(*finals: str) -> dict:
         }
         for index, final in enumerate(finals)
     }
+    rows = [row(name, name[:2]) for name in ("succeeded", "failed", "aborted", "canceled")]
     return {
-        "p": {"parallel": regions, "transitions": [row(name, name[:2]) for name in ("succeeded", "failed", "aborted", "canceled")]},
+        "p": {"parallel": regions, "transitions": rows},
         "su": {}, "fa": {}, "ab": {}, "ca": {},
     }  # fmt: skip
 

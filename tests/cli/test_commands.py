@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line as a user meets it: what is printed where, and with which exit status."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.cli import main
+
+LAMP: dict[str, Any] = {
+    "name": "lamp",
+    "initial": "on",
+    "states": {"on": {"transitions": [{"after_s": 0.01, "to": "off"}]}, "off": {"final": "aborted"}},
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
+    return tmp_path
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--help"])
+    assert ended.value.code == 0
+    said = capsys.readouterr().out
+    assert all(word in said for word in ("run", "check", "draw", "diff", "replay", "schema", "new", "doctor"))
+
+
+def test_a_run_that_does_not_succeed_exits_with_1_and_says_why(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "lamp.json", "--journal", "a.journal"]) == 1
+    said = capsys.readouterr().out
+    assert "aborted: 'off' was reached" in said
+    assert "model: none, no model is asked" in said
+    assert "journal: a.journal" in said
+
+
+def test_a_run_in_json_prints_one_object_and_nothing_else(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["run", "lamp.json", "--journal", "a.journal", "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert {**told, "run": "", "duration_s": 0} == {
+        "mission": "lamp", "run": "", "outcome": "aborted", "why": "'off' was reached", "state": ["off"], "steps": 2,
+        "decisions": 0, "duration_s": 0, "journal": "a.journal",
+    }  # fmt: skip
+
+
+def test_a_journal_is_never_written_over(folder: Path) -> None:
+    main(["run", "lamp.json", "--journal", "a.journal"])
+    main(["run", "lamp.json", "--journal", "a.journal"])
+    assert main(["replay", "a.journal"]) == main(["replay", "a.1.journal"]) == 0
+
+
+def test_a_file_that_is_no_journal_is_left_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "a.journal").write_text("my notes")
+    assert main(["run", "lamp.json", "--journal", "a.journal"]) == 2
+    assert (folder / "a.journal").read_text() == "my notes"
+    assert "a.journal" in capsys.readouterr().err
+
+
+def test_every_fault_is_told_on_stderr_with_its_place(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bad = {**LAMP, "states": {**LAMP["states"], "x": {"transitions": [{"on": "go", "to": "of"}]}}}
+    (folder / "bad.json").write_text(json.dumps(bad))
+    for command in (["check", "bad.json"], ["run", "bad.json"]):
+        assert main(command) == 2
+        said = capsys.readouterr().err
+        assert "bad.json: /states/x/transitions/0/on: no event or outcome 'go'" in said
+        assert "/states/x/transitions/0/to: no state 'of'; did you mean 'off'?" in said
+    assert not list(folder.glob("journals/*"))
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"{", "line 1"),
+        (b"\xff\xfe", "UTF-8"),
+        (b"[]", "object"),
+        (b'{"name": "x", "name": "y"}', "name"),
+        (b"[" * 100_000, "nest"),
+    ],
+)
+@pytest.mark.parametrize("command", ["check", "run", "draw"])
+def test_a_file_that_is_no_mission_is_refused_and_not_changed(
+    folder: Path, capsys: pytest.CaptureFixture[str], command: str, content: bytes, said: str
+) -> None:
+    (folder / "m.json").write_bytes(content)
+    assert main([command, "m.json"]) == 2
+    assert said in capsys.readouterr().err
+    assert (folder / "m.json").read_bytes() == content
+    assert sorted(path.name for path in folder.iterdir()) == ["lamp.json", "m.json"]
+
+
+def test_a_profile_that_lacks_a_name_is_refused_before_the_start(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", "mine"]) == 0
+    profile = json.loads((folder / "mine/robot.json").read_text())
+    del profile["actions"]
+    (folder / "mine/robot.json").write_text(json.dumps(profile))
+    capsys.readouterr()
+    assert main(["run", "mine/mission.json", "--robot", "mine/robot.json"]) == 2
+    assert "/actions/drive: missing" in capsys.readouterr().err
+
+
+def test_an_argument_that_the_mission_does_not_take_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "lamp.json", "--set", "speed=3"]) == 2
+    assert "takes no argument 'speed'" in capsys.readouterr().err
+
+
+def test_python_is_executed_only_where_it_may_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "m.py").write_text("raise SystemExit('executed')")
+    assert main(["check", "m.py", "--no-python"]) == 2
+    assert "executed" not in capsys.readouterr().err.replace("to be executed", "")
+
+
+def test_a_journal_that_was_altered_is_not_replayed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    import sqlite3
+
+    main(["run", "lamp.json", "--journal", "a.journal"])
+    connection = sqlite3.connect(folder / "a.journal")
+    connection.execute("UPDATE rows SET content = replace(content, 'off', 'oof') WHERE number = 2")
+    connection.commit()
+    connection.close()
+    capsys.readouterr()
+    assert main(["replay", "a.journal"]) == 2
+    assert "row 2" in capsys.readouterr().err
+
+
+def test_the_picture_of_another_mission_s_journal_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["run", "lamp.json", "--journal", "a.journal"])
+    (folder / "other.json").write_text(json.dumps({**LAMP, "version": "9.9.9"}))
+    assert main(["draw", "other.json", "--journal", "a.journal", "-o", "x.svg"]) == 2
+    assert "another mission" in capsys.readouterr().err
+    assert main(["draw", "lamp.json", "--journal", "a.journal", "-o", "x.svg"]) == 0
+
+
+def test_guards_of_a_file_can_be_named_and_are_replayed_without_it(folder: Path) -> None:
+    named = {"on": "tick", "when": {"named": "is_late", "with": {"than": 3}}, "to": "off"}
+    states = {"on": {"entry": [{"raise": "tick"}], "transitions": [named]}, "off": {"final": "aborted"}}
+    (folder / "m.json").write_text(json.dumps({"name": "m", "events": {"tick": {}}, "initial": "on", "states": states}))
+    (folder / "guards.py").write_text("def is_late(board, than):\n    return than == 3\n")
+    assert main(["run", "m.json", "--guards", "guards.py", "--journal", "a.journal"]) == 1
+    assert main(["replay", "a.journal"]) == 0
+
+
+def test_a_differing_mission_exits_with_1_and_an_equal_one_with_0(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "again.json").write_text(json.dumps(dict(reversed(LAMP.items())), indent=8))
+    assert main(["diff", "lamp.json", "again.json"]) == 0
+    (folder / "new.json").write_text(json.dumps({**LAMP, "settle_s": 2.0}))
+    capsys.readouterr()
+    assert main(["diff", "lamp.json", "new.json", "-o", "d.svg"]) == 1
+    assert "settle_s" in capsys.readouterr().out and (folder / "d.svg").exists()
+
+
+def test_schemas_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    for of in ("mission", "robot"):
+        assert main(["schema", of]) == 0
+        assert json.loads(capsys.readouterr().out)["$schema"].startswith("https://json-schema.org/")
+
+
+@pytest.mark.parametrize("template", ["minimal", "tractor"])
+def test_a_new_mission_passes_its_check(folder: Path, template: str) -> None:
+    assert main(["new", "mine", "--template", template]) == 0
+    assert main(["check", "mine/mission.json"]) == 0
+    assert main(["new", "mine"]) == 2
+
+
+def test_a_reader_that_goes_away_is_no_traceback(folder: Path) -> None:
+    program = [sys.executable, "-m", "rai_missions.cli", "schema"]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ}) as process:
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.close()
+        assert b"Traceback" not in process.stderr.read()
