@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,8 +33,12 @@ def run(given: argparse.Namespace) -> int:
     from rai_missions.agents.mission import prepare
 
     mission = load(given.mission, python=not given.no_python)
+    named = _named(given.guards)
+    faults = [each.fault for each in check(mission, named=set(named or ())) if each.severity == "error"]
+    if faults:
+        raise DefinitionError(faults, given.mission)
     lines = _lines(mission, given)
-    setting = _setting(given, mission, lines)
+    setting = replace(_setting(given, mission, lines), named=named)
     try:
         with prepare(setting) as prepared:
             robot = prepared.robot.name if prepared.robot is not None else ""
@@ -61,15 +66,14 @@ def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setti
     """What the words of the command line make a run of."""
     from rai_missions.agents.mission import Setting
 
-    named = f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
+    journal = f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
     return Setting(
         mission,
         given.robot,
         _arguments(given.set, mission),
         model=given.model,
         operator=_operator(given, lines),
-        journal=_fresh(Path(given.journal or named)),
-        named=_named(given.guards),
+        journal=_fresh(Path(given.journal or journal)),
         seed=given.seed,
         speed=1.0 if given.speed == "1" else math.inf,
         on_step=None if given.json else lines.step,
