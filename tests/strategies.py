@@ -6,6 +6,7 @@ Rule: whatever can fire without an event from outside leads forward among its si
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 from hypothesis import strategies as st
@@ -36,9 +37,10 @@ EVENTS = ("anomaly", "halt", "poke")
 HINT = "hint"
 OPTIONS = ("drive_over", "replan", "wait", "give_up")
 ACTIVITY_ENDS = ("succeeded", "failed", "unverified", "timed_out", "rejected")
-DEPTH = 3
+DEPTH = 2
 
 
+@functools.cache
 def comparisons() -> st.SearchStrategy[Json]:
     """Comparisons with values that fit the keys."""
     order = st.sampled_from(["<", "<=", ">", ">=", "==", "!="])
@@ -54,6 +56,7 @@ def comparisons() -> st.SearchStrategy[Json]:
     )
 
 
+@functools.cache
 def guards(states: tuple[str, ...] = (), *, timed: bool = True) -> st.SearchStrategy[Json]:
     """Guards as JSON has them.
 
@@ -85,6 +88,7 @@ def guards(states: tuple[str, ...] = (), *, timed: bool = True) -> st.SearchStra
     return st.recursive(st.one_of(leaves), around, max_leaves=4)
 
 
+@functools.cache
 def effects(*, raising: bool = False) -> st.SearchStrategy[list[Json]]:
     """Effects of a row, an entry or an exit.
 

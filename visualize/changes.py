@@ -107,7 +107,7 @@ def _states(was: str, place: str, name: str, old: State, new: State) -> Iterator
         yield from _new_questions(new, place, name)
     if isinstance(old, Tree) and isinstance(new, Tree):
         yield from _trees(old, new, place, name)
-    yield from _rows(name, was, place, old.transitions, new.transitions)
+    yield from _rows(name, was, place, old.transitions, new.transitions, answers=isinstance(new, Decision))
 
 
 def _fields(old: Written, new: Written, place: str, whose: str, also_apart: Sequence[str] = ()) -> Iterator[Change]:
@@ -119,7 +119,7 @@ def _fields(old: Written, new: Written, place: str, whose: str, also_apart: Sequ
         word = field.alias or name
         here = child_pointer(place, word)
         if isinstance(before, Guard) or isinstance(after, Guard):
-            yield from _guards(before, after, here, f"{whose}: '{word}'")
+            yield from _guards(before, after, here, f"{whose}: {'guard' if word == 'when' else word}")
         elif name in LIMITS:
             loosens = after is None or (before is not None and after > before)
             yield Change("~", here, f"{whose}: '{word}' {_moved(before, after)}", loosens)
@@ -145,7 +145,9 @@ def _said(value: Any) -> str:
         return f"“{'; '.join(effects(value))}”"
     if value in (None, "", (), {}):
         return "nothing"
-    return f"“{value}”" if isinstance(value, str) else template(list(value) if isinstance(value, tuple) else value)
+    if isinstance(value, tuple):
+        return ", ".join(template(item) for item in value)
+    return f"“{value}”" if isinstance(value, str) else template(value)
 
 
 def _guards(
@@ -154,12 +156,13 @@ def _guards(
     """A guard that lets something pass: to weaken it loosens; of a row that protects, to strengthen it does."""
     how = relation(before, after)
     loosens = how in (("strengthened", "changed") if protective else ("weakened", "changed"))
-    if before is None or after is None:
-        guard, mark = (after, "+") if before is None else (before, "-")
-        said = "added" if before is None else "removed"
-        yield Change("+" if mark == "+" else "-", place, f"{whose} {said}: {guard.words() if guard else ''}", loosens)
+    if before is None:
+        yield Change("+", place, f"{whose} added: {'' if after is None else after.words()}", loosens)
+    elif after is None:
+        yield Change("-", place, f"{whose} removed: {before.words()}", loosens)
     elif how != "same":
-        yield Change("~", place, f"{whose} {how}: was {before.words()}, is now {after.words()}", loosens)
+        said = "narrowed" if protective and how == "strengthened" else how
+        yield Change("~", place, f"{whose} {said}: was {before.words()}, is now {after.words()}", loosens)
     elif before != after:
         yield Change("~", place, f"{whose} written otherwise, means the same: {after.words()}")
 
@@ -213,8 +216,10 @@ def _trees(old: Tree, new: Tree, place: str, name: str) -> Iterator[Change]:
 
 
 def _rows(
-    name: str, was: str, place: str, old: Sequence[Transition], new: Sequence[Transition], *, protective: bool = False
+    name: str, was: str, place: str, old: Sequence[Transition], new: Sequence[Transition], *, protective: bool = False,
+    answers: bool = False
 ) -> Iterator[Change]:  # fmt: skip
+    """Rows of a state; `protective` where they are tried from everywhere, `answers` where answers fire them."""
     pairs = paired(old, new)
     for before, after in pairs:
         if before is None and after is not None:
@@ -225,21 +230,21 @@ def _rows(
                 "-", f"{was}/transitions/{before}", f"{name}: row removed: {_row(row)}", protective or row.eventless
             )
         elif before is not None and after is not None and old[before] != new[after]:
-            yield from _row_changes(
-                name, f"{place}/transitions/{after}", old[before], new[after], protective=protective
-            )
+            yield from _row_changes(name, f"{place}/transitions/{after}", old[before], new[after], protective, answers)
     order = [before for before, after in pairs if before is not None and after is not None]
     if order != sorted(order):
         yield Change("~", f"{place}/transitions", f"{name}: rows are tried in another order", True)
 
 
-def _row_changes(name: str, place: str, old: Transition, new: Transition, *, protective: bool) -> Iterator[Change]:
+def _row_changes(
+    name: str, place: str, old: Transition, new: Transition, protective: bool, answers: bool
+) -> Iterator[Change]:  # fmt: skip
     whose = f"{name}: row '{trigger(new) or 'as soon as'}'"
     shields = protective or new.eventless
     for field in ("on", "of", "after_s", "to", "do", "internal", "about"):
         before, after = getattr(old, field), getattr(new, field)
         if before != after:
-            loosens = shields and field in ("to", "after_s")
+            loosens = (shields and field in ("to", "after_s")) or (answers and field == "to")
             yield Change(
                 "~", f"{place}/{field}", f"{whose}: '{field}' was {_said(before)}, is now {_said(after)}", loosens
             )

@@ -11,12 +11,14 @@ from collections.abc import Iterator, Mapping
 
 from visualize.labels import (
     anywhere_table,
+    branch_table,
     cluster_table,
     decision_table,
     edge_table,
     look_of,
     row_text,
     state_table,
+    tab_table,
     title_table,
     twig_table,
 )
@@ -70,7 +72,9 @@ class _Sheet:
             self.initials[initial.parent].append(initial)
         self.tabs = {edge.source for edge in picture.edges if self._from_tab(edge)}
         """The holders with rows to something inside themselves: those leave from a tab, not from the border."""
-        self.own = [edge for edge in picture.edges if not edge.source]
+        self.own = {(edge.mark, edge.place): edge for edge in picture.edges if not edge.source}
+        """The mission's own rows, each once however many targets it has."""
+        self.ports = {row: f"r{index}" for index, row in enumerate(self.own)}
         self.depth = _depths(picture)
 
     def lines(self, dpi: int | None) -> Iterator[str]:
@@ -87,7 +91,7 @@ class _Sheet:
         yield f"  {quoted(START)} {attributes(shape='point', width=0.16, color=INK, tooltip='the start')};"
         yield from self._states("", "  ")
         if self.own:
-            ports = [(f"r{index}", edge) for index, edge in enumerate(self.own)]
+            ports = [(self.ports[row], edge) for row, edge in self.own.items()]
             own = attributes(shape="plain", label=anywhere_table(ports), tooltip="the mission's own rows")
             yield f"  {quoted(ANYWHERE)} {own};"
         for parent, initials in self.initials.items():
@@ -120,7 +124,7 @@ class _Sheet:
         if self.initials[node.name] or (node.kind == "parallel" and not self.children[node.name]):
             yield f"{indent}  {quoted(node.name + '#begin')} {attributes(shape='point', width=0.11, color=INK)};"
         if node.name in self.tabs:
-            tab = attributes(shape="box", style="rounded", label=f"{node.name}, itself", fontcolor=MUTED, height=0.2)
+            tab = attributes(shape="box", style="rounded", label=tab_table(node), height=0.2)
             yield f"{indent}  {quoted(node.name + '#tab')} {tab};"
         for child in self.children[node.name]:
             if child.kind == "history" and self.initials[node.name]:
@@ -154,7 +158,7 @@ class _Sheet:
         )  # fmt: skip
         yield f"{indent}{quoted(here)} {given};"
         if twig.parent is not None:
-            line = attributes(arrowhead="none", color=LOOKS["tree"].pen, label=twig.branch, fontcolor=MUTED, weight=4)
+            line = attributes(arrowhead="none", color=LOOKS["tree"].pen, label=branch_table(twig), weight=4)
             yield f"{indent}{quoted(_twig_id(node, twig.parent))} -> {quoted(here)} {line};"
 
     def _begin(self, parent: str, initial: Initial) -> str:
@@ -183,8 +187,7 @@ class _Sheet:
     def _tail(self, edge: Edge) -> tuple[str, str | None]:
         """Where an edge leaves: the name with its port, and the cluster whose border it leaves."""
         if not edge.source:
-            port = next(index for index, own in enumerate(self.own) if own is edge)
-            return f"{quoted(ANYWHERE)}:r{port}", None
+            return f"{quoted(ANYWHERE)}:{self.ports[edge.mark, edge.place]}", None
         if self._from_tab(edge):
             return quoted(f"{edge.source}#tab"), None
         node = self.nodes[edge.source]

@@ -14,14 +14,16 @@ from visualize.shapes import Choice, Edge, Node, Picture, Twig
 from visualize.style import INK, LOOKS, MARKS, MUTED, OUTCOMES, Look, clean, width, wrapped
 
 __all__ = (
-    "anywhere_table", "cluster_table", "decision_table", "edge_table", "look_of", "row_text", "small", "state_table",
-    "title_table", "twig_table",
+    "anywhere_table", "branch_table", "cluster_table", "decision_table", "edge_table", "look_of", "row_text",
+    "state_table", "tab_table", "title_table", "twig_table",
 )  # fmt: skip
 
 COLUMN, LINE, LABEL = 150.0, 210.0, 150.0
 """Points: how wide an option, a line of a state and a row's label may become."""
 SIDE_BY_SIDE = 5
 """More options than these stand below one another."""
+NOTES = 12
+"""More notes than these would bury the picture."""
 
 
 def text(
@@ -31,13 +33,18 @@ def text(
     broken = wrapped(given, size, limit, bold=bold)
     if not "".join(broken).strip():
         return ""
-    said = [f"<b>{escape(line)}</b>" if bold else escape(line) for line in broken]
+    said = [f"<b>{shown(line)}</b>" if bold else shown(line) for line in broken]
     body = '<br align="left"/>'.join(said) + ('<br align="left"/>' if len(said) > 1 else "")
     wide = max(width(line, size, bold=bold) for line in broken) + 4
     return (
         f'<tr><td align="left" balign="left" width="{wide:.0f}">'
         f'<font point-size="{size:g}" color="{color}">{body}</font></td></tr>'
     )
+
+
+def shown(given: str) -> str:
+    """A text as a label shows it; a backslash would begin one of Graphviz's own escapes even here."""
+    return escape(clean(given)).replace("\\", "\\\\")
 
 
 def small(given: str, *, bold: bool = False, color: str = MUTED, limit: float = LINE) -> str:
@@ -120,7 +127,10 @@ def decision_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = Fal
     wide = max(LINE, COLUMN * len(node.choices)) if beside else LINE * 1.6
     head = [
         text(
-            f"? {marked(node.mark, node.name)}" + (f" (was {node.was})" if node.was else ""), 12, bold=True, limit=wide
+            f"{marked(node.mark, '?')} {node.name}" + (f" (was {node.was})" if node.was else ""),
+            12,
+            bold=True,
+            limit=wide,
         )
     ]
     head += [text(line, 10 if line.startswith("“") else 9, limit=wide) for line in node.lines]
@@ -158,10 +168,20 @@ def twig_table(twig: Twig) -> str:
     return table(rows)
 
 
+def branch_table(twig: Twig) -> str:
+    """The label of the line to a node of a tree; empty where no option leads there."""
+    return table([small(twig.branch, limit=LABEL)]) if twig.branch else ""
+
+
+def tab_table(node: Node) -> str:
+    """The label of what a state's rows to something inside itself leave from."""
+    return table([small(f"{node.name}, itself")])
+
+
 def edge_table(edge: Edge, *, short: bool = False) -> str:
     """The label of a row; `short` where its words stand at its source already. Empty where nothing is left to say."""
     rows: list[str] = []
-    if not short and not (edge.option and not edge.guard):
+    if not short and (not edge.option or edge.guard or edge.source == edge.target):
         rows.append(text(marked(edge.mark, edge.when), 10, bold=True, limit=LABEL))
         if edge.guard:
             rows.append(text(f"[{edge.guard}]" if edge.trigger else edge.guard, 9, limit=LABEL))
@@ -201,6 +221,9 @@ def title_table(picture: Picture) -> str:
     if picture.steps:
         said = f"a run of {picture.steps} steps, its path in bold" + (f": {picture.outcome}" if picture.outcome else "")
         rows.append(text(said + (f", {picture.why}" if picture.why else ""), 11, bold=True, limit=640))
+    rows += [small(note, limit=640, color=INK, bold=True) for note in picture.notes[:NOTES]]
+    if len(picture.notes) > NOTES:
+        rows.append(small(f"and {len(picture.notes) - NOTES} more", color=INK, bold=True))
     rows += [small(f"never false: {name}: {guard}", limit=640, color=INK) for name, guard in picture.invariants]
     return table([*rows, f'<tr><td align="left">{_legend(picture)}</td></tr>'])
 
@@ -218,7 +241,7 @@ def _legend(picture: Picture) -> str:
 
 def _swatch(word: str, pen: str, fill: str) -> str:
     wide = width(word, 9) + 6
-    said = escape(clean(word))
+    said = shown(word)
     return (
         f'<td color="{pen}" bgcolor="{fill}" width="{wide:.0f}"><font point-size="9" color="{INK}">{said}</font></td>'
     )

@@ -28,6 +28,8 @@ def _lines(picture: Picture) -> Iterator[str]:
         outcome = f": {picture.outcome}" if picture.outcome else ""
         why = f", {picture.why}" if picture.why else ""
         yield from ("", f"A run of {picture.steps} steps{escaped(outcome + why)}.")
+    if picture.notes:
+        yield from ("", *(f"- {escaped(note)}" for note in picture.notes))
     yield from ("", _line(*_head(picture)), _line(*("---" for _ in _head(picture))))
     for _, edges in sorted(_rows(picture).items()):
         yield _line(*_cells(picture, edges))
@@ -54,11 +56,14 @@ def _rows(picture: Picture) -> dict[int, list[Edge]]:
 
 
 def _head(picture: Picture) -> tuple[str, ...]:
-    return ("state", "trigger", "guard", "to", "do", *(("taken",) if picture.steps else ()))
+    change = ("",) if picture.compared else ()
+    return (*change, "state", "trigger", "guard", "to", "do", *(("taken",) if picture.steps else ()))
 
 
 def _cells(picture: Picture, edges: list[Edge]) -> Iterator[str]:
     edge = edges[0]
+    if picture.compared:
+        yield f"**{escaped(edge.mark)}**" if edge.mark else ""
     yield escaped(edge.source) or "*every state*"
     yield escaped(edge.when)
     yield escaped(edge.guard)

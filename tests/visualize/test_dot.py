@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""DOT that Graphviz reads, with every row in it, and text that stays text and stays in its box."""
+
+from __future__ import annotations
+
+import re
+import sys
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rai_missions.errors import UsageError
+from rai_missions.mission import Mission
+from tests.strategies import missions
+from tests.visualize.runs import hostile, tractor, tractor_path
+from visualize import dot
+from visualize.dot import layout_program, render
+from visualize.graphing import dot_text, quoted
+from visualize.picture import picture
+from visualize.style import LOOKS, MARKS, OUTCOMES, clean, width, wrapped
+
+SVG = "{http://www.w3.org/2000/svg}"
+ROW = re.compile(r'id="([^"]*/transitions/\d+)>([a-z0-9_/]*)"')
+
+
+def svg(mission: Mission) -> ElementTree.Element:
+    return ElementTree.fromstring(render(picture(mission), "svg"))
+
+
+@given(missions())
+def test_every_row_is_an_arrow_for_each_target_or_stands_in_its_state(mission: Mission) -> None:
+    drawn = picture(mission)
+    text = dot_text(drawn)
+    assert Counter(ROW.findall(text)) == Counter((edge.place, edge.target) for edge in drawn.edges if edge.target)
+    staying = {edge.place for edge in drawn.edges if not edge.target}
+    assert text.count("stays: ") + text.count("stays where it is") == len(staying)
+
+
+@settings(max_examples=10)
+@given(missions())
+def test_graphviz_reads_what_is_written_and_draws_every_state(mission: Mission) -> None:
+    drawn = svg(mission)
+    ids = {element.get("id") for element in drawn.iter(f"{SVG}g")}
+    assert {place for place, _, _ in mission.walk()} <= ids
+
+
+def test_the_same_picture_gives_the_same_bytes() -> None:
+    assert dot_text(picture(tractor())) == dot_text(picture(tractor()))
+    assert render(picture(tractor()), "svg") == render(picture(tractor()), "svg")
+
+
+def test_hostile_text_is_shown_as_it_is_and_is_nothing_else() -> None:
+    drawn = svg(hostile())
+    shown = "".join("".join(element.itertext()) for element in drawn.iter(f"{SVG}text")).replace("\u00a0", " ")
+    assert {element.tag.removeprefix(SVG) for element in drawn.iter()} <= {
+        "svg", "g", "a", "title", "text", "path", "polygon", "ellipse", "polyline",
+    }  # fmt: skip
+    assert r"""<script>alert(1)</script> " ' \N \E \l & &amp; ]]> --> | `x` """ in shown
+    assert "漢字" in shown
+    assert "العربية" in shown
+    assert "😀" in shown
+
+
+@given(st.text(st.characters(codec="utf-8", exclude_characters="\n\r"), max_size=60))
+def test_a_quoted_text_reads_as_given(text: str) -> None:
+    inner = quoted(text)[1:-1]
+    assert '"' not in inner.replace('\\"', "")
+    back = inner.replace("&amp;", "&").replace('\\"', '"').replace("\\\\", "\\")
+    assert back == clean(text)
+
+
+@given(st.text(max_size=80), st.sampled_from([40.0, 100.0, 210.0]))
+def test_a_line_is_never_wider_than_asked_unless_it_is_one_character(text: str, limit: float) -> None:
+    for line in wrapped(text, 10, limit, lines=1000):
+        assert width(line, 10) <= limit or len(line.strip()) <= 1
+
+
+@given(st.text("ab_漢 é.", max_size=80))
+def test_wrapping_loses_nothing(text: str) -> None:
+    assert "".join("".join(wrapped(text, 10, 60, lines=1000)).split()) == "".join(text.split())
+
+
+def test_no_label_in_a_box_is_wider_than_the_box() -> None:
+    """In the reader's font, which may be the widest of them, not in the one that the layout knew."""
+    for group in svg(hostile()).iter(f"{SVG}g"):
+        shapes = [*group.iter(f"{SVG}polygon"), *group.iter(f"{SVG}path"), *group.iter(f"{SVG}ellipse")]
+        if group.get("class") != "node" or not shapes:
+            continue
+        right = max(_right(shape) for shape in shapes)
+        for text in group.iter(f"{SVG}text"):
+            size = float(text.get("font-size", "10"))
+            wide = width("".join(text.itertext()), size, bold=text.get("font-weight") == "bold")
+            assert float(text.get("x", "0")) + wide <= right + 6, "".join(text.itertext())
+
+
+def _right(shape: ElementTree.Element) -> float:
+    if shape.tag == f"{SVG}ellipse":
+        return float(shape.get("cx", "0")) + float(shape.get("rx", "0"))
+    return max(float(x) for x, _ in re.findall(r"(-?[\d.]+),(-?[\d.]+)", shape.get("points") or shape.get("d") or ""))
+
+
+def test_nothing_is_told_by_colour_alone() -> None:
+    looks = [*LOOKS.values(), *OUTCOMES.values()]
+    assert len({look.word for look in looks}) == len(looks)
+    assert len({style for _, style, _ in MARKS.values()}) == len(MARKS) == len({pen for pen, _, _ in MARKS.values()})
+
+
+def test_the_path_is_bold_and_counted() -> None:
+    text = dot_text(picture(tractor(), tractor_path()))
+    anomaly = next(line for line in text.splitlines() if "driving/transitions/0>assessing" in line)
+    assert 'penwidth="3.4"' in anomaly
+    assert "2× in steps 2, 5" in anomaly
+    untaken = next(line for line in text.splitlines() if "driving/transitions/1>done" in line)
+    assert 'penwidth="1"' in untaken
+
+
+def test_fonts_are_portable_and_the_drawing_program_is_not_told() -> None:
+    text = render(picture(tractor()), "svg").decode()
+    assert set(re.findall(r'font-family="([^"]*)"', text)) == {
+        "Helvetica,Arial,Liberation Sans,DejaVu Sans,Noto Sans,sans-serif"
+    }
+    assert "Generated by" not in text
+
+
+def test_a_png_is_one() -> None:
+    assert render(picture(tractor()), "png").startswith(b"\x89PNG\r\n")
+
+
+def test_a_dot_of_the_user_comes_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("graphviz-pure", "dot"):
+        program = tmp_path / name
+        program.write_text("#!/bin/sh\n")
+        program.chmod(0o755)
+        monkeypatch.setenv("PATH", str(tmp_path))
+        assert layout_program() == program
+
+
+def test_without_graphviz_the_error_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
+    with pytest.raises(UsageError, match=r"neither `dot` nor `graphviz-pure`.*pip install 'rai-missions\[draw\]'"):
+        render(picture(tractor()), "svg")
+
+
+def test_what_graphviz_refuses_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = tmp_path / "dot"
+    program.write_text("#!/bin/sh\ncat > /dev/null\necho no memory >&2\nexit 3\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    with pytest.raises(UsageError, match=r"could not draw 'tractor_orchard': no memory"):
+        dot.render(picture(tractor()), "svg")

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pictures as text, against those that were looked at and stored; `make pictures` draws them anew."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from rai_missions.load import load
+from rai_missions.mission import Mission
+from tests.visualize.changed import changed
+from tests.visualize.runs import ROOT, hostile, tractor, tractor_path
+from visualize import difference, drawn, picture
+from visualize.shapes import Picture
+
+STORED = Path(__file__).parent / "stored"
+REWRITE = os.environ.get("REWRITE_PICTURES") == "1"
+
+
+def shipped() -> list[Path]:
+    return sorted((ROOT / "missions").glob("*/mission.json"))
+
+
+def pictures() -> dict[str, Picture]:
+    found = {f"{path.parent.name}_mission": picture(_read(path)) for path in shipped()}
+    found["tractor_path"] = picture(tractor(), tractor_path())
+    found["hostile"] = picture(hostile())
+    found["tractor_changed"] = difference(tractor(), changed()).picture
+    return found
+
+
+def _read(path: Path) -> Mission:
+    return load(path)
+
+
+def compare(path: Path, data: bytes) -> None:
+    if REWRITE:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(data)
+    assert path.exists(), f"{path.name} is not stored; look at the picture and run `make pictures`"
+    assert data.decode() == path.read_text(encoding="utf-8"), f"{path.name} has changed; look at it and `make pictures`"
+
+
+@pytest.mark.parametrize("form", ["dot", "mmd", "md"])
+@pytest.mark.parametrize("name", pictures())
+def test_a_picture_is_as_it_was_looked_at(name: str, form: str) -> None:
+    compare(STORED / f"{name}.{form}", drawn(pictures()[name], form))
+
+
+def test_the_difference_reads_as_it_was_looked_at() -> None:
+    compare(STORED / "tractor_changed.txt", "\n".join((*difference(tractor(), changed()).lines(), "")).encode())
+
+
+@pytest.mark.parametrize("path", shipped(), ids=lambda path: path.parent.name)
+def test_a_shipped_mission_has_its_picture_beside_it(path: Path) -> None:
+    """Its places and words, not its coordinates, which each Graphviz lays out a little otherwise."""
+    target = path.with_suffix(".svg")
+    data = drawn(picture(_read(path)), "svg")
+    if REWRITE:
+        target.write_bytes(data)
+    assert target.exists(), f"{target} is missing; run `make pictures`"
+    assert _told(target.read_bytes()) == _told(data), f"{target} shows another mission; run `make pictures`"
+
+
+def _told(svg: bytes) -> set[str]:
+    return {line for line in svg.decode().splitlines() if line.startswith("<title>") or 'id="/' in line}
+
+
+def test_no_stored_picture_is_left_over() -> None:
+    forms = {f"{name}.{form}" for name in pictures() for form in ("dot", "mmd", "md")} | {"tractor_changed.txt"}
+    assert {path.name for path in STORED.iterdir()} == forms
