@@ -98,7 +98,7 @@ class Lines:
         if step.event.kind == "proposal" and not step.moves:
             parts = []
         text = " · ".join(part for part in parts if part)
-        notes = [note for note in step.notes if not note.startswith(("question ", "fallback "))]
+        notes = [note for note in step.notes if not note.startswith(("question ", "fallback ", "control: "))]
         if text or notes:
             self._print(f"{step.at:9.2f} s  {trimmed(self._event(step.event), 28):<28}  {text or '; '.join(notes)}")
             for note in notes if text else ():
