@@ -202,7 +202,13 @@ class Runner:
         finally:
             self.performer.close()
             if self._connector is not None and ours:
-                self._connector.stop()
+                self._disconnect(self._connector)
+
+    def _disconnect(self, connector: Connector) -> None:
+        try:
+            connector.stop()
+        except Exception:
+            log.exception("the connector could not be stopped")
 
     def _get_ready(self) -> None:
         """Hear every robot key once before the start."""

@@ -217,10 +217,13 @@ class Chart(Instants):
             at: The time until which nothing else happened.
             seq: The number of the last step until then.
         """
+        writes = tuple(writes)
+        if not writes and seq == self.seq:
+            return
         for key, value, stamp in writes:
             self.view.board[key] = Stamped(value, stamp)
         self.view.at, self.seq = max(self.view.at, at), seq
-        self._quick = False
+        self._look_ahead()
 
     # -- one step -------------------------------------------------------------------------------------------------
 
@@ -245,9 +248,7 @@ class Chart(Instants):
 
     def _close(self, event: Event) -> Step:
         self.seq += 1
-        self._quick = self.mode == "running" and self._final is None and self.outcome is None
-        self._listening = self._reads() if self.mode != "ended" else frozenset()
-        self._wake = self._next_instant()
+        self._look_ahead()
         why = self.why if self.outcome is not None and self.mode == "ended" and not self._refused else self._refused
         step = Step(
             self.seq, self.view.at, event, tuple(self.moves), tuple(self.looked), tuple(self.written), self.outcome,
@@ -258,6 +259,12 @@ class Chart(Instants):
         self.quiet = not said and event.kind in ("write", "tick")
         self._clear()
         return step
+
+    def _look_ahead(self) -> None:
+        """What the next event finds: whether it can take the short way, what it may change, what time alone does."""
+        self._quick = self.mode == "running" and self._final is None and self.outcome is None
+        self._listening = self._reads() if self.mode != "ended" else frozenset()
+        self._wake = self._next_instant()
 
     def _handle(self, event: Event) -> None:
         kind = event.kind
