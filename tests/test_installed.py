@@ -58,7 +58,7 @@ def test_the_shipped_mission_passes_the_check() -> None:
 
 
 def test_a_faulty_mission_is_refused_with_its_place(tmp_path: Path) -> None:
-    (tmp_path / "bad.json").write_text('{"format": 1, "name": "bad", "initial": "nowhere", "states": {}}')
+    (tmp_path / "bad.json").write_text('{"format": 1, "name": "bad", "initial": "nowhere", "states": {"here": {}}}')
     heard = rai_missions_command("check", "bad.json", cwd=tmp_path)
     assert heard.returncode == 2
     assert "nowhere" in heard.stderr
