@@ -146,7 +146,7 @@ else:
 class Written(Model):
     """A frozen model with the format's words as aliases; in Python its main words may be given by position."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
 
     positional: ClassVar[tuple[str, ...]] = ()
     """The fields that Python authors may give by position, in this order."""
