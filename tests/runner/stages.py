@@ -164,10 +164,14 @@ class Rig:
         self.book: Any = words.pop("journal", None) or Book()
         self.serve()
         self.runner = Runner(
-            given if isinstance(given, Mission) else mission(given), robot=words.pop("robot", None) or robot(),
-            connector=self.connector, clock=self.clock, journal=self.book, on_step=words.pop("on_step", self.steps.append),
+            given if isinstance(given, Mission) else mission(given),
+            robot=words.pop("robot", None) or robot(),
+            connector=self.connector,
+            clock=self.clock,
+            journal=self.book,
+            on_step=words.pop("on_step", self.steps.append),
             **words,
-        )  # fmt: skip
+        )
 
     def serve(self) -> None:
         for service in ("/horn", "/drive", "/halt"):

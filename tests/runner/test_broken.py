@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What breaks around a run: journals, connectors, servers, observers, answerers. None of it may leave the robot alone."""
+"""What breaks around a run: journals, connectors, servers, observers, answerers; the robot is never left alone."""
 
 from __future__ import annotations
 
@@ -19,26 +19,44 @@ from tests.runner.stages import KEYS, Book, Rig, mission, robot
 
 MOVING: dict[str, Any] = {
     "idle": {"transitions": [{"on": "go", "to": "moving"}]},
-    "moving": {"action": "move", "timeout_s": 5, "transitions": [{"on": "succeeded", "to": "over"}, {"on": "again", "to": "idle"}]},
+    "moving": {
+        "action": "move",
+        "timeout_s": 5,
+        "transitions": [{"on": "succeeded", "to": "over"}, {"on": "again", "to": "idle"}],
+    },
     "over": {"final": "aborted"},
-}  # fmt: skip
+}
 CALLING: dict[str, Any] = {
     "calling": {
-        "call": "horn", "timeout_s": 2,
-        "transitions": [{"on": "succeeded", "to": "over"}, {"on": "failed", "to": "lost"}, {"on": "rejected", "to": "nobody"}, {"on": "timed_out", "to": "late"}],
+        "call": "horn",
+        "timeout_s": 2,
+        "transitions": [
+            {"on": "succeeded", "to": "over"},
+            {"on": "failed", "to": "lost"},
+            {"on": "rejected", "to": "nobody"},
+            {"on": "timed_out", "to": "late"},
+        ],
     },
-    "over": {"final": "aborted"}, "lost": {"final": "failed"}, "nobody": {"final": "failed"}, "late": {"final": "failed"},
-}  # fmt: skip
+    "over": {"final": "aborted"},
+    "lost": {"final": "failed"},
+    "nobody": {"final": "failed"},
+    "late": {"final": "failed"},
+}
 ASKING: dict[str, Any] = {
     "asking": {
         "decision": {
-            "question": "Which?", "options": {"left": {}, "right": {}}, "ask": ["agent"], "attempts": 3,
-            "deadline_s": 30, "fallback": "right",
+            "question": "Which?",
+            "options": {"left": {}, "right": {}},
+            "ask": ["agent"],
+            "attempts": 3,
+            "deadline_s": 30,
+            "fallback": "right",
         },
         "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
     },
-    "over": {"final": "aborted"}, "lost": {"final": "failed"},
-}  # fmt: skip
+    "over": {"final": "aborted"},
+    "lost": {"final": "failed"},
+}
 
 
 @pytest.fixture(autouse=True)
@@ -147,8 +165,14 @@ def test_a_call_that_is_answered_twice_wrongly_or_never(answers: list[tuple[Any,
         for outcome, data in answers:
             answered(Reply(outcome, data))
 
-    rig = Rig({**CALLING, "over": {"states": {"waits": {"transitions": [{"after_s": 1, "to": "really_over"}]}}, "initial": "waits"},
-               "really_over": {"final": "aborted"}}, connector=Connector(call=call))  # fmt: skip
+    rig = Rig(
+        {
+            **CALLING,
+            "over": {"states": {"waits": {"transitions": [{"after_s": 1, "to": "really_over"}]}}, "initial": "waits"},
+            "really_over": {"final": "aborted"},
+        },
+        connector=Connector(call=call),
+    )
     rig.run()
     assert rig.entered[1] == end
     assert len(rig.stale()) == (len(answers) - 1 if end == "over" else 0)
@@ -250,11 +274,28 @@ def test_an_answerer_that_raises_has_failed_and_the_next_attempt_is_made() -> No
 @pytest.mark.parametrize(
     "saying",
     [
-        None, 42, "left", [], {}, {"option": None}, {"option": 3}, {"option": "up"}, {"option": "left", "parameters": {"a": 1}},
-        {"option": "LEFT"}, {"option": " left"}, {"option": "left\x00"}, {"options": "left"}, {"option": {"left": 1}}, {"option": "left", "parameters": {"x": object()}},
-        {"option": "left", "why": "x" * 2_000_000}, {3: 4}, {"option": "over"}, {"option": "succeeded"}, {"option": b"left"},
+        None,
+        42,
+        "left",
+        [],
+        {},
+        {"option": None},
+        {"option": 3},
+        {"option": "up"},
+        {"option": "left", "parameters": {"a": 1}},
+        {"option": "LEFT"},
+        {"option": " left"},
+        {"option": "left\x00"},
+        {"options": "left"},
+        {"option": {"left": 1}},
+        {"option": "left", "parameters": {"x": object()}},
+        {"option": "left", "why": "x" * 2_000_000},
+        {3: 4},
+        {"option": "over"},
+        {"option": "succeeded"},
+        {"option": b"left"},
     ],
-)  # fmt: skip
+)
 def test_what_is_no_answer_does_not_count(saying: Any) -> None:
     rig = Rig(ASKING, answerers={"agent": ChatteringAnswerer([saying])})
     result = rig.run()
@@ -263,8 +304,14 @@ def test_what_is_no_answer_does_not_count(saying: Any) -> None:
 
 
 def test_of_two_answers_to_one_question_the_first_counts_and_the_second_is_stale() -> None:
-    rig = Rig({**ASKING, "over": {"states": {"w": {"transitions": [{"after_s": 1, "to": "end"}]}}, "initial": "w"}, "end": {"final": "aborted"}},
-              answerers={"agent": ChatteringAnswerer([{"option": "left"}, {"option": "right"}, {"option": "left"}])})  # fmt: skip
+    rig = Rig(
+        {
+            **ASKING,
+            "over": {"states": {"w": {"transitions": [{"after_s": 1, "to": "end"}]}}, "initial": "w"},
+            "end": {"final": "aborted"},
+        },
+        answerers={"agent": ChatteringAnswerer([{"option": "left"}, {"option": "right"}, {"option": "left"}])},
+    )
     rig.run()
     assert rig.entered == ["asking", "over", "w", "end"]
     assert [step.event.data["option"] for step in rig.stale()] == ["right", "left"]

@@ -20,23 +20,47 @@ from rai_missions.testing import LateAnswerer
 from tests.runner.stages import Rig, mission
 
 MOVING: dict[str, Any] = {
-    "moving": {"action": "move", "timeout_s": 5, "transitions": [{"on": "go", "to": "over"}, {"on": "succeeded", "to": "over"}, {"on": "timed_out", "to": "late"}]},
+    "moving": {
+        "action": "move",
+        "timeout_s": 5,
+        "transitions": [
+            {"on": "go", "to": "over"},
+            {"on": "succeeded", "to": "over"},
+            {"on": "timed_out", "to": "late"},
+        ],
+    },
     "over": {"final": "aborted"},
     "late": {"final": "failed"},
-}  # fmt: skip
+}
 DRIVING: dict[str, Any] = {
-    "driving": {"control": "autonomy", "action": "move", "timeout_s": 60, "transitions": [{"on": "go", "to": "turning"}]},
-    "turning": {"control": "autonomy", "action": "turn", "timeout_s": 60, "transitions": [{"on": "succeeded", "to": "over"}]},
+    "driving": {
+        "control": "autonomy",
+        "action": "move",
+        "timeout_s": 60,
+        "transitions": [{"on": "go", "to": "turning"}],
+    },
+    "turning": {
+        "control": "autonomy",
+        "action": "turn",
+        "timeout_s": 60,
+        "transitions": [{"on": "succeeded", "to": "over"}],
+    },
     "over": {"final": "aborted"},
-}  # fmt: skip
+}
 ASKING: dict[str, Any] = {
     "asking": {
-        "decision": {"question": "Which?", "options": {"left": {}, "right": {}}, "ask": ["agent"], "deadline_s": 30, "fallback": "right"},
+        "decision": {
+            "question": "Which?",
+            "options": {"left": {}, "right": {}},
+            "ask": ["agent"],
+            "deadline_s": 30,
+            "fallback": "right",
+        },
         "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
     },
     "over": {"final": "aborted"},
     "lost": {"final": "failed"},
-}  # fmt: skip
+}
 
 
 def test_a_pause_cancels_the_goal_keeps_the_time_left_and_resume_starts_it_again() -> None:
@@ -267,10 +291,15 @@ def test_an_answer_to_a_question_that_nobody_asks_is_stale() -> None:
 def test_the_status_has_a_revision_that_grows_with_each_change() -> None:
     seen: list[Status] = []
     rig = Rig(DRIVING, on_status=seen.append)
-    rig.stage.play({
-        1.0: rig.runner.pause, 2.0: rig.runner.resume, 3.0: lambda: rig.runner.hand_over("operator"),
-        4.0: lambda: rig.runner.hand_over("autonomy"), 5.0: lambda: rig.runner.cancel(),
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            1.0: rig.runner.pause,
+            2.0: rig.runner.resume,
+            3.0: lambda: rig.runner.hand_over("operator"),
+            4.0: lambda: rig.runner.hand_over("autonomy"),
+            5.0: lambda: rig.runner.cancel(),
+        }
+    )
     rig.run()
     assert [status.revision for status in seen] == list(range(1, len(seen) + 1))
     assert [status.mode for status in seen] == ["running", "paused", "running", "running", "running", "canceled"]

@@ -14,22 +14,29 @@ from tests.runner.stages import KEYS, Rig, mission, robot
 MOVING: dict[str, Any] = {
     "idle": {"transitions": [{"on": "go", "to": "moving"}]},
     "moving": {
-        "action": "move", "timeout_s": 10, "goal": {"speed": {"from": "speed"}},
-        "transitions": [{"on": "succeeded", "to": "done"}, {"on": "failed", "to": "lost"}, {"on": "timed_out", "to": "late"}],
+        "action": "move",
+        "timeout_s": 10,
+        "goal": {"speed": {"from": "speed"}},
+        "transitions": [
+            {"on": "succeeded", "to": "done"},
+            {"on": "failed", "to": "lost"},
+            {"on": "timed_out", "to": "late"},
+        ],
     },
     "done": {"final": "succeeded", "requires": {"key": "there", "==": True}},
     "lost": {"final": "failed"},
     "late": {"final": "failed"},
-}  # fmt: skip
+}
 CALLING: dict[str, Any] = {
     "idle": {"transitions": [{"on": "go", "to": "calling"}]},
     "calling": {
-        "call": "horn", "timeout_s": 5,
+        "call": "horn",
+        "timeout_s": 5,
         "transitions": [{"on": "succeeded", "to": "over"}, {"on": ["failed", "rejected", "timed_out"], "to": "lost"}],
     },
     "over": {"final": "aborted"},
     "lost": {"final": "failed"},
-}  # fmt: skip
+}
 
 
 def test_an_event_becomes_a_step_and_the_step_a_call() -> None:
@@ -121,14 +128,21 @@ def test_the_world_stands_still_once_the_run_has_ended() -> None:
 
 def test_a_late_result_belongs_to_no_other_goal() -> None:
     states = {
-        "first": {"action": "move", "timeout_s": 1, "cancel_s": 1, "transitions": [{"on": "timed_out", "to": "second"}]},
+        "first": {
+            "action": "move",
+            "timeout_s": 1,
+            "cancel_s": 1,
+            "transitions": [{"on": "timed_out", "to": "second"}],
+        },
         "second": {
-            "action": "move", "timeout_s": 5, "over_orphan": True,
+            "action": "move",
+            "timeout_s": 5,
+            "over_orphan": True,
             "transitions": [{"on": "succeeded", "to": "done"}, {"on": "timed_out", "to": "late"}],
         },
         "done": {"final": "aborted"},
         "late": {"final": "failed"},
-    }  # fmt: skip
+    }
     rig = Rig(states)
     rig.move.on_cancel = ()
     rig.stage.play({3.0: lambda: rig.move.say("succeeded", 0)})
@@ -138,10 +152,14 @@ def test_a_late_result_belongs_to_no_other_goal() -> None:
 
 def test_an_action_made_of_services_starts_ends_and_is_canceled_by_them() -> None:
     states = {
-        "driving": {"action": "drive", "timeout_s": 3, "transitions": [{"on": "succeeded", "to": "done"}, {"on": "timed_out", "to": "late"}]},
+        "driving": {
+            "action": "drive",
+            "timeout_s": 3,
+            "transitions": [{"on": "succeeded", "to": "done"}, {"on": "timed_out", "to": "late"}],
+        },
         "done": {"final": "aborted"},
         "late": {"final": "failed"},
-    }  # fmt: skip
+    }
     rig = Rig(states)
     rig.stage.play({2.0: lambda: rig.publish("/there", data=True)})
     assert rig.run().outcome == "aborted" and [name for _, name in rig.called] == ["/drive"]
@@ -199,12 +217,20 @@ def test_a_profile_that_lacks_a_name_is_refused_before_the_start() -> None:
 def test_a_polled_service_is_an_event_when_its_guard_becomes_true() -> None:
     said = ["DRIVING"]
     rig = Rig(
-        {"waiting": {"transitions": [{"on": "go", "do": [{"set": "count", "add": 1}]}, {"on": "again", "to": "end"}]}, "end": {"final": "failed"}},
-        robot=robot(events={
-            "go": {"service": "/state", "type": "t", "every_s": 0.5, "when": {"key": "message", "==": "WAITING"}},
-            "again": {"posted": True}, "stop_now": {"posted": True},
-        }),
-    )  # fmt: skip
+        {
+            "waiting": {
+                "transitions": [{"on": "go", "do": [{"set": "count", "add": 1}]}, {"on": "again", "to": "end"}]
+            },
+            "end": {"final": "failed"},
+        },
+        robot=robot(
+            events={
+                "go": {"service": "/state", "type": "t", "every_s": 0.5, "when": {"key": "message", "==": "WAITING"}},
+                "again": {"posted": True},
+                "stop_now": {"posted": True},
+            }
+        ),
+    )
     asked: list[float] = []
     rig.connector.serve("/state", "t", lambda _: (asked.append(rig.stage.at), {"message": said[0]})[1])
     rig.stage.play(

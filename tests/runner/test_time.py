@@ -31,18 +31,30 @@ CALLING: dict[str, Any] = {
 }
 ASKING: dict[str, Any] = {
     "asking": {
-        "decision": {"question": "Which?", "options": {"left": {}, "right": {}}, "ask": ["agent"], "deadline_s": 20, "fallback": "right"},
+        "decision": {
+            "question": "Which?",
+            "options": {"left": {}, "right": {}},
+            "ask": ["agent"],
+            "deadline_s": 20,
+            "fallback": "right",
+        },
         "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
     },
-    "over": {"final": "aborted"}, "lost": {"final": "failed"},
-}  # fmt: skip
+    "over": {"final": "aborted"},
+    "lost": {"final": "failed"},
+}
 
 
 def test_ten_hours_go_by_in_seconds_and_every_minute_is_kept() -> None:
     states = {
-        "watching": {"transitions": [{"after_s": 60, "to": "watching", "do": [{"set": "count", "add": 1}, {"call": "horn"}]}, {"on": "stop_now", "to": "over"}]},
+        "watching": {
+            "transitions": [
+                {"after_s": 60, "to": "watching", "do": [{"set": "count", "add": 1}, {"call": "horn"}]},
+                {"on": "stop_now", "to": "over"},
+            ]
+        },
         "over": {"final": "aborted"},
-    }  # fmt: skip
+    }
     began = time.process_time()
     rig = Rig(
         mission(states, transitions=[{"when": {"key": "count", ">=": 600}, "to": "over"}]), clock=SimulatedClock()
@@ -181,33 +193,69 @@ def test_two_runs_share_one_connector_at_once() -> None:
 
 
 SCRIPT = st.lists(
-    st.tuples(st.integers(1, 60), st.sampled_from(["go", "again", "stop_now", "pause", "resume", "there", "battery", "said", "left", "lost", "operator", "autonomy"])),
+    st.tuples(
+        st.integers(1, 60),
+        st.sampled_from(
+            [
+                "go",
+                "again",
+                "stop_now",
+                "pause",
+                "resume",
+                "there",
+                "battery",
+                "said",
+                "left",
+                "lost",
+                "operator",
+                "autonomy",
+            ]
+        ),
+    ),
     max_size=14,
-)  # fmt: skip
+)
 
 
 @given(SCRIPT)
 def test_a_replayed_run_is_the_run(tmp_path_factory: pytest.TempPathFactory, script: list[tuple[int, str]]) -> None:
     states = {
-        "idle": {"transitions": [{"on": "go", "to": "moving"}, {"on": "again", "to": "asking"}, {"after_s": 7, "to": "over"}]},
-        "moving": {
-            "control": "autonomy", "action": "move", "timeout_s": 2, "achieved": {"key": "there", "==": True}, "settle_s": 0.5,
-            "transitions": [{"when": {"held": {"key": "battery", "<": 0.5}, "for_s": 1}, "to": "looking"}, {"on": ["succeeded", "failed", "unverified", "timed_out", "rejected"], "to": "idle"}],
+        "idle": {
+            "transitions": [{"on": "go", "to": "moving"}, {"on": "again", "to": "asking"}, {"after_s": 7, "to": "over"}]
         },
-        "looking": {"tree": {"sequence": [{"call": "horn", "timeout_s": 1}, {"wait_s": 0.7}]}, "timeout_s": 3, "transitions": [{"on": ["succeeded", "failed", "timed_out"], "to": "idle"}]},
+        "moving": {
+            "control": "autonomy",
+            "action": "move",
+            "timeout_s": 2,
+            "achieved": {"key": "there", "==": True},
+            "settle_s": 0.5,
+            "transitions": [
+                {"when": {"held": {"key": "battery", "<": 0.5}, "for_s": 1}, "to": "looking"},
+                {"on": ["succeeded", "failed", "unverified", "timed_out", "rejected"], "to": "idle"},
+            ],
+        },
+        "looking": {
+            "tree": {"sequence": [{"call": "horn", "timeout_s": 1}, {"wait_s": 0.7}]},
+            "timeout_s": 3,
+            "transitions": [{"on": ["succeeded", "failed", "timed_out"], "to": "idle"}],
+        },
         "asking": {**ASKING["asking"], "transitions": [{"on": "left", "to": "idle"}, {"on": "right", "to": "moving"}]},
         "over": {"final": "aborted"},
-    }  # fmt: skip
+    }
     made = mission(states)
     path = tmp_path_factory.mktemp("run") / "run.journal"
     with Journal.create(path, Header(dump(made), dump_profile(robot()), {})) as journal:
         rig = Rig(made, journal=journal)
         does: dict[str, Callable[[], object]] = {
-            "pause": rig.runner.pause, "resume": rig.runner.resume, "there": lambda: rig.publish("/there", data=True),
-            "battery": lambda: rig.publish("/battery", percentage=0.3), "said": lambda: rig.move.goals and rig.move.say("succeeded"),
-            "lost": lambda: rig.move.goals and rig.move.say("lost"), "left": lambda: rig.runner.answer(2, "left"),
-            "operator": lambda: rig.runner.hand_over("operator"), "autonomy": lambda: rig.runner.hand_over("autonomy"),
-        }  # fmt: skip
+            "pause": rig.runner.pause,
+            "resume": rig.runner.resume,
+            "there": lambda: rig.publish("/there", data=True),
+            "battery": lambda: rig.publish("/battery", percentage=0.3),
+            "said": lambda: rig.move.goals and rig.move.say("succeeded"),
+            "lost": lambda: rig.move.goals and rig.move.say("lost"),
+            "left": lambda: rig.runner.answer(2, "left"),
+            "operator": lambda: rig.runner.hand_over("operator"),
+            "autonomy": lambda: rig.runner.hand_over("autonomy"),
+        }
         for tenth, name in script:
             rig.stage.play({tenth / 10: does.get(name, lambda name=name: rig.post(name))})
         rig.stage.play({20.0: rig.runner.kill})
