@@ -114,7 +114,7 @@ class Interpreter:
         self.external_queue: deque[Event] = deque()
         self.delayed: list[Delayed] = []
         self.sent, self.now, self.microsteps = 0, 0.0, 0
-        self.running, self.outcome = True, ""
+        self.running, self.outcome, self.broken_off = True, "", False
         self.log: list[str] = []
 
     def _children(self, parent: Element, states: dict[str, Any]) -> None:
@@ -187,18 +187,18 @@ class Interpreter:
 
     def exit_interpreter(self) -> None:
         for s in sorted(self.configuration, key=lambda s: -s.order):
-            self.execute_content(s.data.get("exit", []))
+            self.execute_content(s.data.get("exit", []) if not self.broken_off else [])
         self.delayed.clear()
         self.external_queue.clear()
         self.internal_queue.clear()
 
     def react(self, event: Event) -> list[Transition]:
-        """selectTransitions; an outcome that nobody takes, and that is no success, ends the mission (not SCXML)."""
+        """selectTransitions; a failure that nobody takes breaks the mission off (which is not SCXML)."""
         if event.done and self.elements[event.done] not in self.configuration:
             return []
         enabled = self.select_transitions(event)
         if event.done and not enabled and event.name != "succeeded" and not self._in_region(event.done):
-            self.running, self.outcome = False, "failed"
+            self.running, self.outcome, self.broken_off = False, "failed", True
         return enabled
 
     def select_eventless_transitions(self) -> list[Transition]:

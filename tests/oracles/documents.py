@@ -6,12 +6,13 @@ Rule: every entry, exit and row logs itself, so that a trace shows each thing do
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 from hypothesis import strategies as st
 
-__all__ = ("EVENTS", "Taste", "charts", "scripts")
+__all__ = ("EVENTS", "Taste", "charts", "lineage", "scripts", "without_rows")
 
 Json = dict[str, Any]
 EVENTS = ("a", "b", "c")
@@ -199,6 +200,8 @@ class _Draft:
             row["to"] = self.draw(st.sampled_from(self.below(name)))
             row["internal"] = True
         row["do"] = [{"log": f"{name}.{index}"}, *self.effects()]
+        if kind == "eventless" and self.some(of=2):
+            row |= {"when": {"key": "n", "<": 3}, "do": [*row["do"], {"set": "n", "add": 1}]}
         return row
 
     def reports(self, name: str) -> bool:
@@ -213,8 +216,8 @@ class _Draft:
                 state["initial"] = self.initial(name, state)
             if "history" in state:
                 continue
-            for effects in (state["entry"], state["exit"]):
-                effects += self.effects() if self.some(of=4) else []
+            for word in ("entry", "exit"):
+                state[word] += self.effects() if self.some(of=4) else []
             if "final" not in state:
                 rows = [self.row(name, index) for index in range(self.draw(st.integers(0, 3)))]
                 state["transitions"] = rows
@@ -237,7 +240,8 @@ def charts(draw: st.DrawFn, taste: Taste | None = None) -> Json:
         states.update([draft.leaf("", "final", draft.ending())])
     draft.connect()
     document: Json = {
-        "name": "generated", "initial": draft.initial("", {}), "states": states, "events": {name: {} for name in (*EVENTS, *INNER)},
+        "name": "generated", "initial": draft.initial("", {}), "states": states,
+        "events": {name: {} for name in (*EVENTS, *INNER)},
         "blackboard": {key: {"type": "integer", "initial": 0} for key in KEYS},
     }  # fmt: skip
     if taste.root_rows and draw(st.booleans()):
@@ -255,3 +259,25 @@ def scripts(*, timed: bool = False, writes: bool = False) -> st.SearchStrategy[l
         values = st.tuples(st.sampled_from(KEYS), st.integers(0, 4))
         kinds.append(st.tuples(st.just("write"), values, waits))
     return st.lists(st.one_of(kinds), min_size=1, max_size=12)
+
+
+def lineage(document: Json) -> tuple[dict[str, Json], dict[str, list[str]]]:
+    """Every state by its name, and the names of those that it stands in, innermost first."""
+    states: dict[str, Json] = {}
+    above: dict[str, list[str]] = {}
+
+    def gather(inside: Json, outer: list[str]) -> None:
+        for name, state in inside.items():
+            states[name], above[name] = state, outer
+            gather(state.get("states") or state.get("parallel") or {}, [name, *outer])
+
+    gather(document["states"], [])
+    return states, above
+
+
+def without_rows(document: Json, unwanted: Callable[[str, Json], bool]) -> Json:
+    """The chart without the rows of which `unwanted(source, row)` is true."""
+    for name, state in lineage(document)[0].items():
+        if "transitions" in state:
+            state["transitions"] = [row for row in state["transitions"] if not unwanted(name, row)]
+    return document
