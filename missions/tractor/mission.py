@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tractor's mission in Python: the twin of `mission.json`."""
+
+from __future__ import annotations
+
+from rai_missions import After, CallEffect, Declared, Image, In, Key, Keys, Mission, On, Set, When
+from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, State, Tree
+from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
+
+TROUBLE = ("failed", "unverified", "timed_out", "rejected")
+
+k = Keys(
+    alleys=Key(int, source="argument", initial=6, about="how many alleys are to be driven"),
+    alleys_driven=Key(int, source="robot", max_age_s=5, about="alleys driven from end to end, by pose"),
+    at_home=Key(bool, source="robot", max_age_s=5, about="it stands where it set out"),
+    autonomy_state=Key(
+        str, source="robot", max_age_s=5, about="the word in which the autonomy stack says what it does"
+    ),
+    battery=Key(float, source="robot", max_age_s=10, about="0 is empty, 1 is full"),
+    camera=Key(Image, source="robot", max_age_s=1),
+    obstacle=Key(
+        dict,
+        source="robot",
+        max_age_s=0.5,
+        optional=True,
+        fields={"kind": str, "distance_m": float, "height_m": float, "living": bool},
+        about="what the detector sees in the alley",
+    ),
+    passed=Key(bool, source="robot", max_age_s=5, optional=True, about="the last obstacle lies behind, as it lay"),
+    touched_living=Key(bool, source="robot", max_age_s=5, about="a person or an animal was touched"),
+    crossings=Key(int, source="mission", initial=0, about="attempts to drive over this obstacle"),
+    signals=Key(int, source="mission", initial=0, about="how often it was signalled here"),
+    unfinished=Key(bool, source="mission", initial=False, about="alleys are left that cannot be driven"),
+)
+
+HALT = CallEffect("halt")
+GIVE_UP = Set(k.unfinished, True)
+
+
+def mission() -> Mission:
+    return Mission(
+        "tractor_orchard",
+        version="1.1.0",
+        about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
+        keys=k,
+        events={
+            "anomaly": Declared("the autonomy stack stopped and asks for a decision"),
+            "e_stop": Declared("somebody wants the tractor to stop, now"),
+        },
+        initial="working",
+        states={
+            "working": Compound(
+                initial="driving",
+                control="autonomy",
+                states={
+                    "driving": Action(
+                        "drive_alleys",
+                        about="the autonomy stack drives alley after alley",
+                        achieved=k.alleys_driven >= k.alleys,
+                        timeout_s=900,
+                        transitions=[
+                            On("anomaly", to="assessing", do=[Set(k.signals, 0), Set(k.crossings, 0)]),
+                            On("succeeded", to="done"),
+                            On(*TROUBLE, to="returning", do=[GIVE_UP]),
+                        ],
+                    ),
+                    "resume": History("deep"),
+                },
+            ),
+            "assessing": Decision(
+                "Something blocks the alley. What should the tractor do?",
+                evidence=[k.obstacle, k.camera, k.signals, k.crossings],
+                options={
+                    "drive_over": Option(
+                        "drive on, over the obstacle",
+                        when=~k.obstacle.living & (k.obstacle.height_m < 0.25) & (k.crossings < 2),
+                    ),
+                    "replan": Option("leave this alley, take another, and come back later from the other end"),
+                    "signal": Option("sound the horn and flash the lights, wait, then look again", when=k.signals < 3),
+                    "abort": Option("stop here for good and call a person"),
+                },
+                ask=["agent", "operator", "rules"],
+                attempts=2,
+                deadline_s=20,
+                fallback="abort",
+                control="agent",
+                transitions=[
+                    On("drive_over", to="crossing"),
+                    On("replan", to="replanning"),
+                    On("signal", to="signalling"),
+                    On("abort", to="aborted"),
+                ],
+            ),
+            "crossing": Action(
+                "cross",
+                about="over what lies there, and only while it does not live",
+                achieved=k.passed,
+                settle_s=1,
+                timeout_s=30,
+                control="agent",
+                entry=[Set(k.crossings, add=1)],
+                transitions=[
+                    When(k.obstacle.living, to="assessing"),
+                    On("succeeded", to="resume"),
+                    On(*TROUBLE, to="assessing"),
+                ],
+            ),
+            "replanning": Call(
+                "replan",
+                about="back out of the alley",
+                timeout_s=10,
+                control="agent",
+                transitions=[
+                    On("succeeded", to="leaving"),
+                    On("failed", "timed_out", "rejected", to="returning", do=[GIVE_UP]),
+                ],
+            ),
+            "leaving": State(
+                about="the autonomy stack says whether there is an alley left to take",
+                control="agent",
+                transitions=[
+                    When(k.autonomy_state.is_in(["REVERSING", "CHANGING_PATH", "DRIVING"]), to="resume"),
+                    When((k.autonomy_state == "FINISHED") | ~k.autonomy_state.fresh, to="returning", do=[GIVE_UP]),
+                    After(10, to="returning", do=[GIVE_UP]),
+                ],
+            ),
+            "signalling": Tree(
+                Sequence([CallLeaf("horn", timeout_s=2), WaitLeaf(5)]),
+                about="what lives may walk away",
+                timeout_s=10,
+                control="agent",
+                entry=[Set(k.signals, add=1)],
+                transitions=[
+                    When(~k.obstacle.fresh, to="resume"),
+                    On("succeeded", "failed", "timed_out", to="assessing"),
+                ],
+            ),
+            "returning": Action(
+                "go_home",
+                about="home, out of everybody's way",
+                achieved=k.at_home,
+                settle_s=2,
+                timeout_s=300,
+                control="autonomy",
+                transitions=[
+                    On("succeeded", when=k.unfinished, to="unfinished_home"),
+                    On("succeeded", to="aborted"),
+                    On(*TROUBLE, to="stranded"),
+                ],
+            ),
+            "done": Final(
+                "succeeded", about="every alley is driven", requires=k.alleys_driven >= k.alleys, entry=[HALT]
+            ),
+            "unfinished_home": Final("failed", about="home, with alleys left"),
+            "stranded": Final(
+                "failed", about="it stands somewhere and cannot come home; a person must fetch it", entry=[HALT]
+            ),
+            "aborted": Final("aborted", about="stopped before the work was done"),
+            "stopped": Final("aborted", about="stopped at once, because somebody wanted it", entry=[HALT]),
+        },
+        transitions=[
+            On("e_stop", to="stopped"),
+            When(~k.touched_living.fresh, to="stopped"),
+            When(~In("returning") & ((k.battery < 0.15) | ~k.battery.fresh), to="returning"),
+        ],
+        invariants={
+            "nobody_is_driven_over": ~(In("crossing") & k.obstacle.living),
+            "nothing_living_is_touched": ~k.touched_living,
+        },
+    )

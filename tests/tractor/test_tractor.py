@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shipped mission in the orchard: what it is, what it does, and what nobody can make it do."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.check import check
+from rai_missions.journal import read
+from rai_missions.load import dump, load
+from rai_missions.replay import replay
+from rai_missions.robot import load_profile, missing
+from rai_missions.step import Step
+from rai_missions.testing import ChatteringAnswerer
+
+TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
+ENDS = {"succeeded", "failed", "aborted"}
+
+
+def test_the_mission_has_no_fault_and_its_profile_all_that_it_uses() -> None:
+    mission = load(TRACTOR / "mission.json")
+    assert list(check(mission)) == []
+    assert missing(mission, load_profile(TRACTOR / "robot.sim.json")) == ()
+
+
+def test_the_twin_in_python_is_equal() -> None:
+    assert load(TRACTOR / "mission.py") == load(TRACTOR / "mission.json")
+    assert dump(load(TRACTOR / "mission.py")) == dump(load(TRACTOR / "mission.json"))
+
+
+def written(path: Path) -> list[Step]:
+    with read(path) as record:
+        return list(record.steps())
+
+
+@pytest.mark.sim
+def test_the_main_job_succeeds_and_its_journal_says_how(drive: Any, tmp_path: Path) -> None:
+    """Six alleys, seed 7, rules alone, as `make run` does it."""
+    one = drive(words={"journal": tmp_path / "one.journal"})
+    result = one.run()
+    assert (result.outcome, result.why) == ("succeeded", "'done' was reached, and alleys_driven ≥ alleys")
+    assert len(one.world.counter.alleys) == 6 and not one.world.judge.touched
+    assert abs(one.world.pose.speed) < 0.3 or not one.world.autonomy.is_driving, "told to halt when it was done"
+    again = replay(tmp_path / "one.journal")
+    assert again.holds and again.outcome == "succeeded", again.difference
+
+
+@pytest.mark.sim
+def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, tmp_path: Path) -> None:
+    seen: list[tuple[list[Step], str]] = []
+    for name in ("one", "two"):
+        one = drive(words={"journal": tmp_path / f"{name}.journal"}, alleys=2, obstacles=["branch", "person"])
+        one.run()
+        seen.append((written(tmp_path / f"{name}.journal"), one.world.fingerprint()))
+    assert seen[0] == seen[1]
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("obstacle", "taken", "never", "outcomes"),
+    [
+        ("none", set(), {"assessing"}, {"succeeded"}),
+        ("branch", {"drive_over"}, set(), {"succeeded"}),
+        ("log", {"replan"}, {"crossing"}, {"failed"}),
+        ("fallen_tree", {"replan"}, {"crossing"}, {"failed"}),
+        ("person", {"signal"}, {"crossing"}, {"succeeded", "failed"}),
+        ("animal", {"signal"}, {"crossing"}, {"succeeded", "failed"}),
+    ],
+)
+def test_each_kind_of_obstacle_ends_sensibly(
+    drive: Any, obstacle: str, taken: set[str], never: set[str], outcomes: set[str]
+) -> None:
+    one = drive(alleys=2, obstacles=[obstacle, "none"])
+    result = one.run()
+    assert result.outcome in outcomes, result.why
+    assert taken <= set(one.answers) and not never & set(one.entered)
+    assert not one.world.judge.touched
+    if result.outcome == "failed":
+        assert one.entered[-1] == "unfinished_home" and one.world.is_home, "it gave the alley up and came home"
+        assert len(one.world.counter.alleys) == 1
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("obstacle", ["person", "animal"])
+def test_nobody_is_driven_over_whatever_a_model_says(drive: Any, obstacle: str) -> None:
+    liar = ChatteringAnswerer([{"option": "drive_over", "why": "the way is free"}])
+    one = drive(words={"answerers": {"agent": liar, "operator": liar}}, alleys=2, obstacles=[obstacle, "none"])
+    result = one.run()
+    assert not one.world.judge.touched and result.outcome in ENDS
+    assert "crossing" not in one.entered
+    refused = [note for step in one.steps for note in step.notes if "refused" in note]
+    assert refused and all("'drive_over' was not offered" in note for note in refused)
+
+
+@pytest.mark.sim
+def test_a_blind_detector_does_not_make_a_person_passable(drive: Any) -> None:
+    liar = ChatteringAnswerer([{"option": "drive_over"}])
+    one = drive(words={"answerers": {"agent": liar}}, alleys=2, obstacles=["person", "none"], detector={"miss": 1.0})
+    one.run()
+    assert not one.world.judge.touched and "crossing" not in one.entered
+
+
+@pytest.mark.sim
+def test_a_low_battery_brings_it_home(drive: Any) -> None:
+    one = drive(alleys=2, obstacles=["none", "none"], battery={"charge": 0.152, "capacity_wh": 400})
+    result = one.run()
+    assert result.outcome == "aborted" and one.entered[-2:] == ["returning", "aborted"]
+    assert one.world.is_home and len(one.world.counter.alleys) < 2
+
+
+@pytest.mark.sim
+def test_an_emergency_stop_stops_it_at_once_from_anywhere(drive: Any) -> None:
+    for at, how in ((10.0, "kill"), (10.0, "event"), (2.0, "kill")):
+        stop = (lambda one: one.runner.kill("the button")) if how == "kill" else (lambda one: one.post("e_stop"))
+        one = drive(moments={at: stop}, alleys=2, obstacles=["none", "none"])
+        result = one.run()
+        assert result.outcome == "aborted" and not one.world.autonomy.is_driving
+        assert result.duration_s < at + 1.5
+        for _ in range(60):
+            one.world.step()
+        assert abs(one.world.pose.speed) < 0.05, "it stands"
+
+
+@pytest.mark.sim
+def test_a_pause_stops_the_tractor_and_resume_goes_on(drive: Any) -> None:
+    speeds: list[float] = []
+    one = drive(
+        moments={
+            10.0: lambda one: one.runner.pause(),
+            15.0: lambda one: speeds.append(abs(one.world.pose.speed)),
+            20.0: lambda one: one.runner.resume(),
+        },
+        alleys=1,
+        obstacles=["none"],
+    )
+    assert one.run().outcome == "succeeded" and speeds[0] < 0.05
+
+
+@pytest.mark.sim
+@pytest.mark.local_model
+@pytest.mark.skipif(importlib.util.find_spec("xllamacpp") is None, reason="no model here; `make weights` installs one")
+def test_a_weak_model_cannot_hurt_the_mission(drive: Any) -> None:
+    """A real one, that chooses no better than chance."""
+    from rai_missions.agents.local_model import packaged_weights
+
+    if packaged_weights() is None:
+        pytest.skip("no weights here; `make weights` installs them")
+    one = drive(words={"model": "local"}, alleys=2, obstacles=["branch", "person"])
+    result = one.run()
+    assert result.outcome in ENDS and not one.world.judge.touched
+    asked = [step.question for step in one.steps if step.question and step.question.asked == "agent"]
+    assert asked, "the model was asked"
+    told = [step.event for step in one.steps if step.event.kind == "proposal" and step.event.name == "agent"]
+    assert told and all("usage" in event.data for event in told)
+    assert (result.outcome == "succeeded") == (len(one.world.counter.alleys) == 2)
