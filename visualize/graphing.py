@@ -29,6 +29,9 @@ __all__ = ("dot_text", "quoted")
 
 ANYWHERE, START = "#anywhere", "#start"
 """No state has such a name."""
+SMALL = 60
+"""Up to so many edges the layout may take its time: rows lead down the page even out of trees and clusters. The time
+grows with the cube of the size, so larger missions are laid out cluster by cluster, with fewer passes."""
 HOLDERS = ("states", "parallel", "each", "tree")
 
 
@@ -78,11 +81,12 @@ class _Sheet:
         self.depth = _depths(picture)
 
     def lines(self, dpi: int | None) -> Iterator[str]:
-        run = bool(self.picture.steps)
+        run, small = bool(self.picture.steps), len(self.picture.edges) <= SMALL
         graph = attributes(
-            rankdir="TB", compound="true", newrank="true", fontname=FONT, nodesep=0.35, ranksep=0.55, pad=0.3,
-            labelloc="t", labeljust="l", label=title_table(self.picture), bgcolor="#FFFFFF", dpi=dpi,
-            outputorder="edgesfirst",
+            rankdir="TB", compound="true", newrank="true" if small else None, fontname=FONT, nodesep=0.35,
+            ranksep=0.55, pad=0.3, labelloc="t", labeljust="l", label=title_table(self.picture),
+            bgcolor="#FFFFFF", dpi=dpi, outputorder="edgesfirst", nslimit=None if small else 2, nslimit1=None if small else 2,
+            mclimit=None if small else 0.2,
         )  # fmt: skip
         yield f"digraph {quoted(self.picture.name)} {{"
         yield f"  graph {graph};"

@@ -21,7 +21,8 @@ def table(picture: Picture) -> str:
 
 
 def _lines(picture: Picture) -> Iterator[str]:
-    yield f"# {escaped(f'{picture.name} {picture.version}')}"
+    version = f"{picture.compared} → {picture.version}" if picture.compared else picture.version
+    yield f"# {escaped(f'{picture.name} {version}')}"
     if picture.about:
         yield from ("", escaped(picture.about))
     if picture.steps:

@@ -103,6 +103,25 @@ def _right(shape: ElementTree.Element) -> float:
     return max(float(x) for x, _ in re.findall(r"(-?[\d.]+),(-?[\d.]+)", shape.get("points") or shape.get("d") or ""))
 
 
+@pytest.mark.timeout(60)
+def test_a_mission_of_a_hundred_states_is_laid_out_in_time() -> None:
+    """With the ranks of small pictures this takes half a minute, and one of five hundred states hours."""
+    rows = [{"on": "succeeded", "to": "done"}, {"on": "failed", "to": "g0a0"}]
+    states = {
+        f"g{group}": {
+            "initial": f"g{group}a0",
+            "states": {f"g{group}a{n}": {"action": "go", "timeout_s": 1, "transitions": rows} for n in range(10)},
+            "transitions": [{"on": "halt", "to": f"g{(group + 1) % 10}"}],
+        }
+        for group in range(10)
+    }
+    given = {"format": 1, "name": "large", "initial": "g0", "events": {"halt": {}}}
+    mission = Mission.model_validate({**given, "states": {**states, "done": {"final": "aborted"}}})
+    assert "newrank" not in dot_text(picture(mission))
+    assert "newrank" in dot_text(picture(tractor()))
+    assert svg(mission) is not None
+
+
 def test_nothing_is_told_by_colour_alone() -> None:
     looks = [*LOOKS.values(), *OUTCOMES.values()]
     assert len({look.word for look in looks}) == len(looks)

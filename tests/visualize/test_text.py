@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mermaid and Markdown: every row is there, and no text of an author is read as more than text."""
+
+from __future__ import annotations
+
+import html
+import re
+
+from hypothesis import given
+from hypothesis import strategies as st
+from markdown_it import MarkdownIt
+
+from rai_missions.mission import Mission
+from tests.strategies import missions
+from tests.visualize import grammar
+from tests.visualize.runs import hostile, tractor, tractor_path
+from visualize import mermaid as mermaids
+from visualize import picture
+from visualize import table as tables
+from visualize.mermaid import mermaid
+from visualize.style import clean
+from visualize.table import table
+
+
+@given(missions())
+def test_every_row_is_an_arrow_of_the_diagram(mission: Mission) -> None:
+    drawn = picture(mission)
+    read = grammar.read(mermaid(drawn))
+    name = dict(zip(read.states, [node.name for node in drawn.nodes], strict=False)) | {"every_state": ""}
+    arrows = [(name[source], name[target]) for source, target, _ in read.arrows if source != "[*]"]
+    assert arrows == [(edge.source, edge.target or edge.source) for edge in drawn.edges]
+    begins = sorted(name[target] for source, target, _ in read.arrows if source == "[*]")
+    assert begins == sorted(initial.target for initial in drawn.initials)
+
+
+def test_a_diagram_of_hostile_texts_can_be_read() -> None:
+    read = grammar.read(mermaid(picture(hostile())))
+    shown = html.unescape(" ".join(read.states.values()).replace("#", "&#").replace("<br/>", " "))
+    assert "<img src=x onerror=alert(1)>" in shown  # as text
+    assert "<img" not in mermaid(picture(hostile()))
+
+
+@given(st.text(max_size=60))
+def test_mermaid_shows_a_text_as_it_is(text: str) -> None:
+    written = mermaids.escaped(text)
+    assert not set(written) & set('<>"`{}[]|%&\\:\n')
+    assert re.sub(r"#(\d+);", lambda found: chr(int(found[1])), written) == clean(text).replace("\n", " ")
+
+
+@given(st.text("ab*_`<>|\\[]()~#&!$ 漢\n", max_size=40))
+def test_markdown_shows_a_text_as_it_is(text: str) -> None:
+    rendered = MarkdownIt("gfm-like", {"linkify": False}).render(f"| a |\n| --- |\n| x{tables.escaped(text)}x |\n")
+    cell = re.search(r"<td>(.*)</td>", rendered, re.DOTALL)
+    assert cell is not None
+    assert "<" not in cell[1]
+    assert html.unescape(cell[1]) == "x" + text.replace("\n", " ") + "x"
+
+
+@given(missions())
+def test_the_table_has_a_line_a_row(mission: Mission) -> None:
+    rendered = MarkdownIt("gfm-like", {"linkify": False}).render(table(picture(mission)))
+    first = rendered.partition("</table>")[0]
+    rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
+    assert first.count("<tr>") == len(rows) + 1
+
+
+def test_the_table_counts_what_was_taken() -> None:
+    text = table(picture(tractor(), tractor_path()))
+    assert "| state | trigger | guard | to | do | taken |" in text
+    assert "| driving | anomaly |  | assessing | signals := 0 | **2× in steps 2, 5** |" in text
+    assert "| driving | succeeded |  | done |  |  |" in text
+    assert "A run of 6 steps: aborted, 'aborted' was reached." in text
