@@ -156,12 +156,17 @@ def _sent(connector: Connector, action_type: str, goal: Data, goal_id: str) -> t
     return server, reports
 
 
+def _ended_with(*said: str) -> Callable[[list[Report]], bool]:
+    """Whether the last report, if any has come yet, is one of these."""
+    return lambda reports: bool(reports) and reports[-1].said in said
+
+
 def _carries_a_goal_to_its_end(connector: Connector, action_type: str, goal: Data) -> None:
     server, reports = _sent(connector, action_type, goal, "g1")
     assert {key: server.goals["g1"][key] for key in goal} == dict(goal), "the server gets the goal as it was sent"
     for said in ("accepted", "feedback", "succeeded", "succeeded", "failed", "feedback"):
         server.say("g1", said)
-    said_all = [report.said for report in reports.wait(lambda all_: all_[-1].said in ENDS, "the goal succeeded")]
+    said_all = [report.said for report in reports.wait(_ended_with(*ENDS), "the goal succeeded")]
     assert said_all[0] == "accepted", said_all
     assert said_all[-1] == "succeeded", f"nothing is reported after the end, but: {said_all}"
     assert said_all.count("succeeded") == 1, said_all
@@ -173,7 +178,7 @@ def _remembers_an_early_cancel(connector: Connector, action_type: str, goal: Dat
     server.say("g2", "accepted")
     server.asked.wait(lambda all_: ("cancel", "g2") in all_, "a cancel before the acceptance is sent after it")
     server.say("g2", "canceled")
-    reports.wait(lambda all_: all_[-1].said == "canceled", "the goal was canceled")
+    reports.wait(_ended_with("canceled"), "the goal was canceled")
 
 
 def _ignores_a_cancel_of_nothing(connector: Connector, action_type: str, goal: Data) -> None:
@@ -181,7 +186,7 @@ def _ignores_a_cancel_of_nothing(connector: Connector, action_type: str, goal: D
     server, reports = _sent(connector, action_type, goal, "g3")
     server.say("g3", "accepted")
     server.say("g3", "failed")
-    reports.wait(lambda all_: all_[-1].said == "failed", "the goal failed")
+    reports.wait(_ended_with("failed"), "the goal failed")
     connector.cancel_goal("g3")
     assert ("cancel", "g3") not in server.asked.all, "an ended goal is not canceled"
 
