@@ -85,8 +85,8 @@ class _Sheet:
         graph = attributes(
             rankdir="TB", compound="true", newrank="true" if small else None, fontname=FONT, nodesep=0.35,
             ranksep=0.55, pad=0.3, labelloc="t", labeljust="l", label=title_table(self.picture),
-            bgcolor="#FFFFFF", dpi=dpi, outputorder="edgesfirst", nslimit=None if small else 2, nslimit1=None if small else 2,
-            mclimit=None if small else 0.2,
+            bgcolor="#FFFFFF", dpi=dpi, outputorder="edgesfirst",
+            nslimit=None if small else 2, nslimit1=None if small else 2, mclimit=None if small else 0.2,
         )  # fmt: skip
         yield f"digraph {quoted(self.picture.name)} {{"
         yield f"  graph {graph};"
