@@ -118,6 +118,8 @@ class Performer:
             self._result(effect.number, "rejected", {"why": why})
         elif isinstance(effect, CallService):
             self._result(effect.number, "unavailable", {"why": why})
+        elif isinstance(effect, StartBehaviour):
+            self._event("behaviour", "behaviour", effect.number, {"status": "failure", "why": why})
 
     def stop_everything(self) -> None:
         """The run breaks off: end every goal that may still run, heard of or not."""

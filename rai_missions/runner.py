@@ -85,7 +85,7 @@ class Runner:
     Args:
         mission: A mission without faults (`rai_missions.check`).
         robot: The profile that says what stands behind the mission's names.
-        connector: How the robot is reached. One that runs already is left running; else it is the run's, and is
+        connector: How the robot is reached. One that is `running` already is left so; else it is the run's, and is
             started and stopped by it.
         answerers: Who answers questions, by the names in `ask`.
         clock: The run's time; the wall's by default.
