@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The connector to ROS 2, over the real rclpy; importing this room loads nothing of ROS.
+
+Rule: rclpy is known in this room only, and comes in when a connector is opened.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import Connector
+from rai_missions.errors import UsageError
+
+__all__ = ("open_connector",)
+
+REMEDY = (
+    "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "
+    "pip install 'rai_missions[ros]'; never both"
+)
+
+
+def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> Connector:
+    """A connector to the ROS 2 graph, not started.
+
+    Args:
+        options: What a profile's `connector` says beside its `kind`; see `options.Options`.
+        now: Seconds on the run's clock; stamps what is heard. Left out, ROS time.
+
+    Raises:
+        UsageError: rclpy is not here, or an option is not understood.
+    """
+    try:
+        importlib.import_module("rclpy")
+    except (ImportError, OSError) as fault:
+        raise UsageError(f"a connector of kind 'ros2' needs rclpy, which does not load ({fault}): {REMEDY}") from fault
+    from rai_missions.connectors.ros2.connector import Ros2Connector
+
+    return Ros2Connector(options, now=now)

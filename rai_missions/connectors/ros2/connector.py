@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The connector to ROS 2: types by name, plain data, and what really became of every call and goal.
+
+Rule: what a caller has wrong is told on the caller's thread, at once; everything else is told by the callbacks.
+"""
+
+from __future__ import annotations
+
+import atexit
+import threading
+import weakref
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.ros2.messages import to_message
+from rai_missions.connectors.ros2.names import Kind, find_type
+from rai_missions.connectors.ros2.options import read_options
+from rai_missions.connectors.ros2.session import Session
+from rai_missions.errors import ConnectorError, UsageError
+
+__all__ = ("Ros2Connector",)
+
+MODES: Mapping[Kind, Mode] = {"msg": "topics", "srv": "services", "action": "actions"}
+
+
+class Ros2Connector:
+    """Topics, services and actions of the ROS 2 graph; a `Connector`.
+
+    Callbacks run one after the other on the connector's own thread and must return at once. It has a context of its
+    own, and lives beside whatever else the process does with rclpy.
+
+    Args:
+        options: What a profile's `connector` says beside its `kind`.
+        now: Seconds on the run's clock; left out, ROS time.
+
+    Raises:
+        UsageError: An option is not understood.
+    """
+
+    modes: frozenset[Mode] = frozenset({"topics", "services", "actions"})
+
+    def __init__(self, options: Mapping[str, Any] | None = None, *, now: Callable[[], float] | None = None) -> None:
+        self._options, self._now = read_options(options or {}), now
+        self._lock = threading.Lock()
+        self._session: Session | None = None
+        self._types: dict[tuple[Mode, str], str] = {}
+
+    def start(self) -> None:
+        """Open the node.
+
+        Raises:
+            UsageError: A name or an argument that ROS does not take.
+        """
+        with self._lock:
+            if self._session is None:
+                self._types.clear()
+                self._session = Session(self._options, self._now)
+                _running.add(self)
+
+    def stop(self) -> None:
+        with self._lock:
+            session, self._session = self._session, None
+            _running.discard(self)
+        if session is not None:
+            session.close()
+
+    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+        return self._opened().subscribe(topic, self._type("msg", topic, type_name), hear)
+
+    def publish(self, topic: str, type_name: str, message: Data) -> None:
+        session = self._session
+        if session is not None:
+            cls = self._type("msg", topic, type_name)
+            session.publish(topic, cls, to_message(cls, message, topic))
+
+    def call(
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        answered: Callable[[Reply], None],
+        timeout_s: float | None = None,
+    ) -> None:
+        session = self._session
+        if session is None:
+            answered(Reply("unavailable", {}, f"nobody serves {service}: the connector is not started"))
+            return
+        try:
+            cls = self._type("srv", service, type_name)
+            message = to_message(cls.Request, request, service)
+        except ConnectorError as fault:
+            answered(Reply("failed", {}, str(fault)))
+            return
+        session.call(service, cls, message, answered, timeout_s)
+
+    def send_goal(
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+    ) -> None:
+        session = self._session
+        if session is None:
+            report(Report(goal_id, "rejected", {}, f"nobody serves {action}: the connector is not started"))
+            return
+        try:
+            cls = self._type("action", action, type_name)
+            message = to_message(cls.Goal, goal, action)
+        except ConnectorError as fault:
+            report(Report(goal_id, "rejected", {}, str(fault)))
+            return
+        session.send_goal(action, cls, message, goal_id, report)
+
+    def cancel_goal(self, goal_id: str) -> None:
+        session = self._session
+        if session is not None:
+            session.cancel_goal(goal_id)
+
+    def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
+        """Serve a service.
+
+        ROS has no word for a server that fails: where a response has `success` and `message` (std_srvs), these say why;
+        other clients are left to their timeout.
+        """
+        return self._opened().serve(service, self._type("srv", service, type_name), answer)
+
+    def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
+        """Serve an action.
+
+        ROS has no word for why a goal is rejected, and none for a cancel that is refused after it was taken.
+        """
+        return self._opened().offer(action, self._type("action", action, type_name), server)
+
+    def _opened(self) -> Session:
+        session = self._session
+        if session is None:
+            raise UsageError("the ROS 2 connector is not started: call start() first")
+        return session
+
+    def _type(self, kind: Kind, name: str, type_name: str) -> Any:
+        known = self._types.setdefault((MODES[kind], name), type_name)
+        if not type_name:
+            type_name = known
+        if known and known != type_name:
+            raise ConnectorError(f"{name} is a {known}, not a {type_name}")
+        found = find_type(type_name, kind)
+        self._types[MODES[kind], name] = type_name
+        return found
+
+
+_running: weakref.WeakSet[Ros2Connector] = weakref.WeakSet()
+
+
+@atexit.register
+def _stop_all() -> None:
+    """Before the interpreter ends: a thread that still spins then aborts the whole process."""
+    for connector in list(_running):
+        connector.stop()

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The goals that a mission pursues with action servers elsewhere, each until its end was heard or its server is gone.
+
+Rule: a goal that has ended never reports again, a cancel is never lost, and what is accepted too late is canceled.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any, Literal
+
+from action_msgs.msg import GoalStatus
+from action_msgs.srv import CancelGoal
+from rclpy.action import ActionClient
+from rclpy.action.client import ClientGoalHandle
+from unique_identifier_msgs.msg import UUID
+
+from rai_missions.connectors.connector import Report
+from rai_missions.connectors.ros2.goal_ids import to_bytes
+from rai_missions.connectors.ros2.messages import to_data
+from rai_missions.connectors.ros2.peers import Peers, are_gone, servers_of_action
+from rai_missions.connectors.ros2.runtime import Runtime, guarded
+from rai_missions.connectors.ros2.services import MANY, WATCH_S
+
+__all__ = ("Goal", "GoalClient")
+
+log = logging.getLogger(__name__)
+
+End = Literal["rejected", "succeeded", "failed", "canceled", "lost"]
+ENDS: dict[int, End] = {
+    GoalStatus.STATUS_SUCCEEDED: "succeeded",
+    GoalStatus.STATUS_ABORTED: "failed",
+    GoalStatus.STATUS_CANCELED: "canceled",
+}
+
+
+class GoalClient:
+    """One action whose server is asked. On the runtime's thread only.
+
+    Args:
+        runtime: Where it lives.
+        action: Its name.
+        cls: The action's class.
+        patience_s: How long a server may take to be found, counted from now.
+    """
+
+    def __init__(self, runtime: Runtime, action: str, cls: Any, patience_s: float) -> None:
+        self.runtime, self.action = runtime, action
+        self.client = ActionClient(
+            runtime.node, cls, action, callback_group=runtime.group, goal_service_qos_profile=MANY,
+            result_service_qos_profile=MANY, cancel_service_qos_profile=MANY, feedback_sub_qos_profile=MANY,
+        )  # fmt: skip
+        runtime.keep(self, self.client.destroy)
+        self.peers = servers_of_action(runtime.node, action)
+        self.patience_s = patience_s
+        self._running: set[Goal] = set()
+        self._is_watched = False
+        runtime.later(patience_s, self._grow_impatient)
+
+    def _grow_impatient(self) -> None:
+        self.patience_s = 0.0
+
+    def watch(self, goal: Goal) -> None:
+        """Look after the server until the goal has ended."""
+        self._running.add(goal)
+        if not self._is_watched:
+            self._is_watched = True
+            self.runtime.later(WATCH_S, self._look)
+
+    def _look(self) -> None:
+        self._is_watched = False
+        running = {goal for goal in self._running if not goal.is_over}
+        now = self.peers() if running else frozenset()
+        self._running.clear()
+        for goal in running:
+            if are_gone(goal.peers, now) or not self.client.server_is_ready():
+                goal.end("lost", why=f"the server of {self.action} is gone")
+            else:
+                self.watch(goal)
+
+
+class Goal:
+    """One goal on its way. On its runtime's thread only.
+
+    Args:
+        client: The action that it is for.
+        goal_id: As the mission calls it.
+        report: Whom to tell.
+        ended: Told once, before the end is reported.
+    """
+
+    def __init__(
+        self, client: GoalClient, goal_id: str, report: Callable[[Report], None], ended: Callable[[Goal], None]
+    ) -> None:
+        self._client, self.goal_id, self._report, self._ended = client, goal_id, report, ended
+        self._uuid = UUID(uuid=list(to_bytes(goal_id)))
+        self._handle: Any = None
+        self._is_unwanted = self._is_sent = self._is_asking = False
+        self.is_over = self.is_settled = False
+        """`is_settled`: its end is known, or its server has said what it thinks of a cancel."""
+        self.peers: Peers = frozenset()
+
+    def send(self, goal: Any) -> None:
+        """Send it as soon as its server is found."""
+        ready = self._client.client.server_is_ready
+        self._client.runtime.when(
+            lambda: self.is_over or ready(), self._client.patience_s, lambda is_there: self._send(goal, is_there)
+        )
+
+    def _send(self, goal: Any, is_there: bool) -> None:
+        if self.is_over:
+            return
+        if not is_there:
+            self.end("rejected", why=f"nobody serves {self._client.action}")
+            return
+        self.peers, self._is_sent = self._client.peers(), True
+        future = self._client.client.send_goal_async(goal, feedback_callback=self._advance, goal_uuid=self._uuid)
+        future.add_done_callback(self._answered)
+        self._client.watch(self)
+
+    def cancel(self) -> None:
+        """Ask for its end; before the acceptance the wish is kept until then."""
+        self._is_unwanted = True
+        if self.is_over:
+            return
+        if not self._is_sent:
+            self.end("canceled", why="it was not sent yet")
+        elif self._handle is not None:
+            self._ask_to_cancel(self._handle)
+
+    def cancel_blindly(self) -> None:
+        """Ask for its end although nobody has accepted it yet: there will be no later."""
+        if self._is_sent and not self.is_over and self._handle is None:
+            self._ask_to_cancel(ClientGoalHandle(self._client.client, self._uuid, None))
+
+    def end(self, said: End, data: dict[str, Any] | None = None, why: str = "") -> None:
+        """It is over; the first end counts."""
+        if self.is_over:
+            return
+        self.is_over = self.is_settled = True
+        self._ended(self)
+        self._tell(Report(self.goal_id, said, data or {}, why))
+
+    def _tell(self, report: Report) -> None:
+        guarded(lambda: self._report(report))
+
+    def _answered(self, future: Any) -> None:
+        handle = _result_of(future)
+        if handle is None:
+            self.end("lost", why=f"{self._client.action} gave no answer to a goal")
+        elif not handle.accepted:
+            self.end("rejected", why=f"the server of {self._client.action} does not take the goal")
+        elif self.is_over:
+            self._ask_to_cancel(handle)  # nobody owns it any more
+        else:
+            self._handle = handle
+            self._tell(Report(self.goal_id, "accepted", {}))
+            handle.get_result_async().add_done_callback(self._finished)
+            if self._is_unwanted:
+                self._ask_to_cancel(handle)
+
+    def _advance(self, feedback: Any) -> None:
+        if self._handle is not None and not self.is_over:
+            self._tell(Report(self.goal_id, "feedback", to_data(feedback.feedback)))
+
+    def _finished(self, future: Any) -> None:
+        response = _result_of(future)
+        if response is not None and not self.is_over:
+            said = ENDS.get(response.status)
+            if said is None:
+                self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
+            else:
+                self.end(said, to_data(response.result))
+
+    def _ask_to_cancel(self, handle: Any) -> None:
+        if not self._is_asking:
+            self._is_asking = True
+            handle.cancel_goal_async().add_done_callback(self._cancel_answered)
+
+    def _cancel_answered(self, future: Any) -> None:
+        self._is_asking, self.is_settled = False, True
+        response = _result_of(future)
+        if response is None or self.is_over or self._handle is None:
+            return
+        codes = CancelGoal.Response
+        if response.return_code == codes.ERROR_UNKNOWN_GOAL_ID:
+            self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
+        elif not response.goals_canceling and response.return_code != codes.ERROR_GOAL_TERMINATED:
+            self._is_unwanted = False
+            self._tell(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} goes on"))
+
+
+def _result_of(future: Any) -> Any:
+    """What a future brought; None if it was given up or failed."""
+    if future.cancelled():
+        return None
+    fault = future.exception()
+    if fault is not None:
+        log.warning("an action's answer was lost: %s", fault)
+        return None
+    return future.result()

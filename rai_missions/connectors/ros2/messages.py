@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages from plain data and back: mappings, lists, numbers, texts, bytes, pictures.
+
+Rule: what does not fit is an error that names the field, never a message that says something else.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Hashable, Mapping
+from functools import cache
+from typing import Any
+
+from rai_missions.connectors.connector import Data
+from rai_missions.connectors.ros2.fields import BYTES, CODES, INTEGERS, FieldType, field_type
+from rai_missions.connectors.ros2.names import find_type
+from rai_missions.connectors.ros2.pictures import PICTURES, message_of_picture
+from rai_missions.errors import ConnectorError
+from rai_missions.event import Image
+from rai_missions.wording import shown, suggestion
+
+__all__ = ("to_data", "to_message")
+
+TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
+GREATEST_FLOAT = 3.402823466e38
+NO_FIELD = "structure_needs_at_least_one_member"
+"""What ROS gives a message that has no fields."""
+
+
+def to_message(cls: Any, data: Data, place: str = "") -> Any:
+    """A message from plain data; what is left out, or None, keeps its default.
+
+    Args:
+        cls: The message's class, or a service's `Request`, an action's `Goal`, …
+        data: Fields by name. A Time or Duration may be given in seconds, a picture as `Image`, bytes as they are.
+        place: What stands before the field's path in an error.
+
+    Raises:
+        ConnectorError: A field that the message does not have, or a value that its type does not take.
+    """
+    if isinstance(data, Image):
+        data = message_of_picture(data, name_of(cls), place)
+    if not isinstance(data, Mapping):
+        raise ConnectorError(f"{place or name_of(cls)}: {shown(data)} stands where the fields of a message belong")
+    message, known = cls(), _fields(cls)
+    for name, value in data.items():
+        if name not in known:
+            raise ConnectorError(f"{_at(place, name)}: {name_of(cls)} has no such field{suggestion(str(name), known)}")
+        if value is not None:
+            where = _at(place, name)
+            given = message_of_picture(value, name_of(cls), where)[name] if isinstance(value, Image) else value
+            _set(message, name, _field(known[name], given, where), where)
+    return message
+
+
+def _set(message: Any, name: str, value: Any, place: str) -> None:
+    try:
+        setattr(message, name, value)
+    except (AssertionError, TypeError, ValueError) as fault:  # what a message refuses beyond what its types say
+        raise ConnectorError(f"{place}: {fault!s:.160}") from None
+
+
+def _field(kind: FieldType, value: Any, place: str) -> Any:
+    if not kind.is_list:
+        return _single(kind, value, place)
+    if isinstance(value, bytes | bytearray | memoryview) and kind.name in BYTES:
+        value = bytes(value)
+    elif hasattr(value, "tolist") and not isinstance(value, array):  # numpy's, without knowing numpy
+        value = value.tolist()
+    elif not isinstance(value, list | tuple | array):
+        raise ConnectorError(f"{place}: {shown(value)} stands where a list of {kind.name} belongs")
+    if kind.count is not None and len(value) != kind.count:
+        raise ConnectorError(f"{place}: {len(value)} items; there are always {kind.count}")
+    if kind.most is not None and len(value) > kind.most:
+        raise ConnectorError(f"{place}: {len(value)} items; there are {kind.most} at the most")
+    if kind.name in CODES and (isinstance(value, bytes) or getattr(value, "typecode", None) == CODES[kind.name]):
+        whole = array(CODES[kind.name], value)
+        return whole if kind.count is None else whole.tolist()
+    items = [_single(kind, item, f"{place}/{index}") for index, item in enumerate(value)]
+    return array(CODES[kind.name], items) if kind.name in CODES and kind.count is None else items
+
+
+def _single(kind: FieldType, value: Any, place: str) -> Any:
+    name = kind.name
+    if name in INTEGERS:
+        return _integer(name, value, place)
+    if name in ("float", "double"):
+        return _number(name, value, place)
+    if name == "boolean":
+        if not isinstance(value, bool):
+            raise ConnectorError(f"{place}: {shown(value)} is neither true nor false")
+        return value
+    if name == "string":
+        if not isinstance(value, str):
+            raise ConnectorError(f"{place}: {shown(value)} stands where text belongs")
+        if kind.longest is not None and len(value) > kind.longest:
+            raise ConnectorError(f"{place}: {len(value)} characters; there are {kind.longest} at the most")
+        return value
+    if name == "octet":
+        return value if isinstance(value, bytes) and len(value) == 1 else bytes([_integer("uint8", value, place)])
+    if name in TIMES and not isinstance(value, Mapping):
+        value = _time(_number("double", value, place), place)
+    return to_message(find_type(name, "msg"), value, place)
+
+
+def _integer(name: str, value: Any, place: str) -> int:
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise ConnectorError(f"{place}: {shown(value)} is no whole number, as {name} asks")
+    least, greatest = INTEGERS[name]
+    if not least <= value <= greatest:
+        raise ConnectorError(f"{place}: {value} is outside of {name}, which goes from {least} to {greatest}")
+    return int(value)
+
+
+def _number(name: str, value: Any, place: str) -> float:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        raise ConnectorError(f"{place}: {shown(value)} is no number, as {name} asks")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    too_great = abs(number) > GREATEST_FLOAT if name == "float" else math.isinf(number) and isinstance(value, int)
+    if too_great and not (isinstance(value, float) and math.isinf(value)):
+        raise ConnectorError(f"{place}: {value:.6g} is too great for a {name}")
+    return number
+
+
+def _time(seconds: float, place: str) -> dict[str, int]:
+    if not math.isfinite(seconds):
+        raise ConnectorError(f"{place}: {seconds} is no time in seconds")
+    whole, nanoseconds = divmod(round(seconds * 1e9), 10**9)
+    return {"sec": whole, "nanosec": nanoseconds}
+
+
+def to_data(message: Any, ref: str = "") -> dict[str, Any]:
+    """A message as plain data.
+
+    Args:
+        message: Any message.
+        ref: What a picture in it is called.
+
+    Returns:
+        Its fields by name: nested messages as mappings, sequences as lists, those of uint8 and byte as bytes, and the
+        pixels of sensor_msgs' Image and CompressedImage as an `Image` where they are of a kind that it knows.
+    """
+    cls: Any = type(message)
+    data = {name: _plain(kind, getattr(message, name), ref) for name, kind in _fields(cls).items()}
+    picture = PICTURES.get(name_of(cls))
+    if picture is not None:
+        data["data"] = picture(data, ref)
+    return data
+
+
+def _plain(kind: FieldType, value: Any, ref: str) -> Any:
+    if not kind.is_list:
+        if kind.name == "octet":
+            return value[0]
+        return to_data(value, ref) if "/" in kind.name else value
+    if kind.name == "octet":
+        return b"".join(value)
+    if kind.name in BYTES:
+        return bytes(value)
+    if "/" in kind.name:
+        return [to_data(item, ref) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else list(value)
+
+
+@cache
+def name_of(cls: Hashable) -> str:
+    """A message class's name, `std_msgs/msg/String`."""
+    assert isinstance(cls, type)
+    package, kind = cls.__module__.split(".")[:2]
+    return f"{package}/{kind}/{cls.__name__}"
+
+
+@cache
+def _fields(cls: Any) -> Mapping[str, FieldType]:
+    said = cls.get_fields_and_field_types()
+    return {name: field_type(each) for name, each in said.items() if name != NO_FIELD}
+
+
+def _at(place: str, name: str) -> str:
+    return f"{place}/{name}" if place else str(name)

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Types of ROS by their names, `nav2_msgs/action/NavigateToPose`, found when they are first used."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+from typing import Any, Literal
+
+from rai_missions.errors import ConnectorError
+from rai_missions.wording import suggestion
+
+__all__ = ("Kind", "find_type")
+
+Kind = Literal["msg", "srv", "action"]
+WHAT = {"msg": "message", "srv": "service", "action": "action"}
+EXAMPLE = {"msg": "std_msgs/msg/String", "srv": "std_srvs/srv/Trigger", "action": "nav2_msgs/action/NavigateToPose"}
+
+
+@cache
+def find_type(name: str, kind: Kind) -> Any:
+    """The class of a message, service or action.
+
+    Raises:
+        ConnectorError: No such package or type on this machine, or a name of another kind.
+    """
+    package, _, rest = name.partition("/")
+    middle, _, last = rest.partition("/")
+    if middle != kind or not package.isidentifier() or not last.isidentifier():
+        given = f"{name!r} is no name of a {WHAT[kind]} type" if name else f"a {WHAT[kind]} needs the name of its type"
+        raise ConnectorError(f"{given}; one looks like {EXAMPLE[kind]!r}")
+    try:
+        module = importlib.import_module(f"{package}.{kind}")
+    except ModuleNotFoundError as fault:
+        raise ConnectorError(_missing(fault, package, kind)) from None
+    found = getattr(module, last, None)
+    if not hasattr(found, "_TYPE_SUPPORT"):
+        there = [each for each in vars(module) if each[0].isupper()]
+        raise ConnectorError(f"{package} has no {WHAT[kind]} type {last!r}{suggestion(last, there)}")
+    return found
+
+
+def _missing(fault: ModuleNotFoundError, package: str, kind: Kind) -> str:
+    if fault.name == f"{package}.{kind}":
+        return f"the package {package!r} has no {WHAT[kind]} types"
+    if fault.name != package:
+        return f"the types of {package!r} do not load: {fault}"
+    known = [each.name for each in pkgutil.iter_modules() if each.name.endswith(("_msgs", "_srvs", "_interfaces"))]
+    near = suggestion(package, known)
+    remedy = near if "did you mean" in near else "; source the workspace that has it, or install it"
+    return f"no ROS package {package!r} on this machine{remedy}"

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One node in a context of its own, and the one thread that does everything with it.
+
+Rule: entities are made, used and destroyed on this thread alone. rclpy breaks in many ways where they are not.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import logging
+import threading
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.context import Context
+from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
+from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from rai_missions.connectors.ros2.options import Options
+from rai_missions.errors import UsageError
+
+__all__ = ("Runtime", "Work", "guarded")
+
+log = logging.getLogger(__name__)
+
+Work = Callable[[], None]
+LOOK_S = 0.02
+"""How often somebody who is awaited is looked for."""
+IDLE_S = 1.0
+
+
+class Runtime:
+    """A node that spins on its own thread, whatever else the process does with rclpy.
+
+    The context is its own: no signal handler is installed, and the user's own `rclpy.init` and executor are untouched.
+
+    Args:
+        options: Names, domain, arguments and parameters of the node.
+        fell: Told on this thread if ROS was shut down from outside (such as by the user's Ctrl-C).
+
+    Raises:
+        UsageError: A name or an argument that ROS does not take.
+    """
+
+    def __init__(self, options: Options, fell: Work) -> None:
+        self._fell = fell
+        self._lock = threading.Lock()
+        self._waiting: deque[Work] = deque()
+        self._is_drain_due = self._is_closing = False
+        self._deadlines: list[tuple[float, int, list[Work]]] = []
+        self._numbers = itertools.count()
+        self._disposals: dict[object, Work] = {}
+        self.group = ReentrantCallbackGroup()
+        self._context = Context()
+        self.node = _open_node(self._context, options)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._work, name=f"ros2 {self.node.get_name()}", daemon=True)
+        self._thread.start()
+
+    @property
+    def is_here(self) -> bool:
+        """The caller is this runtime's own thread."""
+        return threading.current_thread() is self._thread
+
+    def now(self) -> float:
+        """ROS time in seconds; simulated where `/clock` rules."""
+        return float(self.node.get_clock().now().nanoseconds / 1e9)
+
+    def post(self, work: Work) -> bool:
+        """Have something done on this thread, in the order posted; from any thread. False once it is closed."""
+        with self._lock:
+            if self._is_closing:
+                return False
+            self._waiting.append(work)
+            if not self._is_drain_due:
+                self._is_drain_due = True
+                self._executor.create_task(self._drain)
+            return True
+
+    def later(self, delay_s: float, work: Work) -> Work:
+        """Have something done after a while; only on this thread.
+
+        Returns:
+            What calls it off.
+        """
+        entry = [work]
+        heapq.heappush(self._deadlines, (time.monotonic() + delay_s, next(self._numbers), entry))
+        return entry.clear
+
+    def when(self, is_so: Callable[[], bool], within_s: float, then: Callable[[bool], None]) -> None:
+        """Wait until something is so, and say whether it came; only on this thread."""
+        until = time.monotonic() + within_s
+
+        def look() -> None:
+            so = is_so()
+            if so or time.monotonic() >= until:
+                then(so)
+            else:
+                self.later(LOOK_S, look)
+
+        look()
+
+    def keep(self, entity: object, dispose: Work) -> None:
+        """Remember how an entity is destroyed, in case `close` comes first; only on this thread."""
+        self._disposals[entity] = dispose
+
+    def dispose(self, entity: object) -> None:
+        """Destroy an entity that is kept; only on this thread."""
+        dispose = self._disposals.pop(entity, None)
+        if dispose is not None:
+            dispose()
+
+    def close(self, within_s: float = 5.0) -> None:
+        """Destroy everything and end the thread; from its own callbacks it ends as soon as they have returned."""
+        with self._lock:
+            if not self._is_closing:
+                self._is_closing = True
+                # A task ends `spin_once` at once; waking or shutting the executor down does not.
+                self._executor.create_task(lambda: None)
+        if not self.is_here:
+            self._thread.join(within_s)
+            if self._thread.is_alive():
+                log.error("%s does not end: one of its callbacks does not return", self._thread.name)
+
+    # -- on the thread ---------------------------------------------------------------------------------------------
+
+    def _work(self) -> None:
+        while not self._is_closing:
+            try:
+                self._executor.spin_once(timeout_sec=self._patience())
+            except (ShutdownException, ExternalShutdownException):
+                break
+            except Exception:
+                log.exception("a callback failed")
+            self._run_due()
+        if not self._is_closing:
+            guarded(self._fell)
+        self._destroy()
+
+    def _patience(self) -> float:
+        return max(0.0, min(IDLE_S, self._deadlines[0][0] - time.monotonic())) if self._deadlines else IDLE_S
+
+    def _run_due(self) -> None:
+        now = time.monotonic()
+        while self._deadlines and self._deadlines[0][0] <= now and not self._is_closing:
+            for work in heapq.heappop(self._deadlines)[2]:
+                guarded(work)
+
+    def _drain(self) -> None:
+        while True:
+            with self._lock:
+                self._is_drain_due = bool(self._waiting) and not self._is_closing
+                if not self._is_drain_due:
+                    return
+                work = self._waiting.popleft()
+            guarded(work)
+
+    def _destroy(self) -> None:
+        with self._lock:
+            self._is_closing = True
+            self._waiting.clear()
+        self._deadlines.clear()
+        # `destroy_node` forgets action clients: the participant would live on until a garbage collection.
+        for entity in list(self._disposals):
+            guarded(lambda entity=entity: self.dispose(entity))  # type: ignore[misc]
+        for work in (
+            lambda: self._executor.remove_node(self.node),
+            self._executor.shutdown,
+            self.node.destroy_node,
+            self._context.try_shutdown,
+            self._context.destroy,
+        ):
+            guarded(work)
+
+
+def guarded(work: Callable[[], Any]) -> None:
+    """Run somebody's code; what it raises is logged and stops nobody else."""
+    try:
+        work()
+    except Exception:
+        log.exception("a callback failed")
+
+
+def _open_node(context: Context, options: Options) -> Node:
+    parameters = [Parameter(name, value=value) for name, value in options.parameters.items()]
+    if options.sim_time:
+        parameters.append(Parameter("use_sim_time", value=True))
+    name = options.node or f"rai_missions_{uuid.uuid4().hex[:8]}"
+    arguments = ["--ros-args", *options.arguments] if options.arguments else []
+    try:
+        rclpy.init(args=arguments, context=context, domain_id=options.domain_id)
+        return Node(
+            name, context=context, namespace=options.namespace or None, parameter_overrides=parameters,
+            automatically_declare_parameters_from_overrides=True,
+        )  # fmt: skip
+    except (InvalidNodeNameException, InvalidNamespaceException) as fault:
+        context.try_shutdown()
+        raise UsageError(f"connector: ROS takes no node {name!r} in {options.namespace or '/'!r}: {fault}") from fault
+    except RuntimeError as fault:
+        context.try_shutdown()
+        raise UsageError(f"connector: ROS does not start with {list(options.arguments)!r}: {fault}") from fault

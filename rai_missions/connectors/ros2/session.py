@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that a ROS 2 connector has open between its start and its stop.
+
+Rule: what is asked from any thread is registered at once and done on the runtime's thread; whatever breaks in between,
+each call is answered once and each goal has an end.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Reply, Report
+from rai_missions.connectors.ros2.actions import Served
+from rai_missions.connectors.ros2.goals import Goal, GoalClient
+from rai_missions.connectors.ros2.options import Options
+from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
+from rai_missions.connectors.ros2.services import Client, Service
+from rai_missions.connectors.ros2.topics import Publication, Subscription
+from rai_missions.errors import UsageError
+
+__all__ = ("Session",)
+
+FAREWELL_S = 1.0
+"""How long a stop waits for the servers of its goals to say that they have heard of it."""
+
+
+class Session:
+    """One node, and what it does.
+
+    Args:
+        options: The profile's.
+        now: Seconds on the run's clock; None for ROS time.
+    """
+
+    def __init__(self, options: Options, now: Callable[[], float] | None) -> None:
+        self._options, self._now = options, now
+        self._lock = threading.Lock()
+        self._publications: dict[str, Publication] = {}
+        self._clients: dict[str, Client] = {}
+        self._goal_clients: dict[str, GoalClient] = {}
+        self._served: dict[str, Service | Served] = {}
+        self._calls: set[_Once] = set()
+        self._goals: dict[str, Callable[[str], None]] = {}
+        self._sent: dict[str, Goal] = {}
+        self._is_silent = False
+        self.runtime = Runtime(options, lambda: self._give_up("ROS was shut down"))
+
+    # -- topics ----------------------------------------------------------------------------------------------------
+
+    def subscribe(self, topic: str, cls: Any, hear: Callable[[Message], None]) -> Close:
+        quality = self._options.quality(topic)
+        return Subscription(self.runtime, topic, cls, quality=quality, hear=hear, at_of=self._at_of).close
+
+    def publish(self, topic: str, cls: Any, message: Any) -> None:
+        self.runtime.post(lambda: self._publication(topic, cls).publish(message))
+
+    def _publication(self, topic: str, cls: Any) -> Publication:
+        if topic not in self._publications:
+            quality, patience_s = self._options.quality(topic), self._options.discovery_s
+            self._publications[topic] = Publication(self.runtime, topic, cls, quality, patience_s)
+        return self._publications[topic]
+
+    def _at_of(self, message: Any) -> float:
+        """When a message was so, on the run's clock; a stamp of zero says nothing, and one to come is now."""
+        ros_now = self.runtime.now()
+        now = ros_now if self._now is None else self._now()
+        stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
+        if not hasattr(stamp, "sec") or not (stamp.sec or stamp.nanosec):
+            return now
+        age_s: float = ros_now - (stamp.sec + stamp.nanosec / 1e9)
+        return now - max(0.0, age_s)
+
+    # -- services --------------------------------------------------------------------------------------------------
+
+    def call(
+        self, service: str, cls: Any, request: Any, answered: Callable[[Reply], None], timeout_s: float | None
+    ) -> None:
+        once = _Once(answered, self._calls, self._lock)
+        if not self.runtime.post(lambda: self._client(service, cls).call(request, once, timeout_s)):
+            once(Reply("unavailable", {}, "ROS was shut down"))
+
+    def _client(self, service: str, cls: Any) -> Client:
+        if service not in self._clients:
+            self._clients[service] = Client(self.runtime, service, cls, self._options.discovery_s)
+        return self._clients[service]
+
+    def serve(self, service: str, cls: Any, answer: Callable[[Data], Data]) -> Close:
+        return self._keep(service, lambda: Service(self.runtime, service, cls, answer))
+
+    def _keep(self, name: str, make: Callable[[], Service | Served]) -> Close:
+        with self._lock:
+            if name in self._served:
+                raise UsageError(f"{name} is served already; close the first server before another")
+            served = self._served[name] = make()
+
+        def close() -> None:
+            with self._lock:
+                if self._served.get(name) is served:
+                    del self._served[name]
+            served.close()
+
+        return close
+
+    # -- actions ---------------------------------------------------------------------------------------------------
+
+    def offer(self, action: str, cls: Any, server: ActionServer) -> Close:
+        return self._keep(action, lambda: Served(self.runtime, action, cls, server))
+
+    def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, report: Callable[[Report], None]) -> None:
+        def lose(why: str) -> None:
+            with self._lock:
+                is_here = self._goals.pop(goal_id, None) is not None
+            if is_here:
+                guarded(lambda: report(Report(goal_id, "lost", {}, why)))
+
+        with self._lock:
+            if goal_id in self._goals:
+                raise UsageError(f"goal {goal_id!r} is still running: every goal needs an id of its own")
+            self._goals[goal_id] = lose
+        if not self.runtime.post(lambda: self._send(action, cls, goal, goal_id, report)):
+            lose("ROS was shut down")
+
+    def _send(self, action: str, cls: Any, goal: Any, goal_id: str, report: Callable[[Report], None]) -> None:
+        if action not in self._goal_clients:
+            self._goal_clients[action] = GoalClient(self.runtime, action, cls, self._options.discovery_s)
+        sent = Goal(self._goal_clients[action], goal_id, lambda said: self._report(report, said), self._forget)
+        self._sent[goal_id] = sent
+        sent.send(goal)
+
+    def _report(self, report: Callable[[Report], None], said: Report) -> None:
+        if not self._is_silent:
+            report(said)
+
+    def _forget(self, goal: Goal) -> None:
+        self._sent.pop(goal.goal_id, None)
+        with self._lock:
+            self._goals.pop(goal.goal_id, None)
+
+    def cancel_goal(self, goal_id: str) -> None:
+        def cancel() -> None:
+            if goal_id in self._sent:
+                self._sent[goal_id].cancel()
+
+        self.runtime.post(cancel)
+
+    # -- the end ---------------------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Cancel the goals, tell the clients, then close; from a callback it goes on after that has returned."""
+        said = threading.Event()
+        end = self.runtime.close if self.runtime.is_here else said.set
+        if self.runtime.post(lambda: self._part(end)) and not self.runtime.is_here:
+            said.wait(3 * FAREWELL_S)
+        if not self.runtime.is_here:
+            self.runtime.close()
+            self._give_up("the connector was stopped")
+
+    def _part(self, end: Work) -> None:
+        """Cancel every goal; then, or when that has taken too long, abort those that are served; then end."""
+        for goal in tuple(self._sent.values()):
+            goal.cancel()
+
+        def served_last(is_settled: bool) -> None:
+            for goal in tuple(self._sent.values()):
+                goal.cancel_blindly()
+            self._is_silent = True
+            with self._lock:
+                served = tuple(each for each in self._served.values() if isinstance(each, Served))
+                self._goals.clear()
+            for each in served:
+                each.close()
+            self.runtime.when(lambda: all(each.is_done for each in served), FAREWELL_S / 2, lambda _done: end())
+
+        goals = tuple(self._sent.values())
+        self.runtime.when(lambda: all(goal.is_settled for goal in goals), FAREWELL_S, served_last)
+
+    def _give_up(self, why: str) -> None:
+        """Nothing more will be heard: end what has no end yet."""
+        with self._lock:
+            calls, goals = tuple(self._calls), tuple(self._goals.values())
+        for goal in tuple(self._sent.values()):
+            goal.is_over = True
+        for lose in goals:
+            lose(why)
+        for once in calls:
+            guarded(lambda once=once: once(Reply("unavailable", {}, why)))  # type: ignore[misc]
+
+
+class _Once:
+    """A callback of a call that is told exactly once; it stands in `unanswered` until then."""
+
+    def __init__(self, answered: Callable[[Reply], None], unanswered: set[_Once], lock: threading.Lock) -> None:
+        self._answered, self._unanswered, self._lock = answered, unanswered, lock
+        with lock:
+            unanswered.add(self)
+
+    def __call__(self, reply: Reply) -> None:
+        with self._lock:
+            if self not in self._unanswered:
+                return
+            self._unanswered.discard(self)
+        self._answered(reply)

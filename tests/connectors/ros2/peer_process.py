@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot in another process, in plain rclpy: what each goal's `order` and each request say is what it does.
+
+Rule: nothing of ours is used on its side; it says on its output what it heard.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from rai_missions.connectors.contract import Heard
+
+SUCCEED, RUN, REJECT, STUBBORN, ABORT, SLOW_TO_ACCEPT = range(6)
+"""What a goal's `order` asks for; `RUN` until canceled, `STUBBORN` for a moment and not to be canceled."""
+ACTION = ("/peer/fibonacci", "test_msgs/action/Fibonacci")
+
+
+class Peer:
+    """The process, from outside."""
+
+    def __init__(self, name: str = "peer") -> None:
+        self.said: Heard[Any] = Heard(10.0)
+        self._process = subprocess.Popen(
+            [sys.executable, "-W", "ignore", str(Path(__file__)), name],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[3],
+        )  # fmt: skip
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self.said(json.loads(line))
+
+    def signal(self, number: signal.Signals) -> None:
+        self._process.send_signal(number)
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.wait()
+
+    def __enter__(self) -> Peer:
+        self.said.wait(lambda said: ["ready"] in said, "the peer has started")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.close()
+        try:
+            self._process.wait(10)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._reader.join()
+        self._process.stdout.close()
+
+
+def say(*what: Any) -> None:
+    sys.stdout.write(json.dumps(what) + "\n")
+    sys.stdout.flush()
+
+
+def serve(name: str) -> None:
+    import rclpy
+    from rclpy.action import ActionServer, CancelResponse, GoalResponse
+    from rclpy.callback_groups import ReentrantCallbackGroup
+    from rclpy.executors import MultiThreadedExecutor
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+    from std_msgs.msg import String
+    from std_srvs.srv import SetBool, Trigger
+    from test_msgs.action import Fibonacci
+
+    rclpy.init()
+    node = rclpy.create_node(name)
+    group = ReentrantCallbackGroup()
+
+    def decide(goal: Any) -> Any:
+        say("asked", goal.order)
+        if goal.order == SLOW_TO_ACCEPT:
+            time.sleep(0.4)
+        return GoalResponse.REJECT if goal.order == REJECT else GoalResponse.ACCEPT
+
+    def cancel(handle: Any) -> Any:
+        say("cancel", bytes(handle.goal_id.uuid).hex())
+        return CancelResponse.REJECT if handle.request.order == STUBBORN else CancelResponse.ACCEPT
+
+    def execute(handle: Any) -> Any:
+        goal_id, order, result = bytes(handle.goal_id.uuid).hex(), handle.request.order, Fibonacci.Result()
+        say("runs", goal_id)
+        handle.publish_feedback(Fibonacci.Feedback(sequence=[0]))
+        until = time.monotonic() + (0.5 if order == STUBBORN else 60)
+        while order in (RUN, STUBBORN, SLOW_TO_ACCEPT) and time.monotonic() < until:
+            if handle.is_cancel_requested or not rclpy.ok():
+                handle.canceled()
+                say("canceled", goal_id)
+                return result
+            time.sleep(0.01)
+        if order == ABORT:
+            handle.abort()
+        else:
+            handle.succeed()
+        result.sequence = [0, 1, 1, 2]
+        say("ended", goal_id)
+        return result
+
+    def hang(_request: Any, response: Any) -> Any:
+        say("hangs")
+        time.sleep(60)
+        return response
+
+    def trigger(_request: Any, response: Any) -> Any:
+        response.success, response.message = True, "done"
+        return response
+
+    def set_bool(request: Any, response: Any) -> Any:
+        response.success, response.message = request.data, "failed: it is broken" if not request.data else ""
+        return response
+
+    ActionServer(
+        node, Fibonacci, ACTION[0], execute, goal_callback=decide, cancel_callback=cancel, callback_group=group
+    )
+    node.create_service(Trigger, "/peer/trigger", trigger, callback_group=group)
+    node.create_service(Trigger, "/peer/hang", hang, callback_group=group)
+    node.create_service(SetBool, "/peer/set", set_bool, callback_group=group)
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_publisher(String, "/peer/latched", latched).publish(String(data="kept"))
+    hasty = node.create_publisher(String, "/peer/hasty", QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT))
+    node.create_timer(0.05, lambda: hasty.publish(String(data="hasty")))
+    node.create_subscription(String, "/peer/ear", lambda heard: say("heard", heard.data), 10)
+    executor = MultiThreadedExecutor(8)
+    executor.add_node(node)
+    threading.Thread(target=executor.spin, daemon=True).start()
+    say("ready")
+    sys.stdin.read()
+    os._exit(0)  # a robot that is switched off
+
+
+if __name__ == "__main__":
+    serve(sys.argv[1])
