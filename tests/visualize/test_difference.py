@@ -99,6 +99,10 @@ def test_the_picture_of_two_holds_each_state_and_row_of_both(old: Mission, new: 
     assert {name for name, mark in marks.items() if mark == "+"} == after - before
     assert {name for name, mark in marks.items() if mark == "-"} == before - after
     assert marks.keys() == before | after
+    arrows = {(edge.source, edge.target) for edge in found.picture.edges}
+    was = [("", row) for row in found.old.transitions]
+    was += [(name, row) for _, name, state in found.old.walk() for row in state.transitions]
+    assert {(name, target) for name, row in was for target in row.to or ("",)} <= arrows
     kept = [edge for edge in found.picture.edges if edge.mark != "-"]
     rows = [*found.new.transitions, *(row for _, _, state in found.new.walk() for row in state.transitions)]
     assert len(kept) == sum(max(1, len(row.to)) for row in rows)

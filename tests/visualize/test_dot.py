@@ -79,6 +79,24 @@ def test_a_line_is_never_wider_than_asked_unless_it_is_one_character(text: str, 
         assert width(line, 10) <= limit or len(line.strip()) <= 1
 
 
+@pytest.mark.parametrize(
+    ("text", "ems", "bold_ems"),
+    [
+        ("achieved when alleys_driven ≥ alleys", 18.8, 20.97),
+        ("MAXIMUM WIDTH WARNING", 13.92, 15.7),
+        ("Überprüfung läuft für Straße", 14.22, 16.29),
+        ("Что делать с препятствием?", 15.13, 16.4),
+        ("Τι να κάνει το όχημα;", 10.79, 12.05),
+        ("ماذا تفعل الجرارة الآن", 9.19, 10.96),
+        ("/ signals := 0; crossings += 1", 14.84, 16.47),
+    ],
+)
+def test_a_text_is_reckoned_as_wide_as_the_widest_font_sets_it(text: str, ems: float, bold_ems: float) -> None:
+    """DejaVu Sans, measured; and not more than twice that, or pictures would be empty boxes."""
+    assert ems <= width(text, 1) <= 2 * ems
+    assert bold_ems <= width(text, 1, bold=True) <= 2 * bold_ems
+
+
 @given(st.text("ab_漢 é.", max_size=80))
 def test_wrapping_loses_nothing(text: str) -> None:
     assert "".join("".join(wrapped(text, 10, 60, lines=1000)).split()) == "".join(text.split())
