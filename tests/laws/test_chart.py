@@ -23,7 +23,7 @@ lenient = settings(suppress_health_check=list(HealthCheck))
 TIMED = Taste(delayed=True, root_rows=True, wildcard=True, outcomes=True)
 
 
-# -- what happens ---------------------------------------------------------------------------------------------------
+# -- what happens ----------------------------------------------------------------------------------------------
 
 
 def values(key: str) -> st.SearchStrategy[Any]:
@@ -31,7 +31,9 @@ def values(key: str) -> st.SearchStrategy[Any]:
         "integer": st.integers(0, 3), "boolean": st.booleans(), "number": st.sampled_from([0.1, 0.5]),
         "string": st.sampled_from(["a", "b"]), "list": st.lists(st.sampled_from(["a", "b"]), max_size=2),
         "pose": st.just({"x": 1.0, "y": 0.0}),
-        "object": st.fixed_dictionaries({"kind": st.just("log"), "height_m": st.sampled_from([0.1, 0.3]), "living": st.booleans()}),
+        "object": st.fixed_dictionaries(
+            {"kind": st.just("log"), "height_m": st.sampled_from([0.1, 0.3]), "living": st.booleans()}
+        ),
     }  # fmt: skip
     return kinds[KEYS[key]["type"]]
 
@@ -118,7 +120,7 @@ def comparable(step: Step) -> Step:
     return step._replace(wake_at=None)
 
 
-# -- the graph --------------------------------------------------------------------------------------------------------
+# -- the graph -------------------------------------------------------------------------------------------------
 
 
 def assert_legal(document: Json, active: frozenset[str]) -> None:
@@ -196,7 +198,7 @@ def test_what_is_remembered_of_the_way_changes_nothing(document: Json, script: l
         assert one.active == other.active
 
 
-# -- time ---------------------------------------------------------------------------------------------------------------
+# -- time ------------------------------------------------------------------------------------------------------
 
 
 @lenient
@@ -219,7 +221,7 @@ def test_waking_at_every_instant_leads_where_one_long_wait_leads(
     assert ours == theirs
 
 
-# -- what is owed -----------------------------------------------------------------------------------------------------
+# -- what is owed ----------------------------------------------------------------------------------------------
 
 
 @lenient
