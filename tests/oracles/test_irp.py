@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# ruff: noqa: E501
 """W3C's assertions about SCXML interpreters (the implementation report plan), those that a mission can express.
 
 The numbers are those of the plan's tests. Each chart ends in `pass` or `fail`; a row that must not fire leads to `fail`.
@@ -9,10 +10,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import pytest
-from tests.chart.charts import chart, row
-from tests.oracles.ours import told
 
 from rai_missions.event import Event, Tick
+from tests.chart.charts import chart, row
+from tests.oracles.ours import told
 
 Json = dict[str, Any]
 COUNT = {"n": {"type": "integer", "initial": 0}}

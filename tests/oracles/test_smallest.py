@@ -6,8 +6,9 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.event import Event, Tick
+from rai_missions.step import CancelGoal
 from tests.chart.charts import chart, row, sent
-from tests.oracles.ours import of_appendix_d
+from tests.oracles.ours import of_appendix_d, told
 
 COUNTER = {"n": {"type": "integer", "initial": 0}}
 ALWAYS = {"key": "n", "==": 0}
@@ -19,12 +20,11 @@ ALWAYS = {"key": "n", "==": 0}
 def test_passing_a_state_twice_is_no_circle_while_other_events_wait() -> None:
     states = {
         "a": {"transitions": [row(to="b", when=ALWAYS)]},
-        "b": {"transitions": [row("x", "a", do=[{"raise": "z"}]), row("y", "a"), row("z", "c")]},
+        "b": {"transitions": [row("x", "a", do=[{"raise": "z"}]), row("y", "a", do=[{"raise": "z"}]), row("z", "c")]},
         "c": {"transitions": [row("y", "d")]},
         "d": {},
         "start": {"transitions": [row("go", "a", do=[{"raise": "x"}, {"raise": "y"}])]},
     }
-    states["b"]["transitions"][1] = row("y", "a", do=[{"raise": "z"}])
     made = chart(states, "start", blackboard=COUNTER)
     sent(made, "go")
     document = {
@@ -81,3 +81,26 @@ def test_an_invariant_that_is_broken_on_the_way_into_the_final_is_not_overlooked
     states = {"a": {"transitions": [row("e", "end", do=[{"set": "n", "value": 1}])]}, "end": {"final": "succeeded"}}
     made = chart(states, blackboard=COUNTER, invariants={"nothing_happens": ALWAYS})
     assert sent(made, "e").outcome == "aborted"
+
+
+@pytest.mark.xfail(reason="an orphaned goal that is accepted at last is not canceled, and runs on")
+def test_a_goal_that_was_given_up_and_is_accepted_at_last_is_canceled() -> None:
+    made = chart({"a": {"action": "drive", "timeout_s": 99, "transitions": [row("stop", "b")]}, "b": {}})
+    made.send(Event("stop", 1.0))
+    assert any("orphaned" in note for note in made.send(Tick(20.0)).notes)
+    assert CancelGoal(1, "drive") in made.send(Event("drive", 21.0, {}, "accepted", 1)).effects
+
+
+@pytest.mark.xfail(
+    reason="a failure that nobody handles ends the mission without the exits of what is active"
+)
+def test_what_a_state_does_when_it_is_left_is_done_at_a_failing_end_too() -> None:
+    states = {
+        "a": {
+            "initial": "b", "exit": [{"log": "lamp off"}],
+            "states": {"b": {"transitions": [row("e", "end")]}, "end": {"final": "failed"}},
+        }
+    }  # fmt: skip
+    made = chart(states)
+    step = sent(made, "e")
+    assert (step.outcome, told(step)) == ("failed", ("lamp off",))
