@@ -125,37 +125,37 @@ class SimulatedClock:
 
     def __init__(self, world: Steppable | None = None, speed: float = math.inf) -> None:
         self._world, self._speed = world, speed
-        self._at = world.at if world is not None else 0.0
+        self._alone_at = 0.0
         self._pace = Pace(math.inf, 0.0, 0.0)
 
     def now(self) -> float:
-        return self._at
+        return self._alone_at if self._world is None else self._world.at
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         speed = min(self._speed, 1.0) if paced else self._speed
         if speed != self._pace.speed:
-            self._pace = Pace(speed, time.monotonic(), self._at)
-        while mailbox.empty and self._at < until:
-            target = self._at + self._world.period_s if self._world is not None else until
+            self._pace = Pace(speed, time.monotonic(), self.now())
+        while mailbox.empty and self.now() < until:
+            target = self.now() + self._world.period_s if self._world is not None else until
             early_s = self._pace.early_s(target) if speed != math.inf else (math.inf if target == math.inf else 0.0)
             if early_s > 0:
                 mailbox.wait(early_s if early_s != math.inf else None)
                 self._flow(target)
                 continue
             if early_s < -LATE_S:
-                self._pace = Pace(speed, time.monotonic(), self._at)
+                self._pace = Pace(speed, time.monotonic(), self.now())
             self._advance(target)
 
     def _flow(self, target: float) -> None:
         """Without a world, what came on the way to an instant came before it."""
         if self._world is None and self._pace.speed != math.inf:
-            self._at = max(self._at, min(target, self._pace.reached()))
+            self._alone_at = max(self._alone_at, min(target, self._pace.reached()))
 
     def _advance(self, target: float) -> None:
         if self._world is not None:
             self._world.step()
-            target = self._world.at
-        self._at = target
+        else:
+            self._alone_at = target
 
 
 LATE_S = 0.25

@@ -19,7 +19,7 @@ __all__ = ("Senses",)
 
 log = logging.getLogger(__name__)
 
-Hear = Callable[[Mapping[str, Any]], None]
+Hear = Callable[[Mapping[str, Any], float], None]
 Poll = tuple[str, str, float, str]
 """Service, type, seconds between two questions, and the request as text."""
 
@@ -77,7 +77,9 @@ class Senses:
     def _listen(self, source: Source | EventSource, hear: Hear) -> None:
         assert self._connector is not None
         if source.topic is not None:
-            self._closes.append(self._connector.subscribe(source.topic, source.type, lambda heard: hear(heard.data)))
+            self._closes.append(
+                self._connector.subscribe(source.topic, source.type, lambda heard: hear(heard.data, heard.at))
+            )
         elif source.service is not None and source.every_s is not None:
             poll = (source.service, source.type, source.every_s, json.dumps(source.request, sort_keys=True))
             self._polls.setdefault(poll, (source.request, []))[1].append(hear)
@@ -90,7 +92,7 @@ class Senses:
         def answered(reply: Reply) -> None:
             if reply.outcome == "succeeded":
                 for hear in hears:
-                    hear(reply.data)
+                    hear(reply.data, self._now())
 
         service, type_name, every_s, _ = poll
         try:
@@ -100,20 +102,21 @@ class Senses:
         self._later(self._now() + every_s, lambda: self._poll(poll, request, hears))
 
     def _write_of(self, key: str, source: Source) -> Hear:
-        def hear(message: Mapping[str, Any]) -> None:
+        def hear(message: Mapping[str, Any], at: float) -> None:
             now = self._now()
             try:
                 value = source.value(message, now)
+                stamp = _stamp(source.at(message, now), at, now)
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle(key, error)
                 return
             if value is not None:
-                self._post(Event(key, now, {"value": value, "stamp": source.at(message, now)}, "write"))
+                self._post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
 
         return hear
 
     def _event_of(self, name: str, source: EventSource) -> Hear:
-        def hear(message: Mapping[str, Any]) -> None:
+        def hear(message: Mapping[str, Any], _: float) -> None:
             try:
                 fires = source.fires(message)
                 happens = source.happens(self._before.get(name), fires)
@@ -129,3 +132,14 @@ class Senses:
         if name not in self._puzzled:
             self._puzzled.add(name)
             log.warning("'%s' was not understood and counts as not heard: %s", name, error)
+
+
+def _stamp(own: float, at: float, now: float) -> float:
+    """When a message was so, on the run's clock.
+
+    Args:
+        own: By its own stamp; now if it has none, or one of another clock.
+        at: By the connector.
+        now: When it is heard.
+    """
+    return own if own < now else at if 0 < at < now else now

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import threading
 import uuid
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,8 @@ from rai_missions.written import suggestion
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
+
+log = logging.getLogger(__name__)
 
 __all__ = ("MissionAgent", "Setting", "prepare", "run")
 
@@ -146,9 +149,11 @@ class Prepared:
         return journal
 
     def close(self) -> None:
-        for close in reversed(self._closes):
-            close()
-        self._closes.clear()
+        while self._closes:
+            try:
+                self._closes.pop()()
+            except Exception:
+                log.exception("something of the run could not be closed")
 
     def __enter__(self) -> Prepared:
         return self
@@ -195,22 +200,29 @@ class MissionAgent:
     """The paper's Agent around a run: `run()` begins it on a thread of its own, `stop()` cancels it and waits."""
 
     def __init__(self, setting: Setting) -> None:
-        self._prepared = prepare(replace(setting))
+        self._prepared = prepare(setting)
         self._thread: threading.Thread | None = None
         self.result: Result | None = None
+        """How it ended; None until then, and where it broke off."""
+        self.error: Exception | None = None
+        """Why it broke off, if it did."""
 
     def run(self) -> None:
-        """Begin; returns at once."""
+        """Begin; returns at once. A run that has begun is not begun again."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="mission")
             self._thread.start()
 
     def stop(self) -> None:
         """Cancel, and wait until everything has ended."""
-        if self._thread is not None:
+        if self._thread is not None and self._thread.is_alive():
             self._prepared.runner.cancel("stop")
             self._thread.join()
         self._prepared.close()
 
     def _work(self) -> None:
-        self.result = self._prepared.runner.run()
+        try:
+            self.result = self._prepared.runner.run()
+        except Exception as error:
+            log.exception("the run broke off")
+            self.error = error

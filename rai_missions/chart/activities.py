@@ -7,7 +7,7 @@ import math
 from typing import get_args
 
 from rai_missions.chart.core import Core, Trigger
-from rai_missions.chart.graph import Node
+from rai_missions.chart.node import Node
 from rai_missions.event import Event
 from rai_missions.states.activity import Machine, Turn
 from rai_missions.states.machines import machine_of
@@ -151,13 +151,12 @@ class Activities(Core):
             return
         self.holder = event.name
         self.notes.append(f"control: {event.name}")
+        lost = [self._graph.nodes[name] for name in self._running]
+        for node in [node for node in lost if node.control is not None and node.control != self.holder]:
+            self._leave_activity(node)
+            self._pending[node.name] = math.inf
         if self.mode in ("ready", "paused"):
             return
-        for name in list(self._running):
-            node = self._graph.nodes[name]
-            if node.control is not None and node.control != self.holder:
-                self._leave_activity(node)
-                self._pending[name] = math.inf
         for name in sorted(self._pending, key=lambda each: self._graph.nodes[each].index):
             if self._graph.nodes[name].control == self.holder:
                 del self._pending[name]

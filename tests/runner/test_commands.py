@@ -337,3 +337,22 @@ def test_whatever_is_commanded_the_run_ends_and_no_goal_outlives_it(script: list
     assert rig.runner.chart.open_goals == 0
     assert result.outcome in MODES and seen[-1].mode == result.outcome
     assert [step.seq for step in rig.book.steps] == sorted({step.seq for step in rig.book.steps})
+
+
+def test_an_operator_who_takes_control_of_a_paused_run_stops_what_was_kept_going() -> None:
+    from tests.runner.stages import ROBOT, robot
+
+    keeps = robot(actions={**ROBOT["actions"], "move": {**ROBOT["actions"]["move"], "keep": True}})
+    rig = Rig(DRIVING, robot=keeps)
+    rig.stage.play(
+        {
+            1.0: rig.runner.pause,
+            2.0: lambda: rig.runner.hand_over("operator"),
+            3.0: lambda: rig.move.canceled or rig.runner.kill("still moving"),
+            4.0: lambda: rig.runner.hand_over("autonomy"),
+            5.0: rig.runner.resume,
+            6.0: lambda: rig.runner.cancel("the test"),
+        }
+    )
+    result = rig.run()
+    assert result.why == "canceled by the test" and len(rig.move.goals) == 2

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from rai_missions.connectors.connector import Message
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.step import CallService, StartGoal
 from tests.runner.stages import KEYS, Rig, mission, robot
@@ -354,3 +355,29 @@ def test_goals_that_share_a_resource_do_not_overlap() -> None:
 
     rig.stage.play({1.0: lambda: rig.post("go"), 3.0: confirm})
     assert rig.run().outcome == "aborted" and len(rig.turn.goals) == 1
+
+
+@pytest.mark.parametrize(
+    ("own", "connector", "stamp"),
+    [
+        (None, 2.5, 2.5),
+        (2.0, 2.5, 2.0),
+        (1.7e9, 2.5, 2.5),
+        (0.0, 2.5, 2.5),
+        (1.7e9, 1.7e9, 3.0),
+        (None, 1.7e9, 3.0),
+        (None, 0.0, 3.0),
+        (None, -1.0, 3.0),
+    ],
+)
+def test_a_reading_is_as_old_as_its_stamp_on_the_runs_clock(own: Any, connector: float, stamp: float) -> None:
+    """A stamp of another clock, as of a robot that counts from 1970, must not make an old reading fresh."""
+    rig = Rig(CALLING)
+    hears: list[Any] = []
+    subscribe = rig.connector.subscribe
+    rig.connector.subscribe = lambda topic, kind, hear: (hears.append((topic, hear)), subscribe(topic, kind, hear))[1]
+    data = {"percentage": 0.5, **({} if own is None else {"header": {"stamp": own}})}
+    heard = Message("/battery", data, connector)
+    rig.stage.play({3.0: lambda: dict(hears)["/battery"](heard), 4.0: lambda: rig.post("go")})
+    rig.run()
+    assert rig.runner.chart.view.board["battery"].at == stamp

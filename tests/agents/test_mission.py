@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From files to a run: what is wired, what is refused, and the Agent around it."""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.mission import MissionAgent, Setting, prepare, run
+from rai_missions.clock import WallClock
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.event import Event
+from rai_missions.journal import verify
+from rai_missions.mission import Mission
+from rai_missions.robot import Robot
+from rai_missions.testing import ScriptedModel, check_agent
+
+WAITING: dict[str, Any] = {
+    "name": "waiting",
+    "initial": "idle",
+    "events": ["go"],
+    "states": {"idle": {"transitions": [{"on": "go", "to": "over"}]}, "over": {"final": "aborted"}},
+}
+ASKING: dict[str, Any] = {
+    "name": "asking",
+    "initial": "asks",
+    "blackboard": {"low": {"type": "boolean", "source": "mission", "initial": True}},
+    "states": {
+        "asks": {
+            "decision": {
+                "question": "Which?",
+                "options": {"left": {"when": {"key": "low", "==": True}}, "right": {}},
+                "ask": ["agent", "rules"],
+                "deadline_s": 20,
+                "fallback": "right",
+            },
+            "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
+        },
+        "over": {"final": "aborted"},
+        "lost": {"final": "failed"},
+    },
+}
+
+
+def robot(**words: Any) -> Robot:
+    return Robot.model_validate({"name": "tried", "events": {"go": {"posted": True}}, **words})
+
+
+def test_a_run_from_files_writes_a_journal_that_verifies(tmp_path: Path) -> None:
+    (tmp_path / "mission.json").write_text(json.dumps({"format": 1, **ASKING}))
+    rules = {"asks": [{"when": {"key": "low", "==": True}, "answer": "left"}]}
+    (tmp_path / "robot.json").write_text(json.dumps({"format": 1, "name": "tried", "rules": rules}))
+    path = tmp_path / "deep" / "run.journal"
+    result = run(tmp_path / "mission.json", tmp_path / "robot.json", journal=path)
+    assert (result.outcome, result.decisions, result.journal) == ("aborted", 2, str(path))
+    verify(path)
+
+
+def test_a_model_is_asked_first_and_rules_after_it() -> None:
+    mission = Mission.model_validate(ASKING)
+    assert run(mission, robot(), model=ScriptedModel(['{"option": "right"}'])).outcome == "failed"
+    assert run(mission, robot(rules={"asks": [{"answer": "left"}]})).outcome == "aborted"
+    assert run(mission, robot()).outcome == "failed", "with nobody there, the fallback"
+
+
+def test_a_mission_with_a_fault_is_refused_before_anything_moves(tmp_path: Path) -> None:
+    bad = {**WAITING, "states": {**WAITING["states"], "lonely": {"final": "failed"}}}
+    with pytest.raises(DefinitionError, match="lonely"):
+        prepare(Setting(Mission.model_validate(bad), robot(), journal=tmp_path / "run.journal"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_connector_that_there_is_not_is_named() -> None:
+    with pytest.raises(UsageError, match=r"no connector of kind 'locale'; did you mean 'local'\?"):
+        prepare(Setting(Mission.model_validate(WAITING), robot(connector={"kind": "locale"})))
+
+
+def test_a_journal_is_never_written_over(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    path.write_text("mine")
+    with pytest.raises(UsageError):
+        prepare(Setting(Mission.model_validate(WAITING), robot(), journal=path))
+    assert path.read_text() == "mine"
+
+
+def test_the_agent_runs_and_stops_as_agents_do() -> None:
+    check_agent(lambda: MissionAgent(Setting(Mission.model_validate(WAITING), robot())))
+
+
+def test_an_agent_that_is_stopped_has_canceled_its_mission(tmp_path: Path) -> None:
+    started = threading.Event()
+    agent = MissionAgent(
+        Setting(Mission.model_validate(WAITING), robot(), clock=WallClock(), on_step=lambda step: started.set())
+    )
+    agent.run()
+    assert started.wait(5.0)
+    agent.stop()
+    assert agent.result is not None and (agent.result.outcome, agent.result.why) == ("canceled", "canceled by stop")
+
+
+def test_an_agent_that_is_stopped_at_once_has_canceled_its_mission_too() -> None:
+    for _ in range(20):
+        agent = MissionAgent(Setting(Mission.model_validate(WAITING), robot()))
+        agent.run()
+        agent.stop()
+        assert agent.result is not None and agent.result.outcome == "canceled"
+
+
+def test_an_agent_whose_run_breaks_off_says_why(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.CRITICAL + 1)
+    keys = {"battery": {"type": "number", "source": "robot"}}
+    states = {
+        "idle": {
+            "transitions": [
+                {"when": {"key": "battery", "<": 0.5}, "to": "over"},
+                {"when": {"not": {"fresh": "battery"}}, "to": "over"},
+            ]
+        },
+        "over": {"final": "aborted"},
+    }
+    given = {"name": "deaf", "initial": "idle", "states": states, "blackboard": keys, "ready_s": 0.05}
+    source = {"topic": "/battery", "type": "std_msgs/msg/Float32"}
+    agent = MissionAgent(
+        Setting(
+            Mission.model_validate(given), Robot.model_validate({"name": "mute", "blackboard": {"battery": source}})
+        )
+    )
+    agent.run()
+    assert agent._thread is not None
+    agent._thread.join(5.0)
+    agent.stop()
+    assert agent.result is None and "the robot has not said within 0.05 s: battery" in str(agent.error)
+
+
+def test_an_event_can_be_posted_to_a_run_that_was_prepared() -> None:
+    with prepare(Setting(Mission.model_validate(WAITING), robot())) as prepared:
+        prepared.runner.post(Event("go"))
+        assert prepared.runner.run().outcome == "aborted"
