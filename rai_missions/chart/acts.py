@@ -6,10 +6,11 @@ Rule: an act changes the blackboard, the internal queue or the timers, or adds a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 from rai_missions.blackboard import Key, Stamped
+from rai_missions.chart.node import Act
 from rai_missions.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.step import CallService, LogLine, PublishMessage, SayAloud
@@ -35,8 +36,6 @@ class Stage(Protocol):
 
     def next_call(self, service: str) -> int: ...
 
-
-Act = Callable[[Any], None]
 
 _new = tuple.__new__
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rai_missions.blackboard import Stamped, fits
+from rai_missions.chart.configuration import Leap
 from rai_missions.chart.core import Named
-from rai_missions.chart.graph import Leap
 from rai_missions.chart.instants import Instants
 from rai_missions.errors import UsageError
 from rai_missions.event import Event

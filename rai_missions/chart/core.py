@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 
 from rai_missions.blackboard import Blackboard, Stamped
 from rai_missions.chart.acts import Act, act_of
-from rai_missions.chart.graph import Configuration, Graph, Leap, Node, Row
+from rai_missions.chart.configuration import Configuration, Leap
+from rai_missions.chart.graph import Graph
+from rai_missions.chart.node import Node, Row
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth

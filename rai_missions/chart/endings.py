@@ -8,7 +8,7 @@ from typing import Any
 
 from rai_missions.chart.activities import Activities
 from rai_missions.chart.core import Trigger
-from rai_missions.chart.graph import Condition, Node
+from rai_missions.chart.node import Condition, Node
 from rai_missions.states.activity import Outcome
 from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, worst

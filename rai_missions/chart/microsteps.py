@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from rai_missions.chart.configuration import Leap
 from rai_missions.chart.core import Trigger
 from rai_missions.chart.endings import Endings
-from rai_missions.chart.graph import Leap, Node, Row
+from rai_missions.chart.node import Node, Row
 from rai_missions.mission import BUILT_IN_EVENTS
 
 __all__ = ("MOST_MICROSTEPS", "Microsteps")

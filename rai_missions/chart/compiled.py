@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission compiled once: its states in document order, its rows with their guards as functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from rai_missions.chart.configuration import Configuration
+from rai_missions.chart.node import Act, Condition, Node, Row
+from rai_missions.effects import Effect
+from rai_missions.guards.guard import Guard, Site
+from rai_missions.mission import Mission
+from rai_missions.states.final import Final
+from rai_missions.states.state import OUTCOMES, State, Transition
+
+__all__ = ("Compiled",)
+
+CONFIGURATIONS = 4096
+"""How many configurations are remembered; a mission that visits more forgets them all and starts again."""
+
+
+class Compiled:
+    """A mission, ready to be stepped.
+
+    Args:
+        mission: One that `check` finds no fault in; names that do not resolve raise `KeyError`.
+        compile_effect: Makes an act of a written effect; given by the chart, since acts work on it.
+    """
+
+    def __init__(self, mission: Mission, compile_effect: Callable[[Any, str, str], Act]) -> None:
+        self.mission = mission
+        self.root = Node("", "", None, None, 0)
+        self.nodes: dict[str, Node] = {}
+        self.order: list[Node] = [self.root]
+        self.rows: dict[str, Row] = {}
+        """JSON pointer → row."""
+        self.recalls = False
+        """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
+        self.options = {
+            name for _, _, state in mission.walk() for name in (state.outcomes() if state.word == "decision" else ())
+        }
+        self._add(mission.states, self.root, "/states")
+        self._act = compile_effect
+        self._link()
+        self.invariants = {
+            name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
+        }
+        self.invariant_reads = frozenset[str]().union(*(each.reads for each in self.invariants.values()))
+        self._configurations: dict[tuple[int, ...], Configuration] = {}
+        self.empty = Configuration((), self.root)
+
+    def _add(self, states: Mapping[str, State], parent: Node, place: str) -> None:
+        for name, state in states.items():
+            node = Node(name, f"{place}/{name.replace('/', '~1')}", state, parent, len(self.order))
+            self.order.append(node)
+            self.nodes[name] = node
+            (parent.history if node.is_history else parent.children).append(node)
+            self._add(state.children(), node, f"{node.place}/{state.child_place()}")
+
+    def _link(self) -> None:
+        self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
+        starts = [name for _, _, state in self.mission.walk() for name in getattr(state, "initial", ())]
+        self.recalls = any(self.nodes[name].is_history for name in starts)
+        self._rows(self.root, self.mission.transitions)
+        for node in self.order[1:]:
+            state = node.state
+            assert state is not None
+            node.initial = tuple(self.nodes[name] for name in getattr(state, "initial", ()))
+            node.entry = self._acts(state.entry, f"{node.place}/entry", node)
+            node.exit = self._acts(state.exit, f"{node.place}/exit", node)
+            if isinstance(state, Final) and state.requires is not None:
+                node.requires = self.condition(state.requires, f"{node.place}/requires", node.name)
+            self._rows(node, state.transitions)
+
+    def _rows(self, node: Node, rows: Iterable[Transition]) -> None:
+        for index, transition in enumerate(rows):
+            row = Row(transition, f"{node.place}/transitions/{index}", node)
+            row.targets = tuple(self.nodes[name] for name in transition.to)
+            row.recalls = self.recalls or any(target.is_history for target in row.targets)
+            row.acts = self._acts(transition.do, f"{row.place}/do", node)
+            if transition.when is not None:
+                row.condition = self.condition(transition.when, row.place, node.name)
+                row.test = row.condition.test
+            declared = self.mission.events
+            words = set(OUTCOMES) | self.options
+            row.outcomes = frozenset(word for word in transition.on if word in words and word not in declared)
+            node.rows.append(row)
+            self.rows[row.place] = row
+            node.timed = node.timed or transition.after_s is not None
+
+    def _acts(self, effects: Iterable[Effect], place: str, node: Node) -> tuple[Act, ...]:
+        return tuple(self._act(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects))
+
+    def condition(self, guard: Guard, place: str, state: str) -> Condition:
+        """A guard compiled for a place; the states whose age it asks for are clocked from now on."""
+        site = Site(place, self.mission.blackboard, state)
+        test = guard.compile(site)
+        for name in site.clocked:
+            (self.nodes[name] if name else self.root).clocked = True
+        return Condition(place, guard, test, frozenset(site.reads), tuple(site.instants), dict(site.holds))
+
+    def configuration(self, atomic: Iterable[Node]) -> Configuration:
+        """The one `Configuration` of these innermost states."""
+        nodes = tuple(sorted(atomic, key=lambda node: node.index))
+        key = tuple(node.index for node in nodes)
+        found = self._configurations.get(key)
+        if found is None:
+            if len(self._configurations) >= CONFIGURATIONS:
+                self._configurations.clear()
+            found = self._configurations[key] = Configuration(nodes, self.root)
+        return found
