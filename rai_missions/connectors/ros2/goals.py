@@ -19,7 +19,7 @@ from unique_identifier_msgs.msg import UUID
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.ros2.goal_ids import to_bytes
 from rai_missions.connectors.ros2.messages import to_data
-from rai_missions.connectors.ros2.peers import Peers, are_gone, servers_of_action
+from rai_missions.connectors.ros2.peers import NOBODY, Peers, are_gone, servers_of_action
 from rai_missions.connectors.ros2.runtime import Runtime, guarded
 from rai_missions.connectors.ros2.services import MANY, WATCH_S
 
@@ -71,7 +71,7 @@ class GoalClient:
     def _look(self) -> None:
         self._is_watched = False
         running = {goal for goal in self._running if not goal.is_over}
-        now = self.peers() if running else frozenset()
+        now = self.peers() if running else NOBODY
         self._running.clear()
         for goal in running:
             if are_gone(goal.peers, now) or not self.client.server_is_ready():
@@ -96,10 +96,11 @@ class Goal:
         self._client, self.goal_id, self._report, self._ended = client, goal_id, report, ended
         self._uuid = UUID(uuid=list(to_bytes(goal_id)))
         self._handle: Any = None
+        self._early: list[Any] = []
         self._is_unwanted = self._is_sent = self._is_asking = False
         self.is_over = self.is_settled = False
         """`is_settled`: its end is known, or its server has said what it thinks of a cancel."""
-        self.peers: Peers = frozenset()
+        self.peers: Peers = NOBODY
 
     def send(self, goal: Any) -> None:
         """Send it as soon as its server is found."""
@@ -156,12 +157,18 @@ class Goal:
         else:
             self._handle = handle
             self._tell(Report(self.goal_id, "accepted", {}))
+            for feedback in self._early:
+                self._advance(feedback)
             handle.get_result_async().add_done_callback(self._finished)
             if self._is_unwanted:
                 self._ask_to_cancel(handle)
 
     def _advance(self, feedback: Any) -> None:
-        if self._handle is not None and not self.is_over:
+        if self.is_over:
+            return
+        if self._handle is None:
+            self._early.append(feedback)
+        else:
             self._tell(Report(self.goal_id, "feedback", to_data(feedback.feedback)))
 
     def _finished(self, future: Any) -> None:

@@ -6,15 +6,16 @@ Rule: a server is gone when none of the endpoints that were there is there, or w
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.node import Node
 
-__all__ = ("Peers", "are_gone", "servers_of_action", "servers_of_service")
+__all__ = ("NOBODY", "Peers", "are_gone", "servers_of_action", "servers_of_service")
 
-Peers = frozenset[tuple[bytes, str]]
-"""The identities of a server's endpoints, each with its node's name."""
+Peers = Mapping[bytes, str]
+"""The identities of a server's endpoints, each with its node's name, empty while that is not known."""
+NOBODY: Peers = {}
 
 
 def servers_of_action(node: Node, action: str) -> Callable[[], Peers]:
@@ -30,13 +31,15 @@ def servers_of_service(node: Node, service: str) -> Callable[[], Peers]:
 
 
 def _peers(found: list[Any]) -> Peers:
-    return frozenset((bytes(each.endpoint_gid), f"{each.node_namespace}/{each.node_name}") for each in found)
+    return {bytes(each.endpoint_gid): _name_of(each) for each in found}
+
+
+def _name_of(endpoint: Any) -> str:
+    return "" if "UNKNOWN" in endpoint.node_name else f"{endpoint.node_namespace}/{endpoint.node_name}"
 
 
 def are_gone(then: Peers, now: Peers) -> bool:
     """Whether the servers that were there then are there no more; unknown ones are taken to be there."""
-    left = then & now
-    if not then or not left:
-        return bool(then)
-    reborn = {name for identity, name in now - then}
-    return all(name in reborn for identity, name in left)
+    left = then.keys() & now.keys()
+    reborn = {now[identity] for identity in now.keys() - then.keys()} - {""}
+    return bool(then) and all(now[identity] in reborn for identity in left)

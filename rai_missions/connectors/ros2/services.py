@@ -35,7 +35,7 @@ FAILED = "failed: "
 class _Call:
     request: Any
     answered: Callable[[Reply], None]
-    peers: Peers = frozenset()
+    peers: Peers = field(default_factory=dict)
     future: Any = None
     is_over: bool = False
     call_off: Work = field(default=lambda: None)

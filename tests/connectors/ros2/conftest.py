@@ -8,6 +8,7 @@ import importlib
 import importlib.util
 import os
 import tempfile
+import uuid
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -90,12 +91,12 @@ def open_ros(ros: None) -> Iterator[Callable[..., Any]]:
 @pytest.fixture(scope="session")
 def peer(ros: None) -> Iterator[Peer]:
     """A process of plain rclpy that serves an action, services and topics."""
-    with Peer() as started:
+    with Peer("peer") as started:
         yield started
 
 
 @pytest.fixture
 def own_peer(ros: None) -> Iterator[Peer]:
     """Such a process for one test, which may kill it."""
-    with Peer() as started:
+    with Peer(f"own_{uuid.uuid4().hex[:6]}") as started:
         yield started

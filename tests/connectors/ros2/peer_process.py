@@ -20,13 +20,18 @@ from rai_missions.connectors.contract import Heard
 
 SUCCEED, RUN, REJECT, STUBBORN, ABORT, SLOW_TO_ACCEPT = range(6)
 """What a goal's `order` asks for; `RUN` until canceled, `STUBBORN` for a moment and not to be canceled."""
-ACTION = ("/peer/fibonacci", "test_msgs/action/Fibonacci")
+FIBONACCI, TRIGGER = "test_msgs/action/Fibonacci", "std_srvs/srv/Trigger"
 
 
 class Peer:
-    """The process, from outside."""
+    """The process, from outside.
 
-    def __init__(self, name: str = "peer") -> None:
+    Args:
+        name: Its node's name, and what its topics, services and action stand below.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
         self.said: Heard[Any] = Heard(10.0)
         self._process = subprocess.Popen(
             [sys.executable, "-W", "ignore", str(Path(__file__)), name],
@@ -125,16 +130,24 @@ def serve(name: str) -> None:
         return response
 
     ActionServer(
-        node, Fibonacci, ACTION[0], execute, goal_callback=decide, cancel_callback=cancel, callback_group=group
+        node,
+        Fibonacci,
+        f"/{name}/fibonacci",
+        execute,
+        goal_callback=decide,
+        cancel_callback=cancel,
+        callback_group=group,
     )
-    node.create_service(Trigger, "/peer/trigger", trigger, callback_group=group)
-    node.create_service(Trigger, "/peer/hang", hang, callback_group=group)
-    node.create_service(SetBool, "/peer/set", set_bool, callback_group=group)
+    node.create_service(Trigger, f"/{name}/trigger", trigger, callback_group=group)
+    node.create_service(Trigger, f"/{name}/hang", hang, callback_group=group)
+    node.create_service(SetBool, f"/{name}/set", set_bool, callback_group=group)
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.create_publisher(String, "/peer/latched", latched).publish(String(data="kept"))
-    hasty = node.create_publisher(String, "/peer/hasty", QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT))
+    node.create_publisher(String, f"/{name}/latched", latched).publish(String(data="kept"))
+    hasty = node.create_publisher(
+        String, f"/{name}/hasty", QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+    )
     node.create_timer(0.05, lambda: hasty.publish(String(data="hasty")))
-    node.create_subscription(String, "/peer/ear", lambda heard: say("heard", heard.data), 10)
+    node.create_subscription(String, f"/{name}/ear", lambda heard: say("heard", heard.data), 10)
     executor = MultiThreadedExecutor(8)
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot in another process, in plain rclpy: every window of a goal's life, and what becomes of calls and messages."""
+
+from __future__ import annotations
+
+import signal
+import uuid
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.connector import Message, Reply, Report
+from rai_missions.connectors.contract import ENDS, Heard
+from tests.connectors.ros2.peer_process import (
+    ABORT,
+    FIBONACCI,
+    REJECT,
+    RUN,
+    SLOW_TO_ACCEPT,
+    STUBBORN,
+    SUCCEED,
+    TRIGGER,
+    Peer,
+)
+
+STRING = "std_msgs/msg/String"
+Open = Callable[..., Any]
+
+
+def start(connector: Any, peer: Peer, order: int) -> tuple[str, Heard[Report]]:
+    goal_id, reports = uuid.uuid4().hex, Heard[Report](10.0)
+    connector.send_goal(f"/{peer.name}/fibonacci", FIBONACCI, {"order": order}, goal_id=goal_id, report=reports)
+    return goal_id, reports
+
+
+def end_of(reports: Heard[Report]) -> list[str]:
+    told = reports.wait(lambda all_: any(report.said in ENDS for report in all_), "the goal has ended")
+    return [report.said for report in told]
+
+
+def wait_for(reports: Heard[Report], said: str) -> None:
+    reports.wait(lambda all_: any(report.said == said for report in all_), f"it is {said}")
+
+
+@pytest.mark.parametrize(("order", "end"), [(SUCCEED, "succeeded"), (ABORT, "failed")])
+def test_a_goal_ends_as_its_server_says_and_brings_the_result(open_ros: Open, peer: Peer, order: int, end: str) -> None:
+    goal_id, reports = start(open_ros(), peer, order)
+    said = end_of(reports)
+    assert (said[0], said[-1]) == ("accepted", end)
+    assert reports.all[-1] == Report(goal_id, end, {"sequence": [0, 1, 1, 2]})  # type: ignore[arg-type]
+    assert ["runs", goal_id] in peer.said.all, "the server knows the goal by our id"
+
+
+def test_a_goal_that_is_not_taken_is_rejected(open_ros: Open, peer: Peer) -> None:
+    _, reports = start(open_ros(), peer, REJECT)
+    assert end_of(reports) == ["rejected"]
+    assert "does not take the goal" in reports.all[0].why
+
+
+def test_feedback_brings_its_fields(open_ros: Open, peer: Peer) -> None:
+    connector = open_ros()
+    goal_id, reports = start(connector, peer, RUN)
+    wait_for(reports, "feedback")
+    assert reports.all[1] == Report(goal_id, "feedback", {"sequence": [0]})
+    connector.cancel_goal(goal_id)
+    assert end_of(reports)[-1] == "canceled"
+
+
+@pytest.mark.parametrize("order", [RUN, SLOW_TO_ACCEPT])
+@pytest.mark.parametrize("window", ["at once", "asked", "accepted", "feedback"])
+def test_a_goal_left_in_any_window_runs_no_more(open_ros: Open, peer: Peer, order: int, window: str) -> None:
+    connector = open_ros()
+    goal_id, reports = start(connector, peer, order)
+    if window == "asked":
+        peer.said.wait(lambda said: said[-1][0] in ("asked", "runs"), "the server has the goal")
+    elif window != "at once":
+        wait_for(reports, window)
+    connector.cancel_goal(goal_id)
+    said = end_of(reports)
+    assert said[-1] == "canceled", said
+    if "accepted" in said:
+        peer.said.wait(lambda all_: ["canceled", goal_id] in all_, "the server has stopped")
+    else:
+        assert ["runs", goal_id] not in peer.said.all, "it was never sent"
+
+
+def test_a_refused_cancel_is_told_and_the_end_still_comes(open_ros: Open, peer: Peer) -> None:
+    connector = open_ros()
+    goal_id, reports = start(connector, peer, STUBBORN)
+    wait_for(reports, "accepted")
+    connector.cancel_goal(goal_id)
+    wait_for(reports, "cancel_rejected")
+    connector.cancel_goal(goal_id)
+    said = end_of(reports)
+    assert said[-1] == "succeeded"
+    assert said.count("cancel_rejected") == 2, "every cancel is sent and answered"
+
+
+def test_a_cancel_after_the_end_asks_nobody(open_ros: Open, peer: Peer) -> None:
+    connector = open_ros()
+    goal_id, reports = start(connector, peer, SUCCEED)
+    end_of(reports)
+    connector.cancel_goal(goal_id)
+    _, again = start(connector, peer, SUCCEED)
+    end_of(again)
+    assert ["cancel", goal_id] not in peer.said.all
+    assert [report.said for report in reports.all].count("succeeded") == 1
+
+
+def test_stop_cancels_what_runs_and_what_is_not_accepted_yet(open_ros: Open, peer: Peer) -> None:
+    connector = open_ros()
+    running, reports = start(connector, peer, RUN)
+    wait_for(reports, "accepted")
+    slow, _ = start(connector, peer, SLOW_TO_ACCEPT)
+    peer.said.wait(lambda said: said[-1] == ["asked", SLOW_TO_ACCEPT], "the server thinks about it")
+    connector.stop()
+    told = len(reports.all)
+    peer.said.wait(lambda said: ["canceled", running] in said and ["canceled", slow] in said, "neither goal runs on")
+    assert len(reports.all) == told, "after the stop nothing is reported"
+
+
+def test_goals_are_lost_when_their_server_is_killed(open_ros: Open, own_peer: Peer) -> None:
+    connector = open_ros()
+    _, running = start(connector, own_peer, RUN)
+    wait_for(running, "accepted")
+    _, asked = start(connector, own_peer, SLOW_TO_ACCEPT)
+    own_peer.said.wait(lambda said: ["asked", SLOW_TO_ACCEPT] in said, "the server thinks about it")
+    own_peer.kill()
+    assert end_of(running)[-1] == "lost"
+    assert end_of(asked) == ["lost"]
+    assert "is gone" in running.all[-1].why
+
+
+def test_goals_are_lost_when_their_server_starts_anew_and_new_ones_reach_it(open_ros: Open, own_peer: Peer) -> None:
+    connector = open_ros()
+    _, reports = start(connector, own_peer, RUN)
+    wait_for(reports, "accepted")
+    own_peer.kill()
+    with Peer(own_peer.name) as reborn:
+        assert end_of(reports)[-1] == "lost"
+        goal_id, again = start(connector, reborn, SUCCEED)
+        assert end_of(again)[-1] == "succeeded"
+        assert ["runs", goal_id] in reborn.said.all
+
+
+def test_a_server_that_answers_after_it_was_given_up_changes_nothing_and_its_goal_is_canceled(
+    open_ros: Open, own_peer: Peer
+) -> None:
+    connector = open_ros()
+    goal_id, reports = start(connector, own_peer, SLOW_TO_ACCEPT)
+    own_peer.said.wait(lambda said: ["asked", SLOW_TO_ACCEPT] in said, "the server thinks about it")
+    own_peer.signal(signal.SIGSTOP)
+    assert end_of(reports) == ["lost"]
+    own_peer.signal(signal.SIGCONT)
+    own_peer.said.wait(lambda said: ["canceled", goal_id] in said, "what is accepted too late is canceled")
+    assert [report.said for report in reports.all] == ["lost"]
+
+
+def test_a_call_brings_the_reply(open_ros: Open, peer: Peer) -> None:
+    replies = Heard[Reply]()
+    open_ros().call("/peer/trigger", TRIGGER, {}, answered=replies, timeout_s=5.0)
+    assert replies.wait(bool, "it is answered") == [Reply("succeeded", {"success": True, "message": "done"})]
+
+
+def test_a_reply_that_says_that_the_server_failed_is_a_failure(open_ros: Open, peer: Peer) -> None:
+    replies = Heard[Reply]()
+    open_ros().call("/peer/set", "std_srvs/srv/SetBool", {"data": False}, answered=replies)
+    (reply,) = replies.wait(bool, "it is answered")
+    assert (reply.outcome, reply.why) == ("failed", "it is broken")
+
+
+def test_a_call_that_is_not_answered_is_timed_out_once(open_ros: Open, peer: Peer) -> None:
+    connector, replies = open_ros(), Heard[Reply]()
+    connector.call(f"/{peer.name}/hang", TRIGGER, {}, answered=replies, timeout_s=0.6)
+    (reply,) = replies.wait(bool, "it is given up")
+    assert reply == Reply("timed_out", {}, "/peer/hang has not answered within 0.6 s")
+
+
+def test_a_call_whose_server_dies_is_told_so_without_any_timeout(open_ros: Open, own_peer: Peer) -> None:
+    connector, replies = open_ros(), Heard[Reply](10.0)
+    connector.call(f"/{own_peer.name}/hang", TRIGGER, {}, answered=replies)
+    own_peer.said.wait(lambda said: ["hangs"] in said, "the call has arrived")
+    own_peer.kill()
+    (reply,) = replies.wait(bool, "the server is gone")
+    assert (reply.outcome, reply.why) == (
+        "unavailable",
+        f"the server of /{own_peer.name}/hang vanished before it answered",
+    )
+
+
+def test_a_hundred_calls_at_once_of_an_ordinary_server_are_all_answered(open_ros: Open, peer: Peer) -> None:
+    connector, replies = open_ros(), Heard[Reply](10.0)
+    for _ in range(100):
+        connector.call("/peer/trigger", TRIGGER, {}, answered=replies)
+    told = replies.wait(lambda all_: len(all_) == 100, "an ordinary server keeps ten requests; none may be lost")
+    assert {reply.outcome for reply in told} == {"succeeded"}
+
+
+def test_the_first_message_of_a_new_publisher_arrives(open_ros: Open, peer: Peer) -> None:
+    word = uuid.uuid4().hex
+    open_ros().publish("/peer/ear", STRING, {"data": word})
+    peer.said.wait(lambda said: ["heard", word] in said, "nothing is lost while the two find each other")
+
+
+def test_who_subscribes_later_hears_what_was_latched(open_ros: Open, peer: Peer) -> None:
+    heard = Heard[Message]()
+    open_ros(qos={"/peer/latched": {"durability": "latched"}}).subscribe("/peer/latched", STRING, heard)
+    assert heard.wait(bool, "it was kept")[0].data == {"data": "kept"}
+
+
+def test_a_publisher_with_best_effort_is_heard_unless_the_profile_insists(open_ros: Open, peer: Peer) -> None:
+    heard, insisting = Heard[Message](), Heard[Message]()
+    open_ros(qos={"/peer/hasty": {"reliability": "reliable"}}).subscribe("/peer/hasty", STRING, insisting)
+    open_ros().subscribe("/peer/hasty", STRING, heard)
+    heard.wait(lambda all_: len(all_) > 3, "the reader fits its publisher")
+    assert insisting.all == []
