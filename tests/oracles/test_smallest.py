@@ -91,9 +91,7 @@ def test_a_goal_that_was_given_up_and_is_accepted_at_last_is_canceled() -> None:
     assert CancelGoal(1, "drive") in made.send(Event("drive", 21.0, {}, "accepted", 1)).effects
 
 
-@pytest.mark.xfail(
-    reason="a failure that nobody handles ends the mission without the exits of what is active"
-)
+@pytest.mark.xfail(reason="a failure that nobody handles ends the mission without the exits of what is active")
 def test_what_a_state_does_when_it_is_left_is_done_at_a_failing_end_too() -> None:
     states = {
         "a": {

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import py_trees
 import pytest
@@ -18,7 +18,7 @@ from rai_missions.states.tree import BehaviourLeaf, Sequence, WaitLeaf
 class Count(py_trees.behaviour.Behaviour):
     """Runs for a number of ticks."""
 
-    made: list[Count] = []
+    made: ClassVar[list[Count]] = []
 
     def __init__(self, ticks: int, ends: py_trees.common.Status) -> None:
         super().__init__("count")
@@ -39,7 +39,11 @@ def ran(ticks: int, ends: py_trees.common.Status = py_trees.common.Status.SUCCES
     mission = Mission(
         "counting",
         initial="work",
-        states={"work": Tree(tree, timeout_s=60, transitions=rows, **words), "good": Final("aborted"), "bad": Final("failed")},
+        states={
+            "work": Tree(tree, timeout_s=60, transitions=rows, **words),
+            "good": Final("aborted"),
+            "bad": Final("failed"),
+        },
     )
     return Runner(mission, clock=SimulatedClock()).run()
 
