@@ -274,6 +274,20 @@ def test_an_answer_from_outside_counts_like_any_other_and_ends_the_thinking() ->
     assert result.outcome == "aborted" and model.withdrawn == [1] and not rig.runner.performer.thinking
 
 
+def test_once_it_is_answered_from_outside_nobody_thinks_any_more() -> None:
+    waits = {"states": {"w": {"transitions": [{"after_s": 2, "to": "end"}]}}, "initial": "w"}
+    rig = Rig({**ASKING, "over": waits, "end": {"final": "aborted"}}, answerers={"agent": LateAnswerer()})
+    thinks: list[bool] = []
+    rig.stage.play(
+        {
+            0.1: lambda: thinks.append(rig.runner.performer.thinking),
+            0.2: lambda: rig.runner.answer(1, "left"),
+            1.0: lambda: thinks.append(rig.runner.performer.thinking),
+        }
+    )
+    assert rig.run().outcome == "aborted" and thinks == [True, False]
+
+
 def test_an_answer_to_a_question_that_nobody_asks_is_stale() -> None:
     rig = Rig(ASKING, answerers={"agent": LateAnswerer()}, clock=WallClock())
 

@@ -63,11 +63,35 @@ def test_an_action_succeeds_only_as_its_server_and_the_facts_say() -> None:
     assert rig.move.given == [{"speed": 2.5}]
 
 
-def test_an_action_that_fails_is_no_success() -> None:
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        ("failed", "'lost' was reached"),
+        ("lost", "'lost' was reached"),
+        ("canceled", "moving: canceled"),
+        ("rejected", "moving: rejected"),
+    ],
+)
+def test_an_action_that_does_not_succeed_is_no_success(said: str, why: str) -> None:
     rig = Rig(MOVING)
-    rig.stage.play({1.0: lambda: rig.post("go"), 2.0: lambda: rig.move.say("failed")})
+    rig.stage.play(
+        {1.0: lambda: rig.post("go"), 1.5: lambda: rig.publish("/there", data=True), 2.0: lambda: rig.move.say(said)}
+    )
     result = rig.run()
-    assert (result.outcome, rig.entered[-1]) == ("failed", "lost")
+    assert (result.outcome, result.why) == ("failed", why)
+
+
+def test_a_word_that_no_server_says_ends_no_goal() -> None:
+    rig = Rig(MOVING)
+    rig.stage.play(
+        {
+            1.0: lambda: rig.post("go"),
+            1.5: lambda: rig.publish("/there", data=True),
+            2.0: lambda: rig.move.say("exploded"),
+            3.0: lambda: rig.move.say("succeeded"),
+        }
+    )
+    assert rig.run().outcome == "succeeded"
 
 
 def test_a_success_that_the_facts_do_not_bear_out_fails_the_mission() -> None:
@@ -291,7 +315,7 @@ def test_writes_that_enable_nothing_travel_and_the_newest_of_a_key_arrives() -> 
     rig.stage.each = lambda: rig.publish("/battery", percentage=rig.stage.at)
     rig.stage.play({9.5: lambda: rig.post("go")})
     rig.run()
-    assert len(rig.book.steps) <= 12, "95 writes, a row a second at the most"
+    assert 9 <= len(rig.book.steps) <= 12, "95 writes, a row a second"
     assert rig.book.quiet[-1][:2] == ("battery", 9.5)
     assert max(later[2] - sooner[2] for sooner, later in zip(rig.book.quiet, rig.book.quiet[1:], strict=False)) <= 1.2
 

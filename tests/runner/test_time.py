@@ -95,6 +95,13 @@ def test_while_somebody_thinks_simulated_time_goes_no_faster_than_the_wall(stepp
     assert 0.2 <= result.duration_s <= took + 0.101
 
 
+def test_a_world_that_falls_behind_does_not_catch_up_at_the_cost_of_who_thinks() -> None:
+    rig = Rig(ASKING, answerers={"agent": Thinker(0.9)})
+    rig.stage.play({0.1: lambda: threading.Event().wait(0.6)})
+    result = rig.run()
+    assert result.outcome == "aborted" and result.duration_s < 0.65, "0.6 of 0.9 s were the world's own"
+
+
 def test_once_nobody_thinks_time_flies_again() -> None:
     states = {
         **ASKING,
