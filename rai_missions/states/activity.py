@@ -59,7 +59,7 @@ class Desk(Protocol):
         """Write a key of the mission; whoever looks next sees it."""
 
     def obstruction(self, action: str) -> str:
-        """Something happened; None where it does not concern this. A `tick`: time or a key is another now."""
+        """`busy`: a goal on the same resources has not ended; `orphan`: one never confirmed its end; or empty."""
 
 
 class Machine(Protocol):
