@@ -7,6 +7,7 @@ Rule: what does not fit is an error that names the field, never a message that s
 from __future__ import annotations
 
 import math
+import sys
 from array import array
 from collections.abc import Hashable, Mapping
 from functools import cache
@@ -23,7 +24,9 @@ from rai_missions.wording import shown, suggestion
 __all__ = ("to_data", "to_message")
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
-GREATEST_FLOAT = 3.402823466e38
+GREATEST = {"float": 3.4028234663852886e38, "double": sys.float_info.max}
+GREATEST_SET = 3.402823466e38
+"""What rclpy takes for the greatest float; as a float it is the greatest one."""
 NO_FIELD = "structure_needs_at_least_one_member"
 """What ROS gives a message that has no fields."""
 
@@ -118,14 +121,12 @@ def _integer(name: str, value: Any, place: str) -> int:
 def _number(name: str, value: Any, place: str) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool):
         raise ConnectorError(f"{place}: {shown(value)} is no number, as {name} asks")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    too_great = abs(number) > GREATEST_FLOAT if name == "float" else math.isinf(number) and isinstance(value, int)
-    if too_great and not (isinstance(value, float) and math.isinf(value)):
-        raise ConnectorError(f"{place}: {value:.6g} is too great for a {name}")
-    return number
+    if isinstance(value, float) and not math.isfinite(value):
+        return float(value)
+    if abs(value) > GREATEST[name]:
+        raise ConnectorError(f"{place}: {shown(value)} is too great for a {name}")
+    number = float(value)
+    return number if name == "double" else max(-GREATEST_SET, min(GREATEST_SET, number))
 
 
 def _time(seconds: float, place: str) -> dict[str, int]:

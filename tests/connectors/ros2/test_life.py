@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A connector's life: options, starts and stops without a leak, stamps, and a process that has its own ROS affairs."""
+
+from __future__ import annotations
+
+import gc
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.connector import Message, Reply, Report
+from rai_missions.connectors.contract import Heard, PatientServer
+from rai_missions.connectors.ros2 import open_connector
+from rai_missions.errors import ConnectorError, UsageError
+
+STRING, TRIGGER, FIBONACCI = "std_msgs/msg/String", "std_srvs/srv/Trigger", "test_msgs/action/Fibonacci"
+Open = Callable[..., Any]
+ROOT = Path(__file__).parents[3]
+
+
+class Willing(PatientServer):
+    """It accepts every goal, and never ends one."""
+
+    def accept(self, goal_id: str, goal: Any, report: Callable[[Report], None]) -> None:
+        report(Report(goal_id, "accepted", {}))
+
+
+def program(text: str) -> subprocess.CompletedProcess[str]:
+    """A user's program, run to its end."""
+    return subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", textwrap.dedent(text)],
+        capture_output=True, text=True, timeout=60, cwd=ROOT, check=False,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"nod": "x"}, "connector: no option 'nod'; did you mean 'node'?"),
+        ({"node": 3}, "connector/node: 3 is no str"),
+        ({"sim_time": 1}, "connector/sim_time: 1 is no bool"),
+        ({"domain_id": 900}, "connector/domain_id: 900 is no ROS domain; one goes from 0 to 232"),
+        ({"discovery_s": 0}, "connector/discovery_s: 0 is no time to be found in; give seconds above 0"),
+        ({"arguments": "-r"}, "connector/arguments: '-r' is no list of texts, such as [\"-r\", \"/a:=/b\"]"),
+        ({"qos": []}, "connector/qos: [] stands where an object belongs"),
+        ({"qos": {"/t": {"depth": 0}}},
+         "connector/qos//t/depth: 0 is no number of messages; give 1 (the newest wins) to 10000"),
+        ({"qos": {"/t": {"durability": "latch"}}},
+         "connector/qos//t/durability: 'latch' is not known; did you mean 'latched'?"),
+        ({"qos": {"/t": {"history": 3}}},
+         "connector/qos//t: no option 'history'; there is: depth, durability, reliability"),
+    ],
+)  # fmt: skip
+def test_an_option_that_is_not_understood_is_told_with_what_would_be(options: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        open_connector(options)
+    assert str(caught.value) == sentence
+
+
+@pytest.mark.usefixtures("alone")
+@pytest.mark.parametrize(
+    "options",
+    [{"node": "not a name"}, {"namespace": "1/2"}, {"arguments": ["-r", "nonsense:=:="]}, {"arguments": ["-x"]}],
+)
+def test_what_ros_does_not_take_is_refused_at_the_start(options: dict[str, Any]) -> None:
+    connector = open_connector(options)
+    with pytest.raises(UsageError, match=r"^connector: ROS "):
+        connector.start()
+    connector.stop()
+
+
+def test_the_profile_names_the_node_and_renames_topics(open_ros: Open) -> None:
+    heard = Heard[Message]()
+    other = open_ros(node="ears", namespace="/robot", arguments=["-r", "/a:=/b"], parameters={"speed": 1.5})
+    other.subscribe("/a", STRING, heard)
+    open_ros().publish("/b", STRING, {"data": "x"})
+    assert heard.wait(bool, "the topic was renamed")[0].topic == "/a"
+    node = other._session.runtime.node
+    assert node.get_fully_qualified_name() == "/robot/ears"
+    assert node.get_parameter("speed").value == 1.5
+
+
+@pytest.mark.usefixtures("alone")
+def test_a_hundred_lives_leave_nothing_behind() -> None:
+    connector = open_connector({})
+
+    def live() -> None:
+        connector.start()
+        replies, reports = Heard[Reply](), Heard[Report]()
+        connector.subscribe("/life", STRING, lambda _message: None)
+        connector.publish("/life", STRING, {"data": "x"})
+        connector.serve("/life/call", TRIGGER, lambda _request: {})
+        connector.call("/life/nobody", TRIGGER, {}, answered=replies)
+        connector.offer("/life/do", FIBONACCI, Willing())
+        connector.send_goal("/life/do", FIBONACCI, {}, goal_id="g", report=reports)
+        connector.stop()
+        assert [reply.outcome for reply in replies.all] == ["unavailable"], "each call is answered once"
+
+    def held() -> tuple[int, int]:
+        gc.collect()
+        return threading.active_count(), len(os.listdir("/proc/self/fd"))
+
+    live()
+    before = held()
+    for _ in range(100):
+        live()
+    after = held()
+    assert after[0] == before[0], "no thread is left"
+    assert after[1] <= before[1] + 2, "no file is left open"
+
+
+@pytest.mark.usefixtures("alone")
+def test_a_stop_from_a_callback_ends_it_without_a_deadlock(open_ros: Open) -> None:
+    connector, done = open_ros(), threading.Event()
+
+    def hear(_message: Message) -> None:
+        connector.stop()
+        done.set()
+
+    connector.subscribe("/stop", STRING, hear)
+    thread = connector._session.runtime._thread
+    connector.publish("/stop", STRING, {"data": "now"})
+    assert done.wait(5)
+    thread.join(5)
+    assert not thread.is_alive()
+    connector.start()
+    assert connector._session is not None, "it can be started again"
+
+
+@pytest.mark.usefixtures("alone")
+def test_a_callback_that_raises_stops_nobody(open_ros: Open, caplog: pytest.LogCaptureFixture) -> None:
+    connector, heard = open_ros(), Heard[Message]()
+
+    def fail(_message: Message) -> None:
+        raise RuntimeError("broken ear")
+
+    connector.subscribe("/ears", STRING, fail)
+    connector.subscribe("/ears", STRING, heard)
+    for text in ("one", "two"):
+        connector.publish("/ears", STRING, {"data": text})
+    heard.wait(lambda all_: len(all_) == 2, "the other ear hears everything")
+    assert "broken ear" in caplog.text
+
+
+@pytest.mark.usefixtures("alone")
+@pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (1e6, 50.0 - 1e6), (-30.0, 50.0)])
+def test_a_header_stamp_is_told_on_the_runs_clock(open_ros: Open, age_s: float, at: float) -> None:
+    connector, heard = open_ros(now=lambda: 50.0), Heard[Message]()
+    connector.subscribe("/stamped", "std_msgs/msg/Header", heard)
+    connector.publish("/stamped", "std_msgs/msg/Header", {"stamp": time.time() - age_s})
+    assert heard.wait(bool, "it was published")[0].at == pytest.approx(at, abs=0.5)
+
+
+@pytest.mark.usefixtures("alone")
+def test_a_message_without_a_stamp_is_from_now(open_ros: Open) -> None:
+    connector, heard = open_ros(now=lambda: 50.0), Heard[Message]()
+    connector.subscribe("/stamped", "std_msgs/msg/Header", heard)
+    connector.publish("/stamped", "std_msgs/msg/Header", {"frame_id": "map"})
+    assert heard.wait(bool, "it was published")[0].at == 50.0
+
+
+@pytest.mark.usefixtures("alone")
+def test_simulated_time_is_what_the_clock_says(open_ros: Open) -> None:
+    connector, heard = open_ros(sim_time=True), Heard[Message]()
+    connector.subscribe("/any", STRING, heard)
+    clock = Heard[Message]()
+    connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", clock)
+    connector.publish("/clock", "rosgraph_msgs/msg/Clock", {"clock": 77.5})
+    clock.wait(bool, "time has come")
+    deadline = time.monotonic() + 5
+    while not heard.all or heard.all[-1].at != 77.5:
+        assert time.monotonic() < deadline, heard.all
+        count = len(heard.all)
+        connector.publish("/any", STRING, {"data": "x"})
+        heard.wait(lambda all_: len(all_) > count, "it was published")  # noqa: B023 - asked at once
+
+
+@pytest.mark.usefixtures("alone")
+def test_what_is_wrong_is_told_as_the_contract_says(open_ros: Open) -> None:
+    connector, replies, reports = open_ros(), Heard[Reply](), Heard[Report]()
+    connector.subscribe("/t", STRING, lambda _message: None)
+    connector.serve("/s", TRIGGER, lambda _request: {})
+    connector.offer("/a", FIBONACCI, Willing())
+    with pytest.raises(ConnectorError, match="/t is a std_msgs/msg/String, not a std_msgs/msg/Int32"):
+        connector.publish("/t", "std_msgs/msg/Int32", {"data": 1})
+    with pytest.raises(UsageError, match="/s is served already"):
+        connector.serve("/s", TRIGGER, lambda _request: {})
+    with pytest.raises(UsageError, match="/a is served already"):
+        connector.offer("/a", FIBONACCI, PatientServer())
+    connector.call("/s", TRIGGER, {"x": 1}, answered=replies)
+    assert replies.all == [Reply("failed", {}, "/s/x: std_srvs/srv/Trigger_Request has no such field")]
+    connector.send_goal("/a", FIBONACCI, {"order": "x"}, goal_id="g", report=reports)
+    assert reports.all == [Report("g", "rejected", {}, "/a/order: 'x' is no whole number, as int32 asks")]
+    connector.send_goal("/a", FIBONACCI, {"order": 1}, goal_id="g", report=reports)
+    with pytest.raises(UsageError, match="goal 'g' is still running"):
+        connector.send_goal("/a", FIBONACCI, {"order": 1}, goal_id="g", report=reports)
+
+
+def test_what_is_not_started_says_so() -> None:
+    connector, replies, reports = open_connector({}), Heard[Reply](), Heard[Report]()
+    connector.publish("/t", STRING, {"data": "x"})
+    connector.cancel_goal("g")
+    connector.call("/s", TRIGGER, {}, answered=replies)
+    connector.send_goal("/a", FIBONACCI, {}, goal_id="g", report=reports)
+    assert [reply.outcome for reply in replies.all] == ["unavailable"]
+    assert [report.said for report in reports.all] == ["rejected"]
+    with pytest.raises(UsageError, match="not started"):
+        connector.subscribe("/t", STRING, lambda _message: None)
+
+
+def test_importing_the_room_loads_no_ros() -> None:
+    text = "import rai_missions, rai_missions.connectors.ros2, sys; assert 'rclpy' not in sys.modules"
+    assert program(text).returncode == 0
+
+
+def test_without_rclpy_one_sentence_says_how_to_get_it() -> None:
+    done = program(
+        """
+        import sys; sys.modules["rclpy"] = None
+        from rai_missions.connectors.ros2 import open_connector
+        try:
+            open_connector({})
+        except Exception as error:
+            print(type(error).__name__, error)
+        """
+    )
+    assert done.stdout.startswith("UsageError a connector of kind 'ros2' needs rclpy, which does not load")
+    assert "pip install 'rai_missions[ros]'" in done.stdout and "source /opt/ros/" in done.stdout
+
+
+def test_a_process_that_forgets_to_stop_ends_as_usual_and_leaves_no_goal(peer: Any) -> None:
+    done = program(
+        f"""
+        import threading
+        from rai_missions.connectors.ros2 import open_connector
+        connector, running = open_connector({{}}), threading.Event()
+        connector.start()
+        connector.send_goal("/{peer.name}/fibonacci", "{FIBONACCI}", {{"order": 1}}, goal_id="{"ab" * 16}",
+                            report=lambda report: report.said == "accepted" and running.set())
+        assert running.wait(10)
+        """
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    peer.said.wait(lambda said: ["canceled", "ab" * 16] in said, "its goal is canceled at the exit")
+
+
+def test_it_lives_beside_a_program_that_spins_rclpy_itself(peer: Any) -> None:
+    done = program(
+        f"""
+        import threading, time, rclpy
+        from rclpy.executors import SingleThreadedExecutor
+        from std_msgs.msg import String
+        from rai_missions.connectors.contract import Heard
+        from rai_missions.connectors.ros2 import open_connector
+        rclpy.init()
+        node, executor = rclpy.create_node("users_own"), SingleThreadedExecutor()
+        executor.add_node(node)
+        echo = node.create_publisher(String, "/echo", 10)
+        node.create_subscription(String, "/say", echo.publish, 10)
+        thread = threading.Thread(target=executor.spin); thread.start()
+        for _ in range(3):
+            connector, heard, replies = open_connector({{}}), Heard(10.0), Heard(10.0)
+            connector.start()
+            connector.subscribe("/echo", "{STRING}", heard)
+            while not node.count_subscribers("/echo"):
+                time.sleep(0.01)
+            connector.publish("/say", "{STRING}", {{"data": "x"}})
+            connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, answered=replies)
+            assert replies.wait(bool, "answered")[0].outcome == "succeeded"
+            heard.wait(bool, "the user's node hears and speaks")
+            connector.stop()
+        assert rclpy.ok() and thread.is_alive()
+        executor.shutdown(); thread.join(); node.destroy_node(); rclpy.shutdown()
+        """
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_an_interrupt_that_shuts_ros_down_loses_goals_and_answers_calls(peer: Any) -> None:
+    done = program(
+        f"""
+        import os, signal, rclpy
+        from rai_missions.connectors.contract import Heard
+        from rai_missions.connectors.ros2 import open_connector
+        rclpy.init()
+        connector, reports, replies, late = open_connector({{}}), Heard(10.0), Heard(10.0), Heard(10.0)
+        connector.start()
+        connector.send_goal("/{peer.name}/fibonacci", "{FIBONACCI}", {{"order": 1}}, goal_id="g", report=reports)
+        reports.wait(bool, "accepted")
+        connector.call("/{peer.name}/hang", "{TRIGGER}", {{}}, answered=replies)
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            replies.wait(bool, "answered")
+        except KeyboardInterrupt:
+            replies.wait(bool, "answered")
+        reports.wait(lambda all_: all_[-1].said == "lost", "lost")
+        connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, answered=late)
+        print(replies.all[0].outcome, late.wait(bool, "answered")[0].outcome)
+        connector.stop()
+        """
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "unavailable unavailable\n", "")
