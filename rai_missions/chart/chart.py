@@ -94,18 +94,24 @@ class Chart(Instants):
         self._complete(None)
         return self._close(Event("start", at, kind="command"))
 
-    def write(self, key: str, value: Any, at: float = 0.0) -> Step:
-        """Tell the blackboard what a key is, as of `at`.
+    def write(self, key: str, value: Any, at: float | None = None) -> Step:
+        """Tell the blackboard what a key is, as of `at`: now, if nothing else is said.
 
         Raises:
             UsageError: The mission has no such key.
         """
         if key not in self.mission.blackboard:
             raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.mission.blackboard)}")
-        return self.send(Event(key, at, {"value": value}, "write"))
+        return self.send(Event(key, self.view.at if at is None else at, {"value": value}, "write"))
 
     def send(self, event: Event) -> Step:
-        """Let an event happen: everything due before it first, then it, to completion."""
+        """Let an event happen: everything due before it first, then it, to completion.
+
+        One whose time has passed already happens now.
+
+        Raises:
+            UsageError: Its time is not a finite number of seconds.
+        """
         name, at, data, kind, _ = event
         if kind != "event" or not self._quick or at >= self._wake:
             return self._send(event)
@@ -228,6 +234,8 @@ class Chart(Instants):
     # -- one step -------------------------------------------------------------------------------------------------
 
     def _send(self, event: Event) -> Step:
+        if not math.isfinite(event.at):
+            raise UsageError(f"'{event.name}' cannot happen at {event.at} s; give a finite number of seconds")
         self._clear()
         at = max(event.at, self.view.at)
         if self.mode == "ready":

@@ -17,7 +17,7 @@ from rai_missions.states.state import OUTCOMES, State, Transition
 __all__ = ("Compiled",)
 
 CONFIGURATIONS = 4096
-"""How many configurations are remembered; a mission that visits more forgets them all and starts again."""
+"""So many configurations are remembered, or four for each state; past that all are forgotten and it starts again."""
 
 
 class Compiled:
@@ -106,7 +106,7 @@ class Compiled:
         key = tuple(node.index for node in nodes)
         found = self._configurations.get(key)
         if found is None:
-            if len(self._configurations) >= CONFIGURATIONS:
+            if len(self._configurations) >= max(CONFIGURATIONS, 4 * len(self.order)):
                 self._configurations.clear()
             found = self._configurations[key] = Configuration(nodes, self.root)
         return found

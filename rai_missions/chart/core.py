@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.blackboard import Blackboard, Stamped
+from rai_missions.blackboard import Blackboard, Stamped, stale_at
 from rai_missions.chart.acts import Act, act_of
 from rai_missions.chart.configuration import Configuration, Leap
 from rai_missions.chart.graph import Graph
@@ -29,7 +29,7 @@ from rai_missions.step import CancelGoal, Move
 __all__ = ("Core", "Look", "Named", "Timer", "Trigger")
 
 Named = Mapping[str, Callable[..., Truth]]
-"""Predicates of the user's program by name; each gets the blackboard's values and the guard's `with`."""
+"""Predicates of the user's program by name; each gets the blackboard's fresh values and the guard's `with`."""
 
 
 TimerKey = tuple[str, Any]
@@ -218,8 +218,10 @@ class Core:
         predicate = self._named.get(name)
         if predicate is None:
             return None
+        keys, now = self.mission.blackboard, self.view.at
+        known = {key: entry.value for key, entry in self.view.board.items() if now < stale_at(keys.get(key), entry)}
         try:
-            value = predicate({key: entry.value for key, entry in self.view.board.items()}, **arguments)
+            value = predicate(known, **arguments)
         except Exception as error:  # noqa: BLE001 - the user's code; what it raises makes the guard unknown
             self.notes.append(f"guard '{name}' raised {type(error).__name__}: {error}")
             value = None
@@ -252,6 +254,6 @@ class Core:
         """Make one microstep."""
         raise NotImplementedError
 
-    def _end(self, outcome: str, why: str) -> None:
+    def _end(self, outcome: str, why: str, *, leaving: bool = True) -> None:
         """The mission is over."""
         raise NotImplementedError

@@ -156,10 +156,16 @@ class Endings(Activities):
     def _kill(self, why: str) -> None:
         self.effects += self._ledger.stop_all(self.view.at)
         self.holder = "nobody"
-        self._end("aborted", why)
+        self._end("aborted", why, leaving=False)
 
-    def _end(self, outcome: str, why: str) -> None:
-        """The mission is over: everything that runs is ended."""
+    def _end(self, outcome: str, why: str, *, leaving: bool = True) -> None:
+        """The mission is over: everything that runs is ended, and the active states do what they do when left.
+
+        Args:
+            outcome: How it ended.
+            why: The rule that decided it.
+            leaving: Whether the `exit` of the active states is done; not after an emergency stop.
+        """
         if self.outcome is not None:
             return
         if self.mode == "canceling":
@@ -167,9 +173,10 @@ class Endings(Activities):
         self.outcome, self.why = outcome, why
         for name in list(self._running):
             self._leave_activity(self._graph.nodes[name])
-        if self._final is not None:
-            for act in self._final.exit:
-                act(self)
+        if leaving:
+            for node in sorted(self._config.nodes, key=lambda node: -node.index):
+                for act in node.exit:
+                    act(self)
         for goal in list(self._ledger.goals.values()):
             self.effects += self._ledger.cancel(goal.number, self.view.at)
         self._timers.clear()

@@ -83,6 +83,7 @@ class Graph(Compiled):
 
     def _leap(self, config: Configuration, rows: tuple[Row, ...], memory: Memory, trigger: str) -> Leap:
         exited = {node for row in rows for node in self._exit_set(config, row, memory)}
+        memory = {**memory, **dict(self._remembered(config, exited))}  # SCXML leaves, and remembers, before it enters
         entered: set[Node] = set()
         for row in rows:
             domain = self._domain(row, memory)
@@ -141,7 +142,8 @@ class Graph(Compiled):
         leap.remember = tuple(self._remembered(config, out))
         quiet = not any(node.timed or node.activity or node.clocked or node.control for node in (*out, *into))
         ends = any(node.is_final or node.is_each for node in into)
-        leap.plain = quiet and not ends and not leap.remember and not target.watchful and not self.invariants
+        watched = config.holds or target.watchful or self.invariants
+        leap.plain = quiet and not (ends or leap.remember or watched)
         return leap
 
     def _entering(self, config: Configuration, exited: set[Node], into: tuple[Node, ...], index: int) -> Iterable[Act]:

@@ -25,7 +25,10 @@ class Instants(Modes):
             self.view.at = max(self.view.at, due)
             self._instant()
         if same >= MOST_MICROSTEPS:
-            self._end("failed", f"timers without end in {', '.join(sorted(self.view.active))}")
+            self._endless()
+
+    def _endless(self) -> None:
+        self._end("failed", f"timers without end in {', '.join(sorted(self.view.active))}")
 
     def _instant(self) -> None:
         """What time alone does now."""
@@ -38,12 +41,14 @@ class Instants(Modes):
             return
         if self.mode == "canceling" and now >= self._cancel_by:
             self._end("canceled", "the cancel took longer than cancel_s")
-        while self.outcome is None:
+        for _ in range(MOST_MICROSTEPS):
             due = [(timer.due, timer.order, key) for key, timer in self._timers.items() if timer.due <= now]
-            if not due:
+            if self.outcome is not None or not due:
                 break
             key = min(due)[2]
             self._fire(key, self._timers.pop(key))
+        else:
+            return self._endless()
         for name in [name for name, until in self._pending.items() if until <= now]:
             if self._pending.get(name, math.inf) > now:
                 continue  # the one before led out of it, or anew into it

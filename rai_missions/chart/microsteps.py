@@ -35,8 +35,9 @@ class Microsteps(Endings):
             if self.outcome is not None or self.mode not in ("running", "canceling"):
                 return
             if self._final is not None:
-                self._settle_final()
                 self._check_invariants()
+                if self.outcome is None:
+                    self._settle_final()
                 return
             if trigger is not None:
                 self._answer(trigger)
@@ -52,6 +53,7 @@ class Microsteps(Endings):
                 self._take(rows, "")
             elif self._internal:
                 trigger = self._internal.popleft()
+                seen.clear()
             elif self._starting:
                 self._begin_starting()
             elif not (self.written and self._poll()):
@@ -70,7 +72,7 @@ class Microsteps(Endings):
     def _answer(self, trigger: Trigger) -> None:
         """Find the rows that a trigger fires, and take them."""
         view, source = self.view, trigger.source
-        if trigger.name == "round" and source is not None:
+        if trigger.name == "round" and source is not None and source.is_each:
             return self._next_round(source)
         view.event, option = trigger.data, False
         if trigger.row is not None:
@@ -98,7 +100,7 @@ class Microsteps(Endings):
         if trigger.name == "succeeded":
             if source.activity:
                 self.notes.append(f"no row took 'succeeded' of '{source.name}'")
-        elif trigger.climbs:
+        elif trigger.climbs and source in self._config.nodes:
             why = f"{source.name}: {trigger.name}" + (f" ({trigger.why})" if trigger.why else "")
             self._end("failed", why)
 

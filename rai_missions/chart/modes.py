@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from rai_missions.chart.core import Trigger
 from rai_missions.chart.microsteps import Microsteps
-from rai_missions.event import Event
+from rai_missions.event import KINDS, Event
 from rai_missions.written import suggestion
 
 __all__ = ("Modes",)
@@ -102,3 +102,5 @@ class Modes(Microsteps):
                 self._refused = f"stale: question {event.number} is no longer asked"
         elif event.kind == "result":
             self._report(event)
+        else:
+            self._refused = f"there is no event of kind '{event.kind}'{suggestion(event.kind, KINDS)}"

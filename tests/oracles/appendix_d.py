@@ -114,7 +114,7 @@ class Interpreter:
         self.external_queue: deque[Event] = deque()
         self.delayed: list[Delayed] = []
         self.sent, self.now, self.microsteps = 0, 0.0, 0
-        self.running, self.outcome, self.broken_off = True, "", False
+        self.running, self.outcome = True, ""
         self.log: list[str] = []
 
     def _children(self, parent: Element, states: dict[str, Any]) -> None:
@@ -187,7 +187,7 @@ class Interpreter:
 
     def exit_interpreter(self) -> None:
         for s in sorted(self.configuration, key=lambda s: -s.order):
-            self.execute_content(s.data.get("exit", []) if not self.broken_off else [])
+            self.execute_content(s.data.get("exit", []))
         self.delayed.clear()
         self.external_queue.clear()
         self.internal_queue.clear()
@@ -198,7 +198,7 @@ class Interpreter:
             return []
         enabled = self.select_transitions(event)
         if event.done and not enabled and event.name != "succeeded" and not self._in_region(event.done):
-            self.running, self.outcome, self.broken_off = False, "failed", True
+            self.running, self.outcome = False, "failed"
         return enabled
 
     def select_eventless_transitions(self) -> list[Transition]:

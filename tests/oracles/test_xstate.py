@@ -4,7 +4,8 @@
 Needs node and the npm package `xstate`; `make oracles` installs it beside this file.
 Where XState 5 leaves the recommendation, the charts that are drawn keep away:
 a row is compared only where the least common ancestor of its ends is no parallel state, for XState then leaves the one
-region and not the whole; and charts with regions have no row without a target above them, for XState asks the states
+region and not the whole; a row into a history of a state around it, for XState then enters states that it has not
+left; and charts with regions have no row without a target above them, for XState asks the states
 above only when no region has a row of its own.
 """
 
@@ -62,6 +63,8 @@ def tamed(document: Json) -> Json:
     def unwanted(source: str, row: Json) -> bool:
         if "to" not in row:
             return regions
+        if any("history" in states[target] and above[target][0] in above[source] for target in many(row["to"])):
+            return True
         shared = [up for up in above[source] if all(up in above[target] for target in many(row["to"]))]
         return bool(shared) and "parallel" in states[shared[0]] and not row.get("internal")
 
