@@ -10,9 +10,13 @@ import hashlib
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-__all__ = ("Event", "Image", "Tick")
+__all__ = ("KINDS", "Event", "Image", "Tick")
 
 NOTHING: Mapping[str, Any] = {}
+KINDS = (
+    "event", "tick", "write", "accepted", "feedback", "result", "proposal", "control", "behaviour", "command",
+)  # fmt: skip
+"""What sort of happening an event can be; `Event.kind` says what each means."""
 
 
 class Event(NamedTuple):
