@@ -75,8 +75,10 @@ class Ledger:
             del self.goals[event.number]
         elif event.kind == "accepted" and goal.phase == "sent":
             self.goals[event.number] = goal._replace(phase="running")
-        elif event.kind == "accepted" and goal.phase == "withdrawn":
-            self.goals[event.number] = goal._replace(phase="canceling")
+        elif event.kind == "accepted" and goal.phase in ("withdrawn", "canceling", "orphaned"):
+            # A cancel that was sent before the acceptance, by an emergency stop, may have reached no goal: once more.
+            phase = "orphaned" if goal.phase == "orphaned" else "canceling"
+            self.goals[event.number] = goal._replace(phase=phase)
             return (CancelGoal(goal.number, goal.action),)
         return ()
 

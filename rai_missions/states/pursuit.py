@@ -15,6 +15,9 @@ from rai_missions.step import CancelGoal, StartGoal
 
 __all__ = ("Pursuit", "PursuitMachine")
 
+ENDS = ("failed", "canceled", "rejected")
+"""How a server says that a goal did not succeed; any other word is a failure."""
+
 
 class Pursued(Protocol):
     """What a state and a leaf that run an action have in common."""
@@ -90,6 +93,9 @@ class PursuitMachine:
             return None
         if event.name == "succeeded":
             return self._settle(state._replace(result=dict(event.data)), desk)
+        if event.name not in ENDS:
+            why = str(event.data.get("why", "")) or f"its server said '{event.name}'"
+            return Turn(None, outcome=Outcome("failed", dict(event.data), why))
         return Turn(None, outcome=Outcome(event.name, dict(event.data), str(event.data.get("why", ""))))
 
     def _look(self, state: Pursuit, desk: Desk) -> Turn | None:
