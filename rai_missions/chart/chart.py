@@ -270,7 +270,7 @@ class Chart(Instants):
 
     def _look_ahead(self) -> None:
         """What the next event finds: whether it can take the short way, what it may change, what time alone does."""
-        self._quick = self.mode == "running" and self._final is None and self.outcome is None
+        self._quick = self.mode == "running" and self._final is None and self.outcome is None and not self._named
         self._listening = self._reads() if self.mode != "ended" else frozenset()
         self._wake = self._next_instant()
 

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from pydantic import Field
 
-from rai_missions.guards.guard import Guard, Site, Test
+from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
 from rai_missions.written import Json, Name
 
 __all__ = ("Named",)
@@ -22,11 +23,31 @@ class Named(Guard, word="named"):
     with_: dict[str, Json] = Field(default_factory=dict, alias="with")
 
     def compile(self, site: Site) -> Test:
-        name, arguments = self.named, dict(self.with_)
+        name, arguments = self.named, {key: _reading(value, site) for key, value in self.with_.items()}
         site.named.add(name)
+        for key in site.keys:
+            Operand(key, site)  # it may look at any key, and what is stale is not shown to it
         site.reads.add("*")
-        return lambda view: view.named(name, arguments)
+
+        def test(view: View) -> Truth:
+            given = {key: read(view) for key, read in arguments.items()}
+            return None if None in given.values() else view.named(name, given)
+
+        return test
 
     def words(self) -> str:
         arguments: Any = ", ".join(f"{key} {value}" for key, value in self.with_.items())
         return f"{self.named}({arguments})"
+
+
+def _reading(template: Any, site: Site) -> Callable[[View], Any]:
+    """What gives an argument, with each `{"from": path}` in it replaced by the value there; None where it is unknown."""
+    if isinstance(template, Mapping):
+        if set(template) == {"from"} and isinstance(template["from"], str):
+            return Operand(template["from"], site).read
+        parts = {name: _reading(item, site) for name, item in template.items()}
+        return lambda view: {name: read(view) for name, read in parts.items()}
+    if isinstance(template, list | tuple):
+        items = [_reading(item, site) for item in template]
+        return lambda view: [read(view) for read in items]
+    return lambda view: template
