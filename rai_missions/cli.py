@@ -15,6 +15,7 @@ __all__ = ("main", "parser")
 
 ABOUT = "Missions for robots: rules own the state, models only answer questions."
 EXIT = "exit status: 0 it succeeded or holds, 1 it ended otherwise or does not hold, 2 the input is at fault"
+DIFF_EXIT = "exit status: 0 they mean the same, 1 they differ, 2 the input is at fault"
 
 
 def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -65,9 +66,7 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     draw.add_argument("--journal", metavar="FILE", help="the path that this run took, in bold")
     draw.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
-    diff = commands.add_parser(
-        "diff", help="what changed between two missions, by meaning", epilog=EXIT + " (for diff: they differ)"
-    )
+    diff = commands.add_parser("diff", help="what changed between two missions, by meaning", epilog=DIFF_EXIT)
     diff.add_argument("old", metavar="OLD")
     diff.add_argument("new", metavar="NEW")
     diff.add_argument("-o", "--output", metavar="FILE", help="draw both in one picture: .svg .png .dot")
@@ -125,6 +124,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 1
+    except OSError as error:
+        print(f"rai-missions {given.command}: {error}", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 130

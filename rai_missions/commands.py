@@ -254,7 +254,7 @@ def _named(path: str | None) -> dict[str, Callable[..., bool | None]] | None:
         raise UsageError(f"there is no file '{path}' with guards")
     try:
         found = runpy.run_path(path)
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a file that exits must not look like a run that succeeded
         raise DefinitionError([Fault("", f"{type(error).__name__}: {error}")], path) from error
     own = {name: each for name, each in found.items() if callable(each) and not name.startswith("_")}
     return {name: each for name, each in own.items() if getattr(each, "__module__", None) == "<run_path>"}

@@ -88,13 +88,16 @@ def start(template: str, directory: Path) -> Iterator[Path]:
     """Make a folder with a mission of one's own; the files made, in order.
 
     Raises:
-        UsageError: No such template, or the folder holds something already.
+        UsageError: No such template, or the folder holds something already or cannot be made.
     """
     if template not in templates():
         raise UsageError(f"there is no template '{template}'{suggestion(template, templates())}")
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
         raise UsageError(f"'{directory}' is there and not empty; name a folder that is new")
-    directory.mkdir(parents=True, exist_ok=True)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"'{directory}' cannot be made: {error.strerror}") from error
     folder = shipped()
     if template == MINIMAL or folder is None:
         yield from _minimal(directory)

@@ -185,3 +185,19 @@ def test_a_reader_that_goes_away_is_no_traceback(folder: Path) -> None:
         assert process.stdout is not None and process.stderr is not None
         process.stdout.close()
         assert b"Traceback" not in process.stderr.read()
+
+
+def test_a_file_of_guards_that_exits_is_no_run_that_succeeded(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "guards.py").write_text("raise SystemExit(0)\n")
+    assert main(["run", "lamp.json", "--guards", "guards.py"]) == 2
+    assert "guards.py: /: SystemExit: 0" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_made_is_told_in_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "lamp.json/mine"]) == 2
+    assert "rai-missions new: 'lamp.json/mine' cannot be made" in capsys.readouterr().err
+
+
+def test_a_file_that_cannot_be_written_is_told_in_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "lamp.json", "--journal", "a.journal", "--picture", "lamp.json/x.svg"]) == 2
+    assert "rai-missions run: " in capsys.readouterr().err
