@@ -41,7 +41,7 @@ class Named(Guard, word="named"):
 
 
 def _reading(template: Any, site: Site) -> Callable[[View], Any]:
-    """What gives an argument, with each `{"from": path}` in it replaced by the value there; None where it is unknown."""
+    """What gives an argument, each `{"from": path}` in it replaced by the value there; None where it is unknown."""
     if isinstance(template, Mapping):
         if set(template) == {"from"} and isinstance(template["from"], str):
             return Operand(template["from"], site).read
