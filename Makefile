@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel drill bench pictures weights clean
+.PHONY: help setup run fmt check test wheel oracles drill bench pictures weights clean
 
 BIN := .venv/bin
 RECIPE := pyproject.toml scripts/setup.sh
@@ -37,6 +37,9 @@ test: check wheel ## Every check, the built wheel, and all tests
 
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh
+
+oracles: ## Install the chart engine in JavaScript that ours is compared with; needs npm
+	cd tests/oracles && npm install --no-audit --no-fund --silent
 
 drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions
 	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) -m "" --timeout 3600 $(TESTS)

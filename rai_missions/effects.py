@@ -54,7 +54,8 @@ class Set(Effect, word="set"):
     def words(self) -> str:
         if self.add is not None:
             return f"{self.set} += {self.add:g}"
-        return f"{self.set} := {self.source or self.value}"
+        value = str(self.value).lower() if isinstance(self.value, bool) else self.value
+        return f"{self.set} := {self.source or value}"
 
 
 def set_of(mapping: Mapping[str, Any]) -> frozenset[str]:

@@ -21,6 +21,6 @@ trap 'rm -rf "$away"' EXIT
 lend='import sysconfig; print(sysconfig.get_path("purelib"))'
 .venv/bin/python -c "$lend" >"$("$away/venv/bin/python" -c "$lend")/lent.pth"
 
-cp -r "$checkout/tests" "$checkout/missions" "$checkout/pyproject.toml" "$away/"
+cp -r "$checkout/tests" "$checkout/missions" "$checkout/docs" "$checkout/benchmarks" "$checkout/pyproject.toml" "$away/"
 cd "$away"
 PATH="$away/venv/bin:$PATH" venv/bin/python -m pytest -q -p no:cacheprovider -m installed tests

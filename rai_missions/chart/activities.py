@@ -86,7 +86,7 @@ class Activities(Core):
         """Let the machines look at the time and the keys; whether one had something to say."""
         if self.outcome is not None or self.mode == "paused":
             return False
-        said, tick = False, Event("tick", self.view.at, kind="tick")
+        said, tick, self._polled = False, Event("tick", self.view.at, kind="tick"), len(self.written)
         for name in list(self._running):
             machine = self._machines[name]
             assert machine is not None

@@ -142,6 +142,8 @@ class Core:
         self.moves: list[Move] = []
         self.looked: list[tuple[str, Truth]] = []
         self.written: list[tuple[str, Any]] = []
+        self._polled = 0
+        """How many of these the machines have seen."""
         self.effects: list[Any] = []
         self.notes: list[str] = []
         self._internal: deque[Trigger] = deque()

@@ -96,8 +96,11 @@ class Endings(Activities):
 
     def _settle_final(self) -> None:
         """A top-level final is reached: it counts once its `requires` is true, unless that takes too long."""
+        self._check_invariants()
         node = self._final
-        assert node is not None and isinstance(node.state, Final)
+        if node is None or self.outcome is not None:
+            return
+        assert isinstance(node.state, Final)
         requires = node.requires
         if requires is None:
             return self._end(node.state.final, f"'{node.name}' was reached")

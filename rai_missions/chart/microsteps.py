@@ -35,10 +35,7 @@ class Microsteps(Endings):
             if self.outcome is not None or self.mode not in ("running", "canceling"):
                 return
             if self._final is not None:
-                self._check_invariants()
-                if self.outcome is None:
-                    self._settle_final()
-                return
+                return self._settle_final()
             if trigger is not None:
                 self._answer(trigger)
                 trigger = None
@@ -56,7 +53,7 @@ class Microsteps(Endings):
                 seen.clear()
             elif self._starting:
                 self._begin_starting()
-            elif not (self.written and self._poll()):
+            elif not (len(self.written) > self._polled and self._poll()):
                 break
         else:
             return self._circle()
