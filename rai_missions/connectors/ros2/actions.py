@@ -18,6 +18,7 @@ from rai_missions.connectors.connector import ActionServer, Report
 from rai_missions.connectors.ros2.goal_ids import to_text
 from rai_missions.connectors.ros2.messages import to_data, to_message
 from rai_missions.connectors.ros2.runtime import Runtime, guarded
+from rai_missions.connectors.ros2.services import MANY
 from rai_missions.errors import ConnectorError
 
 __all__ = ("Served",)
@@ -25,8 +26,8 @@ __all__ = ("Served",)
 log = logging.getLogger(__name__)
 
 ENDS = frozenset({"succeeded", "failed", "canceled", "lost"})
-KEPT_S = 60
-"""How long a result is kept for whoever asks late."""
+KEPT_S = 10
+"""How long a result is kept for whoever asks late; every status message lists the goals that are kept."""
 
 
 @dataclass(eq=False)
@@ -174,7 +175,8 @@ class _Entity(RclpyServer):  # type: ignore[misc]
         super().__init__(
             runtime.node, cls, action, _never, callback_group=runtime.group, result_timeout=KEPT_S,
             goal_callback=lambda _goal: self._decision, handle_accepted_callback=served.accepted,
-            cancel_callback=served.cancel_wanted,
+            cancel_callback=served.cancel_wanted, goal_service_qos_profile=MANY, result_service_qos_profile=MANY,
+            cancel_service_qos_profile=MANY,
         )  # fmt: skip
 
     async def execute(self, taken_data: dict[str, Any]) -> None:

@@ -7,6 +7,7 @@ Rule: a goal that has ended never reports again, a cancel is never lost, and wha
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
 from typing import Any, Literal
 
@@ -20,13 +21,16 @@ from rai_missions.connectors.connector import Report
 from rai_missions.connectors.ros2.goal_ids import to_bytes
 from rai_missions.connectors.ros2.messages import to_data
 from rai_missions.connectors.ros2.peers import NOBODY, Peers, are_gone, servers_of_action
-from rai_missions.connectors.ros2.runtime import Runtime, guarded
+from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.services import MANY, WATCH_S
+from rai_missions.connectors.ros2.window import Window
 
 __all__ = ("Goal", "GoalClient")
 
 log = logging.getLogger(__name__)
 
+CHASE_S = 60.0
+"""How long a lost goal is chased."""
 End = Literal["rejected", "succeeded", "failed", "canceled", "lost"]
 ENDS: dict[int, End] = {
     GoalStatus.STATUS_SUCCEEDED: "succeeded",
@@ -54,7 +58,9 @@ class GoalClient:
         runtime.keep(self, self.client.destroy)
         self.peers = servers_of_action(runtime.node, action)
         self.patience_s = patience_s
+        self.starts, self.cancels = Window(), Window()
         self._running: set[Goal] = set()
+        self._lost: dict[Goal, float] = {}
         self._is_watched = False
         runtime.later(patience_s, self._grow_impatient)
 
@@ -64,6 +70,18 @@ class GoalClient:
     def watch(self, goal: Goal) -> None:
         """Look after the server until the goal has ended."""
         self._running.add(goal)
+        self._look_later()
+
+    def chase(self, goal: Goal) -> None:
+        """Nobody owns a lost goal any more: if its server comes back with it, it is canceled."""
+        self._lost[goal] = time.monotonic() + CHASE_S
+        self._look_later()
+
+    def caught(self, goal: Goal) -> None:
+        """A lost goal runs no more."""
+        self._lost.pop(goal, None)
+
+    def _look_later(self) -> None:
         if not self._is_watched:
             self._is_watched = True
             self.runtime.later(WATCH_S, self._look)
@@ -72,12 +90,21 @@ class GoalClient:
         self._is_watched = False
         running = {goal for goal in self._running if not goal.is_over}
         now = self.peers() if running else NOBODY
+        is_there = self.client.server_is_ready()
         self._running.clear()
         for goal in running:
-            if are_gone(goal.peers, now) or not self.client.server_is_ready():
+            if are_gone(goal.peers, now) or not is_there:
                 goal.end("lost", why=f"the server of {self.action} is gone")
             else:
+                goal.look()
                 self.watch(goal)
+        for goal, until in list(self._lost.items()):
+            if time.monotonic() > until:
+                self.caught(goal)
+            elif is_there:
+                goal.cancel_blindly()
+        if self._lost:
+            self._look_later()
 
 
 class Goal:
@@ -97,7 +124,8 @@ class Goal:
         self._uuid = UUID(uuid=list(to_bytes(goal_id)))
         self._handle: Any = None
         self._early: list[Any] = []
-        self._is_unwanted = self._is_sent = self._is_asking = False
+        self._leaves: list[Work] = []
+        self._is_unwanted = self._is_sent = self._is_asking = self._is_overdue = False
         self.is_over = self.is_settled = False
         """`is_settled`: its end is known, or its server has said what it thinks of a cancel."""
         self.peers: Peers = NOBODY
@@ -115,9 +143,17 @@ class Goal:
         if not is_there:
             self.end("rejected", why=f"nobody serves {self._client.action}")
             return
+        self._client.starts.enter(lambda leave: self._start(goal, leave))
+
+    def _start(self, goal: Any, leave: Work) -> None:
+        if self.is_over:
+            leave()
+            return
+        self._leaves.append(leave)
         self.peers, self._is_sent = self._client.peers(), True
         future = self._client.client.send_goal_async(goal, feedback_callback=self._advance, goal_uuid=self._uuid)
         future.add_done_callback(self._answered)
+        future.add_done_callback(lambda _future: leave())
         self._client.watch(self)
 
     def cancel(self) -> None:
@@ -131,16 +167,21 @@ class Goal:
             self._ask_to_cancel(self._handle)
 
     def cancel_blindly(self) -> None:
-        """Ask for its end although nobody has accepted it yet: there will be no later."""
-        if self._is_sent and not self.is_over and self._handle is None:
-            self._ask_to_cancel(ClientGoalHandle(self._client.client, self._uuid, None))
+        """Ask for its end whether or not it was accepted, and although nobody hears of it."""
+        if self._is_sent:
+            self._ask(self._handle or ClientGoalHandle(self._client.client, self._uuid, None), lambda: None)
 
     def end(self, said: End, data: dict[str, Any] | None = None, why: str = "") -> None:
         """It is over; the first end counts."""
         if self.is_over:
             return
         self.is_over = self.is_settled = True
+        for leave in self._leaves:  # an answer that never comes must not keep others waiting
+            leave()
+        self._is_asking = False
         self._ended(self)
+        if said == "lost":
+            self._client.chase(self)
         self._tell(Report(self.goal_id, said, data or {}, why))
 
     def _tell(self, report: Report) -> None:
@@ -159,9 +200,19 @@ class Goal:
             self._tell(Report(self.goal_id, "accepted", {}))
             for feedback in self._early:
                 self._advance(feedback)
-            handle.get_result_async().add_done_callback(self._finished)
+            self._ask_for_result()
             if self._is_unwanted:
                 self._ask_to_cancel(handle)
+
+    def _ask_for_result(self) -> None:
+        self._handle.get_result_async().add_done_callback(self._finished)
+
+    def look(self) -> None:
+        """Ask once more for a result that should have come: a busy server forgets requests."""
+        if self._handle is not None and self._handle.status in ENDS:
+            if self._is_overdue:
+                self._ask_for_result()
+            self._is_overdue = True
 
     def _advance(self, feedback: Any) -> None:
         if self.is_over:
@@ -174,7 +225,7 @@ class Goal:
     def _finished(self, future: Any) -> None:
         response = _result_of(future)
         if response is not None and not self.is_over:
-            said = ENDS.get(response.status)
+            said = ENDS.get(response.status) or ENDS.get(self._handle.status)
             if said is None:
                 self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
             else:
@@ -183,17 +234,28 @@ class Goal:
     def _ask_to_cancel(self, handle: Any) -> None:
         if not self._is_asking:
             self._is_asking = True
-            handle.cancel_goal_async().add_done_callback(self._cancel_answered)
+            self._client.cancels.enter(lambda leave: self._ask(handle, leave))
+
+    def _ask(self, handle: Any, leave: Work) -> None:
+        self._leaves.append(leave)
+        future = handle.cancel_goal_async()
+        future.add_done_callback(self._cancel_answered)
+        future.add_done_callback(lambda _future: leave())
 
     def _cancel_answered(self, future: Any) -> None:
         self._is_asking, self.is_settled = False, True
-        response = _result_of(future)
-        if response is None or self.is_over or self._handle is None:
+        response, codes = _result_of(future), CancelGoal.Response
+        if response is None:
             return
-        codes = CancelGoal.Response
-        if response.return_code == codes.ERROR_UNKNOWN_GOAL_ID:
+        is_ending = bool(response.goals_canceling) or response.return_code == codes.ERROR_GOAL_TERMINATED
+        if self.is_over:
+            if is_ending:
+                self._client.caught(self)
+        elif self._handle is None or is_ending:
+            return
+        elif response.return_code == codes.ERROR_UNKNOWN_GOAL_ID:
             self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
-        elif not response.goals_canceling and response.return_code != codes.ERROR_GOAL_TERMINATED:
+        else:
             self._is_unwanted = False
             self._tell(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} goes on"))
 

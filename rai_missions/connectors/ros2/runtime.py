@@ -83,8 +83,17 @@ class Runtime:
             self._waiting.append(work)
             if not self._is_drain_due:
                 self._is_drain_due = True
-                self._executor.create_task(self._drain)
+                self._begin(self._drain)
             return True
+
+    def _begin(self, work: Work) -> None:
+        """A task ends `spin_once` at once; waking or shutting the executor down does not."""
+        try:
+            self._executor.create_task(work)
+        except Exception:
+            if self._context.ok():
+                raise
+            log.debug("ROS was shut down from outside", exc_info=True)
 
     def later(self, delay_s: float, work: Work) -> Work:
         """Have something done after a while; only on this thread.
@@ -124,8 +133,7 @@ class Runtime:
         with self._lock:
             if not self._is_closing:
                 self._is_closing = True
-                # A task ends `spin_once` at once; waking or shutting the executor down does not.
-                self._executor.create_task(lambda: None)
+                self._begin(lambda: None)
         if not self.is_here:
             self._thread.join(within_s)
             if self._thread.is_alive():
@@ -140,34 +148,45 @@ class Runtime:
             except (ShutdownException, ExternalShutdownException):
                 break
             except Exception:
+                if not self._context.ok():  # in the midst of a shutdown rclpy raises whatever breaks first
+                    break
                 log.exception("a callback failed")
             self._run_due()
-        if not self._is_closing:
+        with self._lock:
+            has_fallen, self._is_closing = not self._is_closing, True
+        if has_fallen:
             guarded(self._fell)
         self._destroy()
 
     def _patience(self) -> float:
+        while self._deadlines and not self._deadlines[0][2]:  # called off: no reason to wake
+            heapq.heappop(self._deadlines)
         return max(0.0, min(IDLE_S, self._deadlines[0][0] - time.monotonic())) if self._deadlines else IDLE_S
 
     def _run_due(self) -> None:
         now = time.monotonic()
         while self._deadlines and self._deadlines[0][0] <= now and not self._is_closing:
             for work in heapq.heappop(self._deadlines)[2]:
-                guarded(work)
+                self._run(work)
 
     def _drain(self) -> None:
-        while True:
+        while self._context.ok():
             with self._lock:
                 self._is_drain_due = bool(self._waiting) and not self._is_closing
                 if not self._is_drain_due:
                     return
                 work = self._waiting.popleft()
-            guarded(work)
+            self._run(work)
+
+    def _run(self, work: Work) -> None:
+        try:
+            work()
+        except Exception:
+            if self._context.ok():
+                log.exception("a callback failed")
 
     def _destroy(self) -> None:
-        with self._lock:
-            self._is_closing = True
-            self._waiting.clear()
+        self._waiting.clear()
         self._deadlines.clear()
         # `destroy_node` forgets action clients: the participant would live on until a garbage collection.
         for entity in list(self._disposals):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Services: calls that end exactly once, whatever becomes of their server, and services that are served.
 
-Rule: at most ten requests are on their way to one service: an ordinary server forgets the eleventh without a word.
+Rule: no more requests are on their way to one service than its queue holds; the others wait here.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from rai_missions.connectors.connector import Data, Reply
 from rai_missions.connectors.ros2.messages import to_data, to_message
 from rai_missions.connectors.ros2.peers import Peers, are_gone, servers_of_service
 from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
+from rai_missions.connectors.ros2.window import AT_ONCE
 
 __all__ = ("MANY", "Client", "Service")
 
 log = logging.getLogger(__name__)
 
-AT_ONCE = 10
 MANY = QoSProfile(depth=100)
 WATCH_S = 0.5
 """How often a server that is awaited is looked after."""

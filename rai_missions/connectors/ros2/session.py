@@ -164,7 +164,8 @@ class Session:
 
         def served_last(is_settled: bool) -> None:
             for goal in tuple(self._sent.values()):
-                goal.cancel_blindly()
+                if not goal.is_settled:
+                    goal.cancel_blindly()
             self._is_silent = True
             with self._lock:
                 served = tuple(each for each in self._served.values() if isinstance(each, Served))

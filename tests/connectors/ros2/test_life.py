@@ -118,6 +118,18 @@ def test_a_hundred_lives_leave_nothing_behind() -> None:
 
 
 @pytest.mark.usefixtures("alone")
+def test_stop_cancels_a_hundred_goals_that_were_sent_at_once(open_ros: Open) -> None:
+    connector, server = open_ros(), Willing()
+    connector.offer("/crowd", FIBONACCI, server)
+    reports = Heard[Report]()
+    for index in range(100):
+        connector.send_goal("/crowd", FIBONACCI, {"order": index}, goal_id=f"g{index}", report=reports)
+    reports.wait(lambda all_: len(all_) == 100, "every goal is accepted")
+    connector.stop()
+    assert {goal_id for asked, goal_id in server.asked.all if asked == "cancel"} == {f"g{i}" for i in range(100)}
+
+
+@pytest.mark.usefixtures("alone")
 def test_a_stop_from_a_callback_ends_it_without_a_deadlock(open_ros: Open) -> None:
     connector, done = open_ros(), threading.Event()
 

@@ -120,6 +120,18 @@ def test_stop_cancels_what_runs_and_what_is_not_accepted_yet(open_ros: Open, pee
     assert len(reports.all) == told, "after the stop nothing is reported"
 
 
+def test_fifty_goals_at_once_are_all_pursued_and_all_canceled(open_ros: Open, peer: Peer) -> None:
+    connector = open_ros()
+    started = [start(connector, peer, SUCCEED) for _ in range(50)] + [start(connector, peer, REJECT) for _ in range(50)]
+    assert [end_of(reports)[-1] for _, reports in started] == ["succeeded"] * 50 + ["rejected"] * 50
+    slow = [start(connector, peer, RUN) for _ in range(4)]  # the peer has eight threads
+    for _, reports in slow:
+        wait_for(reports, "accepted")
+    for goal_id, _ in slow:
+        connector.cancel_goal(goal_id)
+    assert [end_of(reports)[-1] for _, reports in slow] == ["canceled"] * 4
+
+
 def test_goals_are_lost_when_their_server_is_killed(open_ros: Open, own_peer: Peer) -> None:
     connector = open_ros()
     _, running = start(connector, own_peer, RUN)
