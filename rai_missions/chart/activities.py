@@ -9,7 +9,7 @@ from typing import get_args
 from rai_missions.chart.core import Core, Trigger
 from rai_missions.chart.node import Node
 from rai_missions.event import Event
-from rai_missions.states.activity import Machine, Turn
+from rai_missions.states.activity import GOALS, NO_KEYS, Machine, Turn, concerns
 from rai_missions.states.machines import machine_of
 from rai_missions.states.state import Controller
 from rai_missions.step import Handover
@@ -83,17 +83,24 @@ class Activities(Core):
             self.notes += turn.notes
 
     def _poll(self) -> bool:
-        """Let the machines look at the time and the keys; whether one had something to say."""
+        """Let those machines look whom a key that was written, a goal's end or the time concerns; whether one spoke."""
         if self.outcome is not None or self.mode == "paused":
             return False
-        said, tick, self._polled = False, Event("tick", self.view.at, kind="tick"), len(self.written)
-        for name in list(self._running):
-            machine = self._machines[name]
+        keys = frozenset(key for key, _ in self.written[self._polled :]) | (
+            {GOALS} if self._ledger.changed else NO_KEYS
+        )
+        due, self._due, self._polled, self._ledger.changed = self._due, NO_KEYS, len(self.written), False
+        spoke, tick = False, Event("tick", self.view.at, {"keys": keys}, "tick")
+        for name in list(self._running) if keys or due else ():
+            machine, state = self._machines[name], self._running.get(name)
             assert machine is not None
-            if name in self._running and (turn := machine.hear(self._running[name], tick, self)) is not None:
+            if state is None or not (name in due or concerns(machine.reads(state), keys)):
+                continue
+            turn = machine.hear(state, tick, self)
+            if turn is not None:
                 self._turn(name, turn)
-                said = True
-        return said
+                spoke = True
+        return spoke
 
     def _dispatch(self, event: Event) -> bool:
         """Tell the machine that waits for it; whether one did."""
@@ -127,7 +134,8 @@ class Activities(Core):
         if self.outcome is not None or not self._dispatch(event):
             if not known:
                 self._refused = f"stale: nothing that was started as {number} is running"
-            elif event.kind == "result":
+                return
+            if event.kind == "result":
                 self.notes.append(f"goal {number} has ended: {event.name}")
             self._poll()
             if self._internal and self.outcome is None:

@@ -133,6 +133,8 @@ class Core:
         self._cancel_by = math.inf
         self._final: Node | None = None
         self._wake = math.inf
+        self._due: frozenset[str] = frozenset()
+        """The states whose machines asked to be woken at this instant."""
         self._quick = False
         self._listening: frozenset[str] = frozenset()
         self._clear()
@@ -143,7 +145,7 @@ class Core:
         self.looked: list[tuple[str, Truth]] = []
         self.written: list[tuple[str, Any]] = []
         self._polled = 0
-        """How many of these the machines have seen."""
+        """How many of these the machines have been told of."""
         self.effects: list[Any] = []
         self.notes: list[str] = []
         self._internal: deque[Trigger] = deque()

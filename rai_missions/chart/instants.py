@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 from rai_missions.chart.core import Timer, Trigger
@@ -22,10 +23,19 @@ class Instants(Modes):
         same = 0
         while (due := self._next_instant()) <= at and same < MOST_MICROSTEPS:
             same = same + 1 if due <= self.view.at else 0
+            self._due = frozenset(self._woken(due))
             self.view.at = max(self.view.at, due)
             self._instant()
         if same >= MOST_MICROSTEPS:
             self._endless()
+
+    def _woken(self, due: float) -> Iterable[str]:
+        """The states whose machines asked for an instant not later than this."""
+        for name, state in self._running.items():
+            machine = self._machines[name]
+            assert machine is not None
+            if machine.wake_at(state, self.view) <= due:
+                yield name
 
     def _endless(self) -> None:
         self._end("failed", f"timers without end in {', '.join(sorted(self.view.active))}")
@@ -33,10 +43,8 @@ class Instants(Modes):
     def _instant(self) -> None:
         """What time alone does now."""
         now = self.view.at
-        for goal in self._ledger.overdue(now):
-            self.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
-            self._heard(Trigger("orphaned", {"action": goal.action, "number": goal.number}))
         if self.mode == "paused":
+            self._give_up_goals()
             self._check_invariants()
             return
         if self.mode == "canceling" and now >= self._cancel_by:
@@ -57,8 +65,15 @@ class Instants(Modes):
             self._heard(
                 self._outcome_of(node, Outcome("rejected", why=f"{node.control} was not given control in time"))
             )
+        self._give_up_goals()
         self._poll()
         self._complete(None)
+
+    def _give_up_goals(self) -> None:
+        """Goals whose end nobody has confirmed in time are orphans from now on."""
+        for goal in self._ledger.overdue(self.view.at):
+            self.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
+            self._heard(Trigger("orphaned", {"action": goal.action, "number": goal.number}))
 
     def _fire(self, key: tuple[str, Any], timer: Timer) -> None:
         kind, which = key

@@ -53,7 +53,7 @@ class Microsteps(Endings):
                 seen.clear()
             elif self._starting:
                 self._begin_starting()
-            elif not (len(self.written) > self._polled and self._poll()):
+            elif not self._poll():
                 break
         else:
             return self._circle()

@@ -66,7 +66,7 @@ class Modes(Microsteps):
             self._refused = f"only a paused mission can be resumed; it is {self.mode}"
             return
         self._shift(self.view.at - self._paused_at)
-        self.mode = "running"
+        self.mode, self._ledger.changed = "running", True
         self.notes.append("resumed")
         self._starting += [self._graph.nodes[name] for name in self._suspended]
         for name in [name for name in self._pending if self._graph.nodes[name].control == self.holder]:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
 
-__all__ = ("NO_KEYS", "Desk", "Machine", "Outcome", "Turn")
+__all__ = ("GOALS", "NO_KEYS", "Desk", "Machine", "Outcome", "Turn", "concerns")
 
 
 class Outcome(NamedTuple):
@@ -72,7 +72,10 @@ class Machine(Protocol):
         """The state is active and control is where it belongs: start."""
 
     def hear(self, state: Any, event: Event, desk: Desk) -> Turn | None:
-        """Something happened; None where it does not concern this. A `tick`: time or a key has changed."""
+        """Something happened; None where it does not concern this.
+
+        A `tick` says that an instant has come for which `wake_at` asked, or that the `keys` in its data have changed.
+        """
 
     def leave(self, state: Any, desk: Desk) -> Turn:
         """The state is left, paused or out of time: end what runs."""
@@ -88,3 +91,10 @@ class Machine(Protocol):
 
 
 NO_KEYS: frozenset[str] = frozenset()
+GOALS = "#goals"
+"""Stands among the keys for the ledger: a goal has ended or was given up."""
+
+
+def concerns(reads: frozenset[str], keys: frozenset[str]) -> bool:
+    """Whether a change of keys is one that a reader of others wants to hear of; `*` reads every key."""
+    return not reads.isdisjoint(keys) or ("*" in reads and bool(keys - {GOALS}))

@@ -36,6 +36,8 @@ class Ledger:
     def __init__(self, terms: Terms) -> None:
         self.terms = terms
         self.goals: dict[int, Goal] = {}
+        self.changed = False
+        """A goal has ended or was given up since the machines were last told."""
 
     def open(self, number: int, owner: str, action: str, cancel_s: float) -> None:
         self.goals[number] = Goal(number, owner, action, cancel_s)
@@ -72,7 +74,7 @@ class Ledger:
         if goal is None:
             return ()
         if event.kind == "result":
-            del self.goals[event.number]
+            self.finish(event.number)
         elif event.kind == "accepted" and goal.phase == "sent":
             self.goals[event.number] = goal._replace(phase="running")
         elif event.kind == "accepted" and goal.phase in ("withdrawn", "canceling", "orphaned"):
@@ -83,12 +85,13 @@ class Ledger:
         return ()
 
     def finish(self, number: int) -> None:
-        """A composed goal has ended by its own guard."""
-        self.goals.pop(number, None)
+        """A goal has ended."""
+        self.changed = self.goals.pop(number, None) is not None or self.changed
 
     def overdue(self, at: float) -> list[Goal]:
         """Goals whose cancel was not confirmed in time; they are orphaned from now on."""
         late = [goal for goal in self.goals.values() if goal.phase in ("withdrawn", "canceling") and at >= goal.until]
+        self.changed = self.changed or bool(late)
         for goal in late:
             self.goals[goal.number] = goal._replace(phase="orphaned", until=math.inf)
         return late

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 from rai_missions.effects import filled
 from rai_missions.event import Event
 from rai_missions.guards.guard import Guard, Instant, Site, Test, View
-from rai_missions.states.activity import NO_KEYS, Desk, Outcome, Turn
+from rai_missions.states.activity import GOALS, NO_KEYS, Desk, Outcome, Turn
 from rai_missions.step import CancelGoal, StartGoal
 
 __all__ = ("Pursuit", "PursuitMachine")
@@ -150,6 +150,8 @@ class PursuitMachine:
         return min([state.until, *later])
 
     def reads(self, state: Pursuit) -> frozenset[str]:
+        if state.phase == "waiting":
+            return frozenset({GOALS})
         if state.phase == "settling":
             return self.settling_reads
         return self.composed_reads if state.phase == "running" else NO_KEYS

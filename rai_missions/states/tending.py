@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
-from rai_missions.states.activity import Desk, Machine, Outcome, Turn
+from rai_missions.states.activity import Desk, Machine, Outcome, Turn, concerns
 from rai_missions.states.ticker import Ticked, Ticker, TreeState
 from rai_missions.step import Effect, PublishMessage
 
@@ -42,19 +42,21 @@ class Tending(NamedTuple):
     tree: TreeState = TreeState()
     leaves: Mapping[str, Tended] = {}
     """Path → the leaf that runs there."""
+    wake: float = math.inf
+    """When the tree itself wants its next tick, if nothing that it reads changes before."""
 
 
 class _Growth:
     """What a turn is gathering."""
 
     def __init__(self, state: Tending) -> None:
-        self.tree, self.leaves = state.tree, dict(state.leaves)
+        self.tree, self.leaves, self.wake = state.tree, dict(state.leaves), state.wake
         self.effects: list[Effect] = []
         self.notes: list[str] = []
         self.outcomes: dict[str, str] = {}
 
     def turn(self, outcome: Outcome | None) -> Turn:
-        state = None if outcome is not None else Tending(self.tree, self.leaves)
+        state = None if outcome is not None else Tending(self.tree, self.leaves, self.wake)
         return Turn(state, tuple(self.effects), outcome, notes=tuple(self.notes))
 
 
@@ -74,18 +76,22 @@ class TendingMachine:
         return self._tick(_Growth(Tending()), desk)
 
     def hear(self, state: Tending, event: Event, desk: Desk) -> Turn | None:
-        growth, concerned = _Growth(state), event.kind == "tick"
+        growth, heard = _Growth(state), False
         for path, tended in state.leaves.items():
-            heard = self._leaf(path, tended, event, desk)
-            if heard is not None:
-                concerned = True
-                self._take(growth, path, heard, tended.deadline, desk)
-        if not concerned:
-            return None
-        if event.kind != "tick" and not growth.outcomes:
-            return growth.turn(None)
+            turn = self._leaf(path, tended, event, desk)
+            if turn is not None:
+                heard = True
+                self._take(growth, path, turn, tended.deadline, desk)
+        if not growth.outcomes and not self._wants(state, event, desk):
+            return growth.turn(None) if heard else None
         turn = self._tick(growth, desk)
         return turn if self._says(turn, state) else None
+
+    def _wants(self, state: Tending, event: Event, desk: Desk) -> bool:
+        """Whether the tree itself is to be ticked: its time has come, or a key that it reads has changed."""
+        if event.kind != "tick":
+            return False
+        return desk.view.at >= state.wake or concerns(self.ticker.reads(state.tree), event.data["keys"])
 
     @staticmethod
     def _says(turn: Turn, before: Tending) -> bool:
@@ -121,6 +127,7 @@ class TendingMachine:
                 self._end(growth, growth.leaves, desk)
                 return growth.turn(Outcome("succeeded" if ticked.status == "success" else "failed"))
             if not ticked.again and not growth.outcomes:
+                growth.wake = self.ticker.wake_at(growth.tree, desk.view)
                 return growth.turn(None)
         self._end(growth, growth.leaves, desk)
         growth.notes.append(f"the tree in '{self.owner}' was ticked {MOST_TICKS} times without coming to rest")
@@ -154,7 +161,7 @@ class TendingMachine:
             min(tended.deadline, self.limbs[path].machine.wake_at(tended.state, view))
             for path, tended in state.leaves.items()
         )
-        return min([self.ticker.wake_at(state.tree, view), *leaves])
+        return min([state.wake, *leaves])
 
     def reads(self, state: Tending) -> frozenset[str]:
         each = (self.limbs[path].machine.reads(tended.state) for path, tended in state.leaves.items())
@@ -165,7 +172,7 @@ class TendingMachine:
             path: Tended(self.limbs[path].machine.shifted(tended.state, by_s), tended.deadline + by_s)
             for path, tended in state.leaves.items()
         }
-        return Tending(self._shift(state.tree, by_s), leaves)
+        return Tending(self._shift(state.tree, by_s), leaves, state.wake + by_s)
 
     def _shift(self, tree: TreeState, by_s: float) -> TreeState:
         shift: Callable[[TreeState, float], TreeState] | None = getattr(self.ticker, "shifted", None)

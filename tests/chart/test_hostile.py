@@ -12,6 +12,7 @@ from rai_missions.chart import Chart
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Tick
 from rai_missions.step import CancelGoal
+from rai_missions.trees import PyTrees
 from tests.chart.charts import chart, mission, row
 
 FACT = {"k": {"type": "integer", "source": "robot", "max_age_s": 2}}
@@ -108,3 +109,27 @@ def test_what_a_predicate_said_stands_in_its_own_step_whether_or_not_the_row_fir
     made.write("k", 7, at=1.0)
     assert ("named:far", False) in made.send(Event("x", 1.5)).guards
     assert made.send(Tick(1.6)).guards == ()
+
+
+def test_a_long_wait_does_at_each_instant_what_waking_there_does() -> None:
+    late = {
+        "tree": {"action": "cross", "timeout_s": 5},
+        "transitions": [{"after_s": 5, "do": [{"set": "n", "value": 2}]}],
+    }
+    first = {"action": "drive", "timeout_s": 30, "transitions": [row("timed_out", "b", do=[{"set": "n", "value": 1}])]}
+    boards = []
+    for instants in ((40.0,), (30.0, 35.0, 40.0)):
+        made = Chart(mission({"a": first, "b": late}, blackboard={"n": {"type": "integer"}}), PyTrees())
+        made.start(0.0)
+        for at in instants:
+            made.send(Tick(at))
+        boards.append(made.view.board["n"])
+    assert boards == [(2, 35.0)] * 2
+
+
+def test_what_answers_nothing_does_not_tick_a_tree() -> None:
+    tree = {"selector": [{"inverter": {"set": "n", "add": 1}}, {"call": "horn"}]}
+    made = Chart(mission({"a": {"tree": tree}}, blackboard={"n": {"type": "integer"}}), PyTrees())
+    made.start(0.0)
+    step = made.send(Event("succeeded", 1.0, {}, "accepted", 99))
+    assert step.writes == () and step.why == "stale: nothing that was started as 99 is running"

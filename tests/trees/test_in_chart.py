@@ -1,89 +1,81 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trees inside a mission: what a chart makes of their ticks."""
+"""A tree in a mission is ticked when something concerns it, and at no other time."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from rai_missions import Chart, Event, Mission, Tick
-from rai_missions.event import Event as AnyEvent
-from rai_missions.step import CallService, CancelGoal, StartGoal, Step
+from rai_missions.chart import Chart
+from rai_missions.event import Event, Tick
+from rai_missions.mission import Mission
+from rai_missions.step import StartGoal
 from rai_missions.trees import PyTrees
 
-KEYS = {"near": {"type": "boolean", "source": "robot"}, "n": {"type": "integer", "initial": 0}}
+COUNTING = {
+    "selector": [
+        {"sequence": [{"set": "ticks", "add": 1}, {"check": {"key": "door", "==": True}}], "memory": False},
+        {"wait_s": 10},
+    ],
+    "memory": False,
+}
 
 
-def chart(tree: Any) -> Chart:
-    states = {
-        "work": {"tree": tree, "transitions": [{"on": "succeeded", "to": "over"}, {"on": "failed", "to": "lost"}]},
-        "over": {"final": "aborted"},
-        "lost": {"final": "failed"},
+def ticking() -> Chart:
+    keys = {
+        "ticks": {"type": "integer", "initial": 0},
+        "door": {"type": "boolean", "source": "robot", "max_age_s": 30},
+        "other": {"type": "boolean", "source": "robot"},
     }
-    mission = {"format": 1, "name": "m", "initial": "work", "blackboard": KEYS, "events": {"go": {}}, "states": states}
-    return Chart(Mission.model_validate(mission), ticker=PyTrees())
+    states = {
+        "work": {"tree": COUNTING, "timeout_s": 60, "transitions": [{"on": "succeeded", "to": "done"}, {"on": "e"}]},
+        "done": {"final": "aborted"},
+    }
+    data = {"name": "ticking", "initial": "work", "states": states, "blackboard": keys, "events": {"e": {}}}
+    made = Chart(Mission.model_validate(data), PyTrees())
+    made.start(0.0)
+    return made
 
 
-def kinds(step: Step) -> list[type]:
-    return [type(effect) for effect in step.effects]
+def ticks(made: Chart) -> int:
+    value: int = made.view.board["ticks"].value
+    return value
 
 
-def result(step: Step, name: str, at: float, *, kind: str = "result") -> AnyEvent:
-    """What is heard of what a step started last."""
-    started = [effect for effect in step.effects if isinstance(effect, StartGoal | CallService)]
-    return Event(name, at, {}, kind, started[-1].number)
+def test_what_does_not_concern_a_tree_does_not_tick_it() -> None:
+    made = ticking()
+    assert ticks(made) == 1
+    made.send(Event("e", 1.0))
+    made.write("other", True, 2.0)
+    made.send(Event("accepted", 3.0, {}, "accepted", 77))
+    made.send(Event("succeeded", 3.0, {}, "result", 77))
+    made.send(Tick(4.0))
+    assert ticks(made) == 1
 
 
-def test_a_takeover_cancels_before_it_starts() -> None:
-    run = chart(
-        {"selector": [{"sequence": [{"check": {"key": "near", "==": True}}, {"call": "horn"}]}, {"action": "go"}]}
-    )
-    started = run.start(at=0.0)
-    assert kinds(started) == [StartGoal]
-    run.send(result(started, "go", 0.5, kind="accepted"))
-    assert kinds(run.write("near", True, at=1.0)) == [CancelGoal, CallService]
+def test_a_key_that_it_reads_ticks_it_once() -> None:
+    made = ticking()
+    made.write("door", False, 1.0)
+    assert ticks(made) == 2
+    assert made.write("door", True, 2.0).outcome == "aborted"
+    assert ticks(made) == 3
 
 
-def test_a_key_that_no_guard_looks_at_ticks_nothing() -> None:
-    run = chart({"sequence": [{"wait_s": 5}, {"check": {"key": "near", "==": True}}]})
-    assert run.start(at=0.0).wake_at == 5.0
-    assert run.write("near", True, at=1.0).ignored
-    assert run.send(Tick(5.0)).outcome == "aborted"
+def test_its_own_timer_ticks_it() -> None:
+    made = ticking()
+    assert made.wake_at == 10.0
+    assert made.send(Tick(10.0)).outcome == "aborted"
 
 
-def test_a_retry_begins_anew_in_the_step_of_the_failure() -> None:
-    run = chart({"retry": 2, "child": {"sequence": [{"set": "n", "add": 1}, {"call": "horn"}]}})
-    first = run.start(at=0.0)
-    second = run.send(result(first, "failed", 1.0))
-    assert kinds(second) == [CallService]
-    assert second.writes == (("n", 2),)
-    assert run.send(result(second, "failed", 2.0)).outcome == "failed"
-
-
-def test_a_loop_without_end_that_takes_no_time_ends_the_state() -> None:
-    run = chart({"repeat": -1, "child": {"set": "n", "add": 1}})
-    ended = run.start(at=0.0)
-    assert ended.outcome == "failed"
-    assert any("without coming to rest" in note for note in ended.notes)
-
-
-def test_the_result_of_a_run_that_was_ended_does_not_complete_the_next() -> None:
-    run = chart(
-        {
-            "selector": [
-                {"sequence": [{"check": {"key": "near", "==": True}}, {"wait_s": 9}], "memory": False},
-                {"call": "horn"},
-            ]
-        }
-    )
-    first = run.start(at=0.0)
-    run.write("near", True, at=1.0)
-    assert kinds(run.write("near", False, at=2.0)) == [CallService]
-    assert run.send(result(first, "succeeded", 3.0)).outcome is None
-
-
-def test_a_restored_chart_goes_on_inside_its_tree() -> None:
-    run = chart({"sequence": [{"set": "n", "add": 1}, {"wait_s": 5}, {"call": "horn"}]})
-    run.start(at=0.0)
-    saved = run.snapshot()
-    again = Chart.restore(run.mission, saved, ticker=PyTrees())
-    assert kinds(again.send(Tick(5.0))) == kinds(run.send(Tick(5.0))) == [CallService]
+def test_a_leaf_that_waits_for_resources_starts_when_they_are_free() -> None:
+    go = {"action": "go", "timeout_s": 60, "transitions": [{"on": "e", "to": "tree"}, {"on": "succeeded", "to": "end"}]}
+    tree = {"tree": {"action": "turn", "timeout_s": 30}, "transitions": [{"on": ["succeeded", "failed"], "to": "end"}]}
+    data = {
+        "name": "m",
+        "initial": "go",
+        "events": {"e": {}},
+        "states": {"go": go, "tree": tree, "end": {"final": "aborted"}},
+    }
+    made = Chart(Mission.model_validate(data), PyTrees())
+    number = made.start(0.0).effects[0].number  # type: ignore[union-attr]
+    made.send(Event("accepted", 0.0, {}, "accepted", number))
+    assert not any(isinstance(effect, StartGoal) for effect in made.send(Event("e", 1.0)).effects)
+    step = made.send(Event("canceled", 2.0, {}, "result", number))
+    assert [effect.action for effect in step.effects if isinstance(effect, StartGoal)] == ["turn"]
