@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The connector to an MQTT 5 broker; importing this room loads nothing of paho."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.mqtt.connector import MqttConnector
+
+__all__ = ("open_connector",)
+
+
+def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> Connector:
+    """A connector to a broker, not started.
+
+    Args:
+        options: What a profile's `connector` says beside its `kind`: `host` (127.0.0.1), `port` (1883).
+        now: Seconds on the run's clock; stamps what is heard. Left out, the time of day.
+
+    Raises:
+        UsageError: An option is not known.
+    """
+    return MqttConnector(options, now=now)

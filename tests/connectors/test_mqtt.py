@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The MQTT connector keeps the contract in the modes that it has, on a real broker."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import socket
+import subprocess
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.connectors.connector import Connector, Message, Reply, Report
+from rai_missions.connectors.contract import Heard, check_connector
+from rai_missions.connectors.mqtt.codec import decode, encode
+from rai_missions.connectors.mqtt.connector import MqttConnector
+from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.event import Image
+
+STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
+BROKER = shutil.which("mosquitto", path="/usr/sbin:/usr/local/sbin:/usr/bin:/usr/local/bin")
+ABSENT = [
+    remedy
+    for remedy, is_here in (
+        ("apt-get install mosquitto", BROKER), ("pip install -e '.[mqtt]'", importlib.util.find_spec("paho")),
+    )
+    if not is_here
+]  # fmt: skip
+needs_broker = pytest.mark.skipif(bool(ABSENT), reason=f"no MQTT broker or client here: {' and '.join(ABSENT)}")
+
+
+class Broker:
+    """A mosquitto on loopback."""
+
+    def __init__(self, folder: Path) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self._config = folder / "mosquitto.conf"
+        self._config.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\n", encoding="utf-8")
+        self.start()
+
+    def start(self) -> None:
+        assert BROKER is not None
+        self._process = subprocess.Popen([BROKER, "-c", str(self._config)], stderr=subprocess.DEVNULL)
+        until = time.monotonic() + 10
+        while True:
+            try:
+                socket.create_connection(("127.0.0.1", self.port), 0.2).close()
+                return
+            except OSError:
+                assert time.monotonic() < until, "mosquitto does not answer"
+
+    def stop(self) -> None:
+        self._process.kill()
+        self._process.wait()
+
+
+@pytest.fixture
+def broker(tmp_path: Path) -> Iterator[Broker]:
+    made = Broker(tmp_path)
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def connector(broker: Broker) -> Iterator[MqttConnector]:
+    made = MqttConnector({"port": broker.port}, now=lambda: 50.0)
+    made.start()
+    yield made
+    made.stop()
+
+
+@needs_broker
+def test_it_keeps_the_contract(broker: Broker) -> None:
+    check_connector(lambda: MqttConnector({"port": broker.port}))
+
+
+def test_it_is_a_connector_without_actions() -> None:
+    connector, reports = MqttConnector(), Heard[Report]()
+    assert isinstance(connector, Connector)
+    assert connector.modes == {"topics", "services"}
+    connector.send_goal("/a", "", {}, goal_id="g", report=reports)
+    connector.cancel_goal("g")
+    assert [report.said for report in reports.all] == ["rejected"]
+    assert "MQTT carries no actions" in reports.all[0].why
+    with pytest.raises(UsageError, match="MQTT carries no actions"):
+        connector.offer("/a", "", None)  # type: ignore[arg-type]
+
+
+@needs_broker
+def test_nobody_is_told_at_once(connector: MqttConnector) -> None:
+    replies = Heard[Reply]()
+    connector.call("/nobody", TRIGGER, {}, answered=replies)
+    assert replies.wait(bool, "the broker knows") == [Reply("unavailable", {}, "nobody serves /nobody")]
+
+
+@needs_broker
+def test_calls_from_many_threads_are_all_answered(connector: MqttConnector) -> None:
+    replies = Heard[Reply](15.0)
+    connector.serve("/busy", TRIGGER, lambda request: request)
+
+    def call(name: str) -> None:
+        for number in range(100):
+            connector.call(f"/{name if number % 2 else 'busy'}", TRIGGER, {"n": number}, answered=replies)
+
+    threads = [threading.Thread(target=call, args=(name,)) for name in ("nobody", "busy", "no_one", "busy")]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    told = replies.wait(lambda all_: len(all_) == 400, "every call has an answer")
+    assert [reply.outcome for reply in told].count("unavailable") == 100
+    assert [reply.outcome for reply in told].count("succeeded") == 300
+
+
+@needs_broker
+def test_a_call_that_is_not_answered_is_timed_out(connector: MqttConnector) -> None:
+    replies, asked = Heard[Reply](), Heard[Message]()
+    connector.subscribe("/deaf/request", "", asked)
+    connector.call("/deaf", TRIGGER, {}, answered=replies, timeout_s=0.2)
+    (reply,) = replies.wait(bool, "it is given up")
+    assert reply.outcome == "timed_out"
+
+
+@needs_broker
+def test_calls_end_with_the_broker_and_what_was_open_works_when_it_is_back(
+    broker: Broker, connector: MqttConnector
+) -> None:
+    replies, heard, asked = Heard[Reply](), Heard[Message](15.0), Heard[Message]()
+    connector.subscribe("/t", STRING, heard)
+    connector.subscribe("/deaf/request", "", asked)
+    connector.call("/deaf", TRIGGER, {}, answered=replies)
+    asked.wait(bool, "the call is on its way")
+    broker.stop()
+    assert replies.wait(bool, "the broker is gone") == [Reply("unavailable", {}, "the MQTT broker is gone")]
+    broker.start()
+    connector.publish("/t", STRING, {"data": "again"})
+    heard.wait(bool, "the subscription is renewed")
+
+
+@needs_broker
+@pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (-30.0, 50.0), (None, 50.0)])
+def test_a_stamp_is_told_on_the_runs_clock(connector: MqttConnector, age_s: float | None, at: float) -> None:
+    heard = Heard[Message]()
+    connector.subscribe("/stamped", "", heard)
+    stamp = {} if age_s is None else {"header": {"stamp": time.time() - age_s}}
+    connector.publish("/stamped", "", stamp)
+    assert heard.wait(bool, "it was published")[0].at == pytest.approx(at, abs=0.5)
+
+
+def test_without_a_broker_one_sentence_says_so() -> None:
+    pytest.importorskip("paho.mqtt", reason="pip install -e '.[mqtt]'")
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        with pytest.raises(ConnectorError, match=f"no MQTT broker answers at 127.0.0.1:{port}"):
+            MqttConnector({"port": port}).start()
+
+
+def test_an_unknown_option_is_told_with_what_there_is() -> None:
+    with pytest.raises(UsageError, match="no option 'hots'; there is: host, port"):
+        MqttConnector({"hots": "x"})
+
+
+plain = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text().filter(lambda name: not name.startswith("$")), inner),
+)
+
+
+@given(st.dictionaries(st.text().filter(lambda name: not name.startswith("$")), plain))
+def test_what_is_encoded_is_decoded(message: dict[str, Any]) -> None:
+    assert decode(encode(message)) == message
+
+
+def test_a_picture_travels() -> None:
+    heard = decode(encode({"data": Image("cam@1", 1, 1, "rgb8", lambda: b"abc")}))
+    assert (heard["data"], heard["data"].data) == (Image("cam@1", 1, 1, "rgb8", b""), b"abc")
+
+
+@pytest.mark.parametrize("payload", [b"", b"[]", b"\xff", b'{"a": {"$bytes": "*"}}', b"[" * 100_000])
+def test_what_is_no_message_is_an_error(payload: bytes) -> None:
+    with pytest.raises(ConnectorError):
+        decode(payload)
+
+
+def test_what_is_no_plain_data_is_an_error() -> None:
+    with pytest.raises(ConnectorError, match="no plain data"):
+        encode({"x": object()})
