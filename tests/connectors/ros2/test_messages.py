@@ -208,6 +208,6 @@ def test_an_enormous_picture_is_no_slower_than_its_bytes() -> None:
     assert len(sent(RAW, frame)["data"].data) == 18_000_000
 
 
-@given(messages("nav_msgs/msg/Odometry"))
+@given(st.deferred(lambda: messages("nav_msgs/msg/Odometry")))
 def test_what_is_heard_can_be_journaled(said: dict[str, Any]) -> None:
     plain(to_data(to_message(find_type("nav_msgs/msg/Odometry", "msg"), said)))
