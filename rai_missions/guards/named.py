@@ -25,8 +25,10 @@ class Named(Guard, word="named"):
     def compile(self, site: Site) -> Test:
         name, arguments = self.named, {key: _reading(value, site) for key, value in self.with_.items()}
         site.named.add(name)
+        anything = Site(site.place, site.keys)  # it may look at any key, and is not shown one that is stale
         for key in site.keys:
-            Operand(key, site)  # it may look at any key, and what is stale is not shown to it
+            Operand(key, anything)
+        site.instants += anything.instants
         site.reads.add("*")
 
         def test(view: View) -> Truth:
