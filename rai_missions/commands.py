@@ -37,6 +37,9 @@ def run(given: argparse.Namespace) -> int:
     faults = [each.fault for each in check(mission, named=set(named or ())) if each.severity == "error"]
     if faults:
         raise DefinitionError(faults, given.mission)
+    heard = [name for name, key in mission.blackboard.items() if key.source == "robot" and not key.optional]
+    if heard and not given.robot:
+        raise UsageError(f"the mission must hear {', '.join(heard)} from a robot; give its profile: --robot PROFILE")
     lines = _lines(mission, given)
     setting = replace(_setting(given, mission, lines), named=named)
     try:
@@ -54,9 +57,16 @@ def run(given: argparse.Namespace) -> int:
 
         draw_picture(mission, given.picture, steps=_steps(result.journal))
     if given.json:
-        told = ("outcome", "why", "steps", "decisions", "duration_s", "journal")
-        words = {"mission": mission.name, "run": result.run, "state": list(result.state)}
-        print(json.dumps(words | {name: getattr(result, name) for name in told}))
+        active = set(result.state)
+        innermost = [name for name in result.state if active.isdisjoint(mission.state(name).children())]
+        told: dict[str, Any] = {
+            "mission": mission.name,
+            "run": result.run,
+            "outcome": result.outcome,
+            "why": result.why,
+        }
+        told |= {"state": ", ".join(innermost), "steps": result.steps, "decisions": result.decisions}
+        print(json.dumps(told | {"duration_s": result.duration_s, "journal": result.journal}))
     else:
         lines.end(result, given.picture or "")
     return 0 if result.outcome == "succeeded" else 1

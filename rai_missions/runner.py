@@ -31,7 +31,7 @@ from rai_missions.states.ticker import Trees
 from rai_missions.step import Step
 from rai_missions.verdict import Answerer
 
-__all__ = ("Commands", "Result", "Runner", "default_ticker")
+__all__ = ("Commands", "Result", "Runner", "accepted", "default_ticker")
 
 log = logging.getLogger(__name__)
 
@@ -126,7 +126,7 @@ class Runner:
         self._connector, self._scribe = connector, Scribe(journal)
         self._puzzled: set[str] = set()
         self._on_step, self._on_status = on_step, on_status
-        self._arguments = _accepted(mission, arguments or {})
+        self._arguments = accepted(mission, arguments or {})
         self._later: list[tuple[float, int, Callable[[], None]]] = []
         self._order = itertools.count()
         self._requests: deque[Callable[[], None]] = deque()
@@ -348,7 +348,12 @@ def default_ticker(mission: Mission) -> Trees | None:
     return PyTrees()
 
 
-def _accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
+def accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The arguments of a run, if the mission takes them.
+
+    Raises:
+        DefinitionError: One that it does not take, does not fit, or is missing.
+    """
     takes = {name for name, key in mission.blackboard.items() if key.source == "argument"}
     faults = [
         Fault(

@@ -22,12 +22,13 @@ if TYPE_CHECKING:
     from rai_missions.agents.hostile import ChatteringAnswerer, LateAnswerer, RaisingAnswerer, SilentAnswerer
     from rai_missions.agents.script import ScriptAnswerer
     from rai_missions.connectors.contract import Heard, PatientServer, check_connector
+    from rai_missions.worlds.contract import check_world
 
 __all__ = (
     "QUESTION", "BabblingModel", "ChatteringAnswerer", "HangingModel", "Heard", "LateAnswerer", "LyingModel",
     "PatientServer", "RaisingAnswerer", "RaisingModel", "ScriptAnswerer", "ScriptedModel", "SilentAnswerer",
     "SilentModel", "Told", "ToolFloodModel", "WordyModel", "answer_fault", "call", "check_agent", "check_answerer",
-    "check_connector",
+    "check_connector", "check_world",
 )  # fmt: skip
 
 ROOMS = {
@@ -39,6 +40,7 @@ ROOMS = {
     "agents.hostile": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
     "agents.script": ("ScriptAnswerer",),
     "connectors.contract": ("Heard", "PatientServer", "check_connector"),
+    "worlds.contract": ("check_world",),
 }  # fmt: skip
 """Module → what is offered from it."""
 

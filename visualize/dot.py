@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
@@ -49,9 +50,7 @@ def render(picture: Picture, form: Literal["svg", "png"]) -> bytes:
     from graphviz.backend import dot_command
 
     dot_command.DOT_BINARY = layout_program()
-    source = dot_text(picture, dpi=DPI if form == "png" else None)
-    # Ranking across clusters looks better, and now and then loses an edge on the way; then each cluster ranks its own.
-    for attempt in (source, source.replace('newrank="true"', 'newrank="false"', 1)):
+    for attempt in _plainer(dot_text(picture, dpi=DPI if form == "png" else None)):
         try:
             data: bytes = graphviz.Source(attempt).pipe(format=form, quiet=True)
             break
@@ -60,6 +59,16 @@ def render(picture: Picture, form: Literal["svg", "png"]) -> bytes:
     else:
         raise UsageError(f"{dot_command.DOT_BINARY} could not draw '{picture.name}': {said}")
     return _portable(data) if form == "svg" else data
+
+
+def _plainer(source: str) -> Iterator[str]:
+    """The picture, then with less and less of what makes it pretty: some graphs are too much for the layout."""
+    yield source
+    source = source.replace('newrank="true"', 'newrank="false"', 1)
+    yield source
+    source = source.replace(', constraint="false"', "")
+    yield source
+    yield re.sub(r', l(?:tail|head)="cluster_[^"]*"', "", source)
 
 
 def _portable(svg: bytes) -> bytes:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 import math
 import threading
@@ -23,8 +24,8 @@ from rai_missions.journal import Header, Journal
 from rai_missions.lifecycle import Status
 from rai_missions.load import dump, load
 from rai_missions.mission import Mission
-from rai_missions.robot import Robot, dump_profile, identity_folder, load_profile
-from rai_missions.runner import Result, Runner
+from rai_missions.robot import Robot, dump_profile, identity_folder, load_profile, missing
+from rai_missions.runner import Result, Runner, accepted
 from rai_missions.step import Step
 from rai_missions.verdict import Answerer
 from rai_missions.worlds.world import World, open_world
@@ -64,6 +65,10 @@ class Setting:
     on_status: Callable[[Status], None] | None = None
 
 
+REMOTE = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
+"""Kind of connector → the module that opens it; its libraries are loaded then."""
+
+
 class Prepared:
     """A run that is ready to begin, and what must be closed after it. A context manager."""
 
@@ -75,6 +80,9 @@ class Prepared:
         if findings:
             raise DefinitionError(findings, str(setting.mission) if not isinstance(setting.mission, Mission) else "")
         self.robot, self._folder = _profile(setting.robot)
+        accepted(self.mission, setting.arguments)
+        if self.robot is not None and (faults := missing(self.mission, self.robot)):
+            raise DefinitionError(faults, str(setting.robot))
         self._runner: Runner | None = None
         try:
             self.world, connector, clock = self._surroundings()
@@ -101,8 +109,12 @@ class Prepared:
             return None, setting.connector, setting.clock or WallClock()
         options = dict(self.robot.connector)
         kind, world_name = options.pop("kind"), options.pop("world", None)
+        if kind in REMOTE:
+            clock = setting.clock or WallClock()
+            opened: Connector = importlib.import_module(REMOTE[kind]).open_connector(options, now=clock.now)
+            return None, opened, clock
         if kind != "local":
-            raise UsageError(f"no connector of kind '{kind}'{suggestion(str(kind), ('local',))}")
+            raise UsageError(f"no connector of kind '{kind}'{suggestion(str(kind), ('local', *REMOTE))}")
         if world_name is None:
             return None, LocalConnector(), setting.clock or WallClock()
         if setting.seed is not None:

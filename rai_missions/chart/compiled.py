@@ -35,6 +35,8 @@ class Compiled:
         self.order: list[Node] = [self.root]
         self.rows: dict[str, Row] = {}
         """JSON pointer → row."""
+        self.named: set[str] = set()
+        """The predicates of the user's program that rows, finals and invariants name."""
         self.recalls = False
         """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
         self.options = {
@@ -96,6 +98,7 @@ class Compiled:
         """A guard compiled for a place; the states whose age it asks for are clocked from now on."""
         site = Site(place, self.mission.blackboard, state)
         test = guard.compile(site)
+        self.named |= site.named
         for name in site.clocked:
             (self.nodes[name] if name else self.root).clocked = True
         return Condition(place, guard, test, frozenset(site.reads), tuple(site.instants), dict(site.holds))

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.blackboard import Blackboard, Stamped, stale_at
+from rai_missions.blackboard import Blackboard, Stamped, fits, stale_at
 from rai_missions.chart.acts import Act, act_of
 from rai_missions.chart.configuration import Configuration, Leap
 from rai_missions.chart.graph import Graph
@@ -93,6 +93,8 @@ class Core:
         self._named = dict(named or {})
         self._ticker = ticker
         self._graph = Graph(mission, self._act)
+        if absent := sorted(self._graph.named - self._named.keys()):
+            raise UsageError(f"the mission names predicates that were not given: {', '.join(absent)}; give named={{…}}")
         self._declared = frozenset(mission.events)
         self._machines: dict[str, Machine | None] = {}
         self._invariants = tuple(self._graph.invariants.items())
@@ -214,6 +216,15 @@ class Core:
         return self._ledger.obstruction(action)
 
     def write_key(self, key: str, value: Any) -> None:
+        """Write a key of the mission; a value of another type is left out, and a note says so."""
+        why = (
+            fits(self.mission.blackboard[key], value)
+            if key in self.mission.blackboard
+            else "the mission has no such key"
+        )
+        if why:
+            self.notes.append(f"'{key}' was not written: {why}")
+            return
         self.view.board[key] = Stamped(value, self.view.at)
         self.written.append((key, value))
 
@@ -258,6 +269,6 @@ class Core:
         """Make one microstep."""
         raise NotImplementedError
 
-    def _end(self, outcome: str, why: str, *, leaving: bool = True) -> None:
+    def _end(self, outcome: str, why: str, *, killed: bool = False) -> None:
         """The mission is over."""
         raise NotImplementedError

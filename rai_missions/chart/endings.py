@@ -159,27 +159,26 @@ class Endings(Activities):
     def _kill(self, why: str) -> None:
         self.effects += self._ledger.stop_all(self.view.at)
         self.holder = "nobody"
-        self._end("aborted", why, leaving=False)
+        self._end("aborted", why, killed=True)
 
-    def _end(self, outcome: str, why: str, *, leaving: bool = True) -> None:
+    def _end(self, outcome: str, why: str, *, killed: bool = False) -> None:
         """The mission is over: everything that runs is ended, and the active states do what they do when left.
 
         Args:
             outcome: How it ended.
             why: The rule that decided it.
-            leaving: Whether the `exit` of the active states is done; not after an emergency stop.
+            killed: By an emergency stop or an invariant: no `exit` is done, and a cancel under way makes no difference.
         """
         if self.outcome is not None:
             return
-        if self.mode == "canceling":
-            outcome, why = ("canceled", self.why if outcome != "aborted" else f"{self.why}; {why}")
+        if self.mode == "canceling" and not killed:
+            outcome, why = "canceled", self.why
         self.outcome, self.why = outcome, why
         for name in list(self._running):
             self._leave_activity(self._graph.nodes[name])
-        if leaving:
-            for node in sorted(self._config.nodes, key=lambda node: -node.index):
-                for act in node.exit:
-                    act(self)
+        for node in () if killed else sorted(self._config.nodes, key=lambda node: -node.index):
+            for act in node.exit:
+                act(self)
         for goal in list(self._ledger.goals.values()):
             self.effects += self._ledger.cancel(goal.number, self.view.at)
         self._timers.clear()

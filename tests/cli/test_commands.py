@@ -50,7 +50,7 @@ def test_a_run_in_json_prints_one_object_and_nothing_else(folder: Path, capsys: 
     main(["run", "lamp.json", "--journal", "a.journal", "--json"])
     told = json.loads(capsys.readouterr().out)
     assert {**told, "run": "", "duration_s": 0} == {
-        "mission": "lamp", "run": "", "outcome": "aborted", "why": "'off' was reached", "state": ["off"], "steps": 2,
+        "mission": "lamp", "run": "", "outcome": "aborted", "why": "'off' was reached", "state": "off", "steps": 2,
         "decisions": 0, "duration_s": 0, "journal": "a.journal",
     }  # fmt: skip
 
@@ -116,7 +116,16 @@ def test_an_argument_that_the_mission_does_not_take_is_refused(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", "lamp.json", "--set", "speed=3"]) == 2
+    assert not list(folder.glob("journals/*"))
     assert "takes no argument 'speed'" in capsys.readouterr().err
+
+
+def test_a_mission_that_must_hear_a_robot_is_not_begun_without_one(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["new", "mine"])
+    assert main(["run", "mine/mission.json"]) == 2
+    assert "must hear arrived, blocked from a robot; give its profile" in capsys.readouterr().err
 
 
 def test_python_is_executed_only_where_it_may_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
