@@ -23,4 +23,4 @@ lend='import sysconfig; print(sysconfig.get_path("purelib"))'
 
 cp -r "$checkout/tests" "$checkout/missions" "$checkout/docs" "$checkout/benchmarks" "$checkout/pyproject.toml" "$away/"
 cd "$away"
-PATH="$away/venv/bin:$PATH" venv/bin/python -m pytest -q -p no:cacheprovider -m installed tests
+PATH="$away/venv/bin:$checkout/.venv/bin:$PATH" venv/bin/python -m pytest -q -p no:cacheprovider -m installed tests
