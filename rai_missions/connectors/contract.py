@@ -26,7 +26,7 @@ class Heard(Generic[T]):
         within_s: How long `wait` waits before it gives up.
     """
 
-    def __init__(self, within_s: float = 5.0) -> None:
+    def __init__(self, within_s: float = 20.0) -> None:
         self.all: list[T] = []
         self._within_s = within_s
         self._changed = threading.Condition()

@@ -32,7 +32,7 @@ class Peer:
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.said: Heard[Any] = Heard(10.0)
+        self.said: Heard[Any] = Heard(30.0)
         self._process = subprocess.Popen(
             [sys.executable, "-W", "ignore", str(Path(__file__)), name],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[3],
