@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel oracles drill bench pictures weights clean
+.PHONY: help setup run fmt check test wheel middleware oracles drill bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -42,6 +42,9 @@ test: check wheel ## Every check, the built wheel, and all tests
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh
 
+middleware: .venv/.ready-middleware ## Test the connectors on real ROS 2 and a real MQTT broker, which this installs
+	$(BIN)/python -m pytest -n $(WORKERS) tests/connectors
+
 oracles: ## Install the chart engine in JavaScript that ours is compared with; needs npm
 	cd tests/oracles && npm install --no-audit --no-fund --silent
 
@@ -70,9 +73,13 @@ clean: ## Remove what was made
 	@touch $@ .venv/.ready-run
 
 .venv/.ready-dev: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,mqtt$(ROS),dev
+	@scripts/setup.sh sim,draw,local,dev
 	@touch $@ .venv/.ready-run .venv/.ready-local
 
+.venv/.ready-middleware: $(RECIPE)
+	@scripts/setup.sh sim,draw,local,mqtt$(ROS),dev
+	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
+
 .venv/.ready-bench: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,mqtt$(ROS),dev,bench
+	@scripts/setup.sh sim,draw,local,dev,bench
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev

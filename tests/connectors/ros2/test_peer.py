@@ -153,7 +153,7 @@ def test_goals_are_lost_when_their_server_starts_anew_and_new_ones_reach_it(open
         assert end_of(reports)[-1] == "lost"
         goal_id, again = start(connector, reborn, SUCCEED)
         assert end_of(again)[-1] == "succeeded"
-        assert ["runs", goal_id] in reborn.said.all
+        reborn.said.wait(lambda said: ["runs", goal_id] in said, "the new server runs the new goal")
 
 
 def test_a_server_that_answers_after_it_was_given_up_changes_nothing_and_its_goal_is_canceled(
