@@ -67,7 +67,7 @@ class Commands(Protocol):
 
     def kill(self, by: str = "operator") -> None: ...
 
-    def hand_over(self, to: str, by: str = "operator") -> str:
+    def control(self, to: str, by: str = "operator") -> str:
         """Ask for control to go to somebody; returns why not, or empty."""
 
     def answer(
@@ -146,7 +146,7 @@ class Runner:
     def kill(self, by: str = "operator") -> None:
         self.mailbox.post_urgent(Event("kill", self.clock.now(), {"by": by}, "command"))
 
-    def hand_over(self, to: str, by: str = "operator") -> str:
+    def control(self, to: str, by: str = "operator") -> str:
         why = self.lifecycle.control.refuses(to, by)
         if not why:
             self._requests.append(lambda: self._hand_over(to, by))

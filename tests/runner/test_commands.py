@@ -175,10 +175,10 @@ def test_a_kill_leaves_control_with_nobody() -> None:
     rig.run()
     assert rig.runner.lifecycle.control.holder == "nobody"
     assert (
-        rig.runner.hand_over("agent", by="agent")
+        rig.runner.control("agent", by="agent")
         == "control is with nobody since the stop; only the operator can lift it"
     )
-    assert rig.runner.hand_over("operator") == ""
+    assert rig.runner.control("operator") == ""
 
 
 def test_a_kill_from_another_thread_ends_a_run_that_waits_for_nothing() -> None:
@@ -211,8 +211,8 @@ def test_an_operator_takes_control_the_action_stops_and_starts_again_when_it_is_
     rig = Rig(DRIVING)
     rig.stage.play(
         {
-            1.0: lambda: rig.runner.hand_over("operator"),
-            8.0: lambda: rig.runner.hand_over("autonomy"),
+            1.0: lambda: rig.runner.control("operator"),
+            8.0: lambda: rig.runner.control("autonomy"),
             9.0: lambda: rig.runner.kill(),
         }
     )
@@ -226,7 +226,7 @@ def test_an_operator_takes_control_the_action_stops_and_starts_again_when_it_is_
 
 def test_the_mission_does_not_take_control_back_from_an_operator() -> None:
     rig = Rig(DRIVING)
-    rig.stage.play({1.0: lambda: rig.runner.hand_over("operator"), 2.0: lambda: rig.post("go")})
+    rig.stage.play({1.0: lambda: rig.runner.control("operator"), 2.0: lambda: rig.post("go")})
     result = rig.run()
     assert rig.turn.goals == [], "nobody gave autonomy the control that it needs"
     assert result.why == "turning: rejected (autonomy was not given control in time)"
@@ -237,15 +237,15 @@ def test_who_does_not_hold_control_cannot_take_it_from_an_operator() -> None:
     answers: list[str] = []
     rig.stage.play(
         {
-            1.0: lambda: rig.runner.hand_over("operator"),
-            2.0: lambda: answers.append(rig.runner.hand_over("agent", by="agent")),
+            1.0: lambda: rig.runner.control("operator"),
+            2.0: lambda: answers.append(rig.runner.control("agent", by="agent")),
             3.0: rig.runner.kill,
         }
     )
     rig.run()
     assert answers == ["the operator has control and has not given it back"]
     with pytest.raises(UsageError, match="nobody called 'bob' can hold control"):
-        rig.runner.hand_over("bob")
+        rig.runner.control("bob")
 
 
 def test_a_message_that_gives_control_to_a_stranger_is_refused() -> None:
@@ -309,8 +309,8 @@ def test_the_status_has_a_revision_that_grows_with_each_change() -> None:
         {
             1.0: rig.runner.pause,
             2.0: rig.runner.resume,
-            3.0: lambda: rig.runner.hand_over("operator"),
-            4.0: lambda: rig.runner.hand_over("autonomy"),
+            3.0: lambda: rig.runner.control("operator"),
+            4.0: lambda: rig.runner.control("autonomy"),
             5.0: lambda: rig.runner.cancel(),
         }
     )
@@ -325,8 +325,8 @@ COMMANDS: dict[str, Callable[[Rig], object]] = {
     "resume": lambda rig: rig.runner.resume(),
     "cancel": lambda rig: rig.runner.cancel(),
     "kill": lambda rig: rig.runner.kill(),
-    "take": lambda rig: rig.runner.hand_over("operator"),
-    "give": lambda rig: rig.runner.hand_over("autonomy"),
+    "take": lambda rig: rig.runner.control("operator"),
+    "give": lambda rig: rig.runner.control("autonomy"),
     "event": lambda rig: rig.post("go"),
     "end": lambda rig: rig.turn.goals and rig.turn.say("succeeded"),
     "die": lambda rig: rig.move.goals and rig.move.say("failed"),
@@ -361,9 +361,9 @@ def test_an_operator_who_takes_control_of_a_paused_run_stops_what_was_kept_going
     rig.stage.play(
         {
             1.0: rig.runner.pause,
-            2.0: lambda: rig.runner.hand_over("operator"),
+            2.0: lambda: rig.runner.control("operator"),
             3.0: lambda: rig.move.canceled or rig.runner.kill("still moving"),
-            4.0: lambda: rig.runner.hand_over("autonomy"),
+            4.0: lambda: rig.runner.control("autonomy"),
             5.0: rig.runner.resume,
             6.0: lambda: rig.runner.cancel("the test"),
         }

@@ -260,8 +260,8 @@ def test_a_replayed_run_is_the_run(tmp_path_factory: pytest.TempPathFactory, scr
             "said": lambda: rig.move.goals and rig.move.say("succeeded"),
             "lost": lambda: rig.move.goals and rig.move.say("lost"),
             "left": lambda: rig.runner.answer(2, "left"),
-            "operator": lambda: rig.runner.hand_over("operator"),
-            "autonomy": lambda: rig.runner.hand_over("autonomy"),
+            "operator": lambda: rig.runner.control("operator"),
+            "autonomy": lambda: rig.runner.control("autonomy"),
         }
         for tenth, name in script:
             rig.stage.play({tenth / 10: does.get(name, lambda name=name: rig.post(name))})
