@@ -73,6 +73,7 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     diff.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     replay = commands.add_parser("replay", help="do a journal's run again and compare every step", epilog=EXIT)
     replay.add_argument("journal", metavar="JOURNAL")
+    replay.add_argument("--mission", metavar="FILE.py", help="the mission, where it has behaviours in Python; executed")
     replay.add_argument("--json", action="store_true", help="print one object at the end")
     replay.add_argument("--verbose", action="store_true", help="print the steps")
 

@@ -148,8 +148,9 @@ def replay(given: argparse.Namespace) -> int:
     from rai_missions.replay import replay as again
 
     with read(given.journal) as record:
-        lines = Lines(mission_of(record), sys.stdout)
-    result = again(given.journal, on_step=lines.step if given.verbose and not given.json else None)
+        mission = load(given.mission) if given.mission else mission_of(record)
+    lines = Lines(mission, sys.stdout)
+    result = again(given.journal, on_step=lines.step if given.verbose and not given.json else None, mission=mission)
     if given.json:
         print(
             json.dumps(
@@ -282,7 +283,7 @@ def _steps(journal: str | None, mission: Mission | None = None) -> tuple[Any, ..
     from rai_missions.replay import mission_of
 
     with read(journal) as record:
-        if mission is not None and mission_of(record) != mission:
+        if mission is not None and record.header.mission and mission_of(record) != mission:
             sentence = "this is the journal of another mission, or of another version of it"
             raise DefinitionError(
                 [Fault("", f"{sentence}: {mission_of(record).name} {mission_of(record).version}")], journal

@@ -6,16 +6,15 @@ Rule: the chart that replays is the chart that ran; nothing of a step is taken f
 
 from __future__ import annotations
 
-import json
 from collections import deque
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from rai_missions.chart import Chart
-from rai_missions.errors import DefinitionError
+from rai_missions.errors import DefinitionError, Fault
 from rai_missions.faults import faults_of
 from rai_missions.guards.guard import Truth
 from rai_missions.guards.named import Named
@@ -72,6 +71,9 @@ def mission_of(record: Record) -> Mission:
         DefinitionError: Row 0 holds none.
     """
     source = f"{record.path}, row 0"
+    if not record.header.mission:
+        sentence = "the mission has behaviours in Python and is not in its journal; give its file: --mission FILE.py"
+        raise DefinitionError([Fault("", sentence)], source)
     data = parse_json(record.header.mission.encode(), source)
     try:
         return Mission.model_validate(data)
@@ -79,15 +81,26 @@ def mission_of(record: Record) -> Mission:
         raise DefinitionError(faults_of(error, Mission, data), source) from None
 
 
-def replay(path: Path | str, ticker: Trees | None = None, on_step: Callable[[Step], None] | None = None) -> Replay:
+def replay(
+    path: Path | str,
+    ticker: Trees | None = None,
+    on_step: Callable[[Step], None] | None = None,
+    mission: Mission | None = None,
+) -> Replay:
     """Do a journal's run again.
+
+    Args:
+        path: The journal.
+        ticker: Who ticks trees; py_trees by default.
+        on_step: Told of each step that was the same.
+        mission: The mission, where its journal does not hold it: one with behaviours written in Python.
 
     Raises:
         DefinitionError: The journal is damaged or altered; every fault with its row.
         UsageError: There is no such journal.
     """
     with read(path) as record:
-        mission = mission_of(record)
+        mission = mission if mission is not None else mission_of(record)
         recorded = _Recorded(_names(mission))
         chart = Chart(mission, ticker or default_ticker(mission), terms=_terms(record), named=recorded.named)
         count = 0
@@ -110,16 +123,14 @@ def _again(chart: Chart, row: StepRow) -> Step:
     return chart.send(step.event)
 
 
-def _names(mission: Mission) -> set[str]:
-    """The predicates that a mission names, wherever it does."""
-
-    def found(value: Any) -> set[str]:
-        if isinstance(value, Mapping):
-            own = {value["named"]} if isinstance(value.get("named"), str) and Named.word in value else set()
-            return own.union(*(found(item) for item in value.values()))
-        return set().union(*(found(item) for item in value)) if isinstance(value, list) else set()
-
-    return found(json.loads(json.dumps(mission.written())))
+def _names(value: Any) -> set[str]:
+    """The predicates that a mission, or a part of it, names, wherever it does."""
+    if isinstance(value, Named):
+        return {value.named}
+    if isinstance(value, BaseModel):
+        value = vars(value)
+    inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
+    return set().union(*(_names(item) for item in inside))
 
 
 def _terms(record: Record) -> Terms | None:

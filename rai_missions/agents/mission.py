@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Named
 from rai_missions.check import check
 from rai_missions.clock import Clock, SimulatedClock, WallClock
@@ -150,9 +151,11 @@ class Prepared:
 
     def _journal(self) -> Journal | None:
         profile = dump_profile(self.robot) if self.robot is not None else ""
-        self._header = Header(dump(self.mission), profile, dict(self.setting.arguments))
+        self._header = Header("", profile, dict(self.setting.arguments))
         if self.setting.journal is None:
             return None
+        if not behaviour_leaves(self.mission):  # one with behaviours in Python has no JSON; a replay is given its file
+            self._header = self._header._replace(mission=dump(self.mission))
         self._header = self._header._replace(run=uuid.uuid4().hex[:12])
         path = Path(self.setting.journal)
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -164,6 +164,33 @@ def test_guards_of_a_file_can_be_named_and_are_replayed_without_it(folder: Path)
     assert main(["replay", "a.journal"]) == 0
 
 
+COUNTING = """
+import py_trees
+
+from rai_missions import Mission, On
+from rai_missions.states import Final, Tree
+
+
+def count():
+    return py_trees.behaviours.TickCounter("count", 3, py_trees.common.Status.SUCCESS)
+
+
+def mission():
+    tree = Tree(count, tick_s=0.01, transitions=[On("succeeded", to="off")])
+    return Mission("counting", initial="on", states={"on": tree, "off": Final("aborted")})
+"""
+
+
+def test_a_mission_with_a_behaviour_in_python_is_run_and_replayed_from_its_file(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "m.py").write_text(COUNTING)
+    assert main(["run", "m.py", "--journal", "a.journal"]) == 1
+    assert main(["replay", "a.journal"]) == 2
+    assert "--mission FILE.py" in capsys.readouterr().err
+    assert main(["replay", "a.journal", "--mission", "m.py"]) == 0
+
+
 def test_a_differing_mission_exits_with_1_and_an_equal_one_with_0(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
