@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import math
-from typing import get_args
+from collections.abc import Iterator
+from typing import Any, get_args
 
 from rai_missions.chart.core import Core, Trigger
 from rai_missions.chart.node import Node
@@ -82,6 +83,13 @@ class Activities(Core):
             self._emit(turn.effects)
             self.notes += turn.notes
 
+    def _live(self) -> Iterator[tuple[str, Machine, Any]]:
+        """The machines that run, each with its state; one that is left meanwhile is passed over."""
+        for name in tuple(self._running):
+            machine = self._machines[name]
+            if name in self._running and machine is not None:
+                yield name, machine, self._running[name]
+
     def _poll(self) -> bool:
         """Let those machines look whom a key that was written, a goal's end or the time concerns; whether one spoke."""
         if self.outcome is not None or self.mode == "paused":
@@ -91,10 +99,8 @@ class Activities(Core):
         )
         due, self._due, self._polled, self._ledger.changed = self._due, NO_KEYS, len(self.written), False
         spoke, tick = False, Event("tick", self.view.at, {"keys": keys}, "tick")
-        for name in list(self._running) if keys or due else ():
-            machine, state = self._machines[name], self._running.get(name)
-            assert machine is not None
-            if state is None or not (name in due or concerns(machine.reads(state), keys)):
+        for name, machine, state in self._live() if keys or due else ():
+            if not (name in due or concerns(machine.reads(state), keys)):
                 continue
             turn = machine.hear(state, tick, self)
             if turn is not None:
@@ -104,10 +110,8 @@ class Activities(Core):
 
     def _dispatch(self, event: Event) -> bool:
         """Tell the machine that waits for it; whether one did."""
-        for name in list(self._running):
-            machine = self._machines[name]
-            assert machine is not None
-            turn = machine.hear(self._running[name], event, self)
+        for name, machine, state in self._live():
+            turn = machine.hear(state, event, self)
             if turn is not None:
                 self._turn(name, turn)
                 self._poll()
@@ -144,9 +148,7 @@ class Activities(Core):
     def _reads(self) -> frozenset[str]:
         """The keys whose change may change something now."""
         reads = self._config.reads | self._graph.invariant_reads
-        for name, state in self._running.items():
-            machine = self._machines[name]
-            assert machine is not None
+        for _, machine, state in self._live():
             reads |= machine.reads(state)
         if self._settling or self._final is not None:
             reads |= frozenset({"*"})

@@ -99,27 +99,20 @@ class Graph(Compiled):
     def start(self, memory: Memory) -> Leap:
         """The entry of the mission."""
         entered: set[Node] = set()
-        for target in self.root.initial:
-            self._descend(target, entered, memory)
-        for target in self.root.initial:
-            self._climb(target, self.root, entered, memory)
+        self._into(self.root.initial, self.root, entered, memory)
         return self.move(self.empty, set(), entered, taken=(), acts=(), trigger="")
 
     def flee(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> Leap:
         """From wherever it is into a state, everything left."""
         entered: set[Node] = set()
-        self._descend(target, entered, memory)
-        self._climb(target, self.root, entered, memory)
+        self._into((target,), self.root, entered, memory)
         exited = {node for node in config.nodes if node.state is not None}
         return self.move(config, exited, entered, taken=(), acts=(), trigger=trigger)
 
     def reenter(self, config: Configuration, node: Node, memory: Memory, trigger: str = "") -> Leap:
         """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
         entered: set[Node] = set()
-        for target in node.initial:
-            self._descend(target, entered, memory)
-        for target in node.initial:
-            self._climb(target, node, entered, memory)
+        self._into(node.initial, node, entered, memory)
         exited = {each for each in config.nodes if each.inside(node)}
         return self.move(config, exited, entered, taken=(), acts=(), trigger=trigger)
 
@@ -174,15 +167,20 @@ class Graph(Compiled):
                     states = [each for each in config.nodes if each.parent is node]
                 yield history.index, tuple(sorted(states, key=lambda each: each.index))
 
+    def _into(self, targets: Iterable[Node], domain: Node, entered: set[Node], memory: Memory) -> None:
+        """Targets, what is entered inside them by default, and what lies between them and the domain."""
+        targets = tuple(targets)
+        for target in targets:
+            self._descend(target, entered, memory)
+        for target in targets:
+            self._climb(target, domain, entered, memory)
+
     def _descend(self, node: Node, entered: set[Node], memory: Memory) -> None:
         """A target and what is entered inside it by default (addDescendantStatesToEnter)."""
         if node.is_history:
             assert node.parent is not None
             targets = memory.get(node.index) or node.parent.initial
-            for target in targets:
-                self._descend(target, entered, memory)
-            for target in targets:
-                self._climb(target, node.parent, entered, memory)
+            self._into(targets, node.parent, entered, memory)
             return
         entered.add(node)
         if node.is_parallel:
@@ -190,10 +188,7 @@ class Graph(Compiled):
                 if not any(each is child or each.inside(child) for each in entered):
                     self._descend(child, entered, memory)
         elif node.is_compound and not node.is_each:
-            for target in node.initial:
-                self._descend(target, entered, memory)
-            for target in node.initial:
-                self._climb(target, node, entered, memory)
+            self._into(node.initial, node, entered, memory)
 
     def _climb(self, node: Node, domain: Node, entered: set[Node], memory: Memory) -> None:
         """What lies between a target and the domain (addAncestorStatesToEnter)."""

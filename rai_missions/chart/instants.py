@@ -31,9 +31,7 @@ class Instants(Modes):
 
     def _woken(self, due: float) -> Iterable[str]:
         """The states whose machines asked for an instant not later than this."""
-        for name, state in self._running.items():
-            machine = self._machines[name]
-            assert machine is not None
+        for name, machine, state in self._live():
             if machine.wake_at(state, self.view) <= due:
                 yield name
 
@@ -106,9 +104,7 @@ class Instants(Modes):
         if self._final is not None and self._final.requires is not None:
             for instant in self._final.requires.instants:
                 soonest = min(soonest, _later(instant(self.view), now))
-        for name, state in self._running.items():
-            machine = self._machines[name]
-            assert machine is not None
+        for _, machine, state in self._live():
             soonest = min(soonest, machine.wake_at(state, self.view))
         return soonest
 

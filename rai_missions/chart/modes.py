@@ -85,9 +85,7 @@ class Modes(Microsteps):
         self.view.held = {memory: at + by_s for memory, at in self.view.held.items()}
         self._pending = {name: until + by_s for name, until in self._pending.items()}
         self._settling = {name: until + by_s for name, until in self._settling.items()}
-        for name, state in self._running.items():
-            machine = self._machines[name]
-            assert machine is not None
+        for name, machine, state in self._live():
             self._running[name] = machine.shifted(state, by_s)
 
     def _happen(self, event: Event) -> None:
