@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from rai_missions.chart.activities import Activities
 from rai_missions.chart.core import Trigger
 from rai_missions.chart.node import Condition, Node
+from rai_missions.guards.guard import Operand, Site
 from rai_missions.states.activity import Outcome
 from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, worst
@@ -22,10 +20,7 @@ class Endings(Activities):
     def enter_each(self, node: Node) -> None:
         """Copy the list of an `each`; its first item is current from here on."""
         assert isinstance(node.state, Each)
-        entry = self.view.board.get(node.state.each.split(".")[0])
-        value: Any = entry.value if entry is not None else None
-        for field in node.state.each.split(".")[1:]:
-            value = value.get(field) if isinstance(value, Mapping) else None
+        value = Operand(node.state.each, Site(node.place, self.mission.blackboard)).read(self.view)
         self._rounds[node.name] = (tuple(value) if isinstance(value, list | tuple) else (), 0)
         if not isinstance(value, list | tuple):
             self._internal.append(

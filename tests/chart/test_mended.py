@@ -45,3 +45,14 @@ def test_a_mission_that_names_a_predicate_is_not_begun_without_it() -> None:
     with pytest.raises(UsageError, match="predicates that were not given: is_far"):
         Chart(named)
     Chart(named, named={"is_far": lambda board: True})
+
+
+def test_a_list_that_is_stale_is_unknown_to_each() -> None:
+    each = {"each": "stops", "as": "stop", "initial": "x", "states": {"x": {}}, "transitions": [row("failed", "no")]}
+    keys = {"stops": {"type": "list", "source": "robot", "max_age_s": 5}, "stop": {"type": "string"}}
+    states = {"wait": {"transitions": [row("e", "tour")]}, "tour": each, "no": {}}
+    for at, entered in ((4.0, ("tour", "x")), (5.0, ("tour", "no"))):
+        made = Chart(mission(states, blackboard=keys))
+        made.write("stops", ["a", "b"], at=0.0)
+        made.start(0.0)
+        assert sent(made, "e", at=at).entered == entered
