@@ -111,11 +111,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.command is None:
         parser().print_help()
         return 2
-    from rai_missions.commands import COMMANDS
+    from rai_missions.commands import command
     from rai_missions.errors import DefinitionError, MissionError
 
     try:
-        return COMMANDS[given.command](given)
+        return command(given.command)(given)
     except DefinitionError as error:
         print(error, file=sys.stderr)
         return 2

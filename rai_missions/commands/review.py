@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions check draw diff`: a mission before it runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+
+from rai_missions.check import check, exit_status
+from rai_missions.commands.given import named_in, steps_of
+from rai_missions.errors import Fault
+from rai_missions.load import load
+
+__all__ = ("check_mission", "diff", "draw")
+
+
+def check_mission(given: argparse.Namespace) -> int:
+    """Print every fault of a mission, and of what a profile lacks."""
+    mission = load(given.mission, python=not given.no_python)
+    named = named_in(given.guards)
+    findings = list(check(mission, named=set(named))) if named is not None else list(check(mission))
+    lacks: tuple[Fault, ...] = ()
+    if given.robot:
+        from rai_missions.robot import load_profile, missing
+
+        lacks = missing(mission, load_profile(given.robot))
+    if given.json:
+        rows = [{"place": each.place, "sentence": each.sentence, "severity": each.severity} for each in findings]
+        rows += [{"place": each.place, "sentence": each.sentence, "severity": "error"} for each in lacks]
+        print(json.dumps(rows))
+    else:
+        for each in (*findings, *lacks):
+            print(f"{given.mission}: {each}", file=sys.stderr)
+        if not findings and not lacks:
+            states = sum(1 for _ in mission.walk())
+            print(f"{given.mission}: {mission.name} {mission.version} holds ({states} states)")
+    return 2 if lacks else exit_status(findings, strict=given.strict)
+
+
+def draw(given: argparse.Namespace) -> int:
+    """Draw a mission."""
+    from visualize import draw as draw_picture
+
+    mission = load(given.mission, python=not given.no_python)
+    output = given.output or f"{mission.name.replace('/', '_')}.svg"
+    draw_picture(mission, output, steps=steps_of(given.journal, mission))
+    print(output)
+    return 0
+
+
+def diff(given: argparse.Namespace) -> int:
+    """Say and draw what changed between two missions."""
+    from visualize import difference
+
+    old, new = (load(path, python=not given.no_python) for path in (given.old, given.new))
+    found = difference(old, new)
+    for line in found.lines():
+        print(line)
+    if given.output:
+        from visualize import draw_difference
+
+        draw_difference(found, given.output)
+        print(f"picture: {given.output}")
+    return 0 if found.empty else 1

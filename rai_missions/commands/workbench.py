@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions schema new doctor`: what an author needs beside a mission."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+__all__ = ("doctor", "new", "schema")
+
+
+def schema(given: argparse.Namespace) -> int:
+    """Print a JSON Schema."""
+    if given.of == "robot":
+        from rai_missions.robot.schema import robot_schema
+
+        print(json.dumps(robot_schema(), indent=2, ensure_ascii=False))
+        return 0
+    from rai_missions.schema import mission_schema
+
+    print(json.dumps(mission_schema(), indent=2, ensure_ascii=False))
+    return 0
+
+
+def new(given: argparse.Namespace) -> int:
+    """Start a mission from a template."""
+    from rai_missions.templates import start
+
+    for path in start(given.template, Path(given.directory)):
+        print(path)
+    print(f"next: rai-missions check {given.directory}/mission.json")
+    return 0
+
+
+def doctor(_: argparse.Namespace) -> int:
+    """Say what this machine has and lacks."""
+    from rai_missions.doctor import examine
+
+    complaints = 0
+    for item in examine():
+        print(item)
+        complaints += item.status == "missing"
+    return 1 if complaints else 0
