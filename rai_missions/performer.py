@@ -7,16 +7,15 @@ Rule: it never waits and never judges. Each thing that comes back carries the nu
 from __future__ import annotations
 
 import logging
-import uuid
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import Any
 
 from rai_missions.behaviours import Behaviours
-from rai_missions.connectors.connector import Connector, Reply, Report
+from rai_missions.connectors.connector import Connector, Reply
 from rai_missions.errors import MissionError
 from rai_missions.event import Event
-from rai_missions.robot import ActionEntry, Robot, plain
+from rai_missions.goals import Goals, told
+from rai_missions.robot import Robot, plain
 from rai_missions.senses import Senses
 from rai_missions.states.tree import BehaviourLeaf
 from rai_missions.step import (
@@ -39,7 +38,6 @@ __all__ = ("Performer",)
 
 log = logging.getLogger(__name__)
 
-ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
 LONGEST_ANSWER = 1_000_000
 """Characters; a journal keeps every answer."""
 
@@ -64,18 +62,16 @@ class Performer:
         post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
         allow: Callable[[str], str], leaves: Mapping[str, BehaviourLeaf] | None = None,
     ) -> None:  # fmt: skip
-        self._run, self._robot, self._connector = run, robot, connector
+        self._robot, self._connector = robot, connector
         self._answerers, self._post, self._later, self._now = answerers, post, later, now
         self._allow = allow
-        self._goals: dict[int, str] = {}
-        self._composed: dict[str, CancelGoal] = {}
-        self._entries: dict[int, ActionEntry] = {}
+        self._goals = Goals(run, robot, connector, tell=self._event)
         self._open: dict[int, str] = {}
         self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
         self._senses = Senses(robot, connector, post=post, later=later, now=now)
         self._perform: Mapping[type, Callable[[Any], None]] = {
-            StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call, PublishMessage: self._publish,
-            Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
+            StartGoal: self._goals.start, CancelGoal: self._goals.cancel, CallService: self._call,
+            PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
             StartBehaviour: self._behaviours.start, StopBehaviour: self._behaviours.stop,
             SayAloud: self._say, LogLine: lambda effect: log.info("%s", effect.text),
         }  # fmt: skip
@@ -112,106 +108,20 @@ class Performer:
 
     def _failed(self, effect: Effect, why: str) -> None:
         if isinstance(effect, StartGoal):
-            if (goal_id := self._goals.get(effect.number)) is not None and self._connector is not None:
-                with suppress(Exception):  # it may have arrived before the connector failed
-                    self._connector.cancel_goal(goal_id)
-            self._result(effect.number, "rejected", {"why": why})
+            self._goals.give_up(effect.number, why)
         elif isinstance(effect, CallService):
-            self._result(effect.number, "unavailable", {"why": why})
+            self._event("result", "unavailable", effect.number, {"why": why})
         elif isinstance(effect, StartBehaviour):
             self._event("behaviour", "behaviour", effect.number, {"status": "failure", "why": why})
 
     def stop_everything(self) -> None:
         """The run breaks off: end every goal that may still run, heard of or not."""
-        for goal_id in list(self._goals.values()):
-            if self._connector is not None:
-                with suppress(Exception):  # the others must be stopped too
-                    self._connector.cancel_goal(goal_id)
-        self.perform(tuple(self._composed.values()))
+        self.perform(self._goals.cut_off())
 
     def answered(self, number: int) -> None:
         """A question has its answer, from whomever: nobody else need think about it."""
         if number in self._open:
             self._withdraw(Withdraw(number))
-
-    # -- goals ----------------------------------------------------------------------------------------------------
-
-    def goal_id(self, number: int, owner: str) -> str:
-        """Derived from run, state, leaf and start, so that a run that goes on finds its goals again."""
-        return uuid.uuid5(uuid.NAMESPACE_URL, f"{self._run}/{owner}/{number}").hex
-
-    def _start(self, effect: StartGoal) -> None:
-        entry = self._robot.actions.get(effect.action) if self._robot is not None else None
-        if entry is None or self._connector is None:
-            self._result(effect.number, "rejected", {"why": f"no robot has an action '{effect.action}'"})
-            return
-        if entry.action is None:
-            self._composed[effect.action] = CancelGoal(effect.number, effect.action)
-            self._start_composed(entry, effect)
-            return
-        goal = entry.goal_of(effect.goal)
-        self._entries[effect.number] = entry
-        goal_id = self._goals[effect.number] = self.goal_id(effect.number, effect.owner)
-        self._connector.send_goal(
-            entry.action, entry.type, goal, goal_id=goal_id, report=lambda report: self._reported(effect.number, report)
-        )
-
-    def _start_composed(self, entry: ActionEntry, effect: StartGoal) -> None:
-        """An action made of services: its `start` accepts, its guards end it, its `cancel` confirms."""
-        assert self._connector is not None and entry.start is not None
-        start = entry.start
-
-        def answered(reply: Reply) -> None:
-            if start.succeeded(reply.outcome, reply.data):
-                self._event("accepted", "accepted", effect.number, {})
-            else:
-                why = reply.why or str(reply.data.get("message", "")) or reply.outcome
-                self._result(effect.number, "rejected", {"why": why})
-
-        self._connector.call(start.service, start.type, start.request_of(effect.goal), answered=answered)
-
-    def _cancel(self, effect: CancelGoal) -> None:
-        entry = self._robot.actions.get(effect.action) if self._robot is not None else None
-        if entry is None or self._connector is None:
-            return
-        if entry.action is not None:
-            self._connector.cancel_goal(self._goals.get(effect.number, ""))
-        elif entry.cancel is None:
-            self._result(effect.number, "canceled", {})
-        else:
-            self._connector.call(
-                entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}),
-                answered=lambda reply: self._canceled(entry, effect.number, reply),
-            )  # fmt: skip
-
-    def _canceled(self, entry: ActionEntry, number: int, reply: Reply) -> None:
-        assert entry.cancel is not None
-        if entry.cancel.succeeded(reply.outcome, reply.data):
-            self._result(number, "canceled", {})
-
-    def _reported(self, number: int, report: Report) -> None:
-        if report.said in ("accepted", "feedback"):
-            self._event(report.said, report.said, number, _told(report.data))
-        elif report.said in ENDS:
-            outcome = "failed" if report.said == "lost" else report.said
-            why = {"why": str(report.why)} if report.why else {}
-            self._result(number, outcome, {**self._result_of(number, report), **why})
-        elif report.said != "cancel_rejected":
-            log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.said)
-
-    def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
-        entry = self._entries.pop(number, None)
-        try:
-            return entry.result_of(report.data) if entry is not None else {}
-        except Exception as error:  # noqa: BLE001 - whatever a server tells, its goal has ended
-            return {"why": f"its result was not understood: {error}"[:300]}
-
-    def _result(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
-        self._goals.pop(number, None)
-        for action, cancel in list(self._composed.items()):
-            if cancel.number == number:
-                del self._composed[action]
-        self._event("result", outcome, number, data)
 
     def _event(self, kind: str, name: str, number: int, data: Mapping[str, Any]) -> None:
         self._post(Event(name, self._now(), dict(data), kind, number))
@@ -221,14 +131,14 @@ class Performer:
     def _call(self, effect: CallService) -> None:
         entry = self._robot.services.get(effect.service) if self._robot is not None else None
         if entry is None or self._connector is None:
-            self._result(effect.number, "unavailable", {"why": f"no robot has a service '{effect.service}'"})
+            self._event("result", "unavailable", effect.number, {"why": f"no robot has a service '{effect.service}'"})
             return
 
         def answered(reply: Reply) -> None:
             good = entry.succeeded(reply.outcome, reply.data)
             outcome = "succeeded" if good else ("failed" if reply.outcome == "succeeded" else reply.outcome)
             why = reply.why or ("" if good else str(reply.data.get("message", "")))
-            self._result(effect.number, outcome, {**_told(reply.data), **({"why": why} if why else {})})
+            self._event("result", outcome, effect.number, {**told(reply.data), **({"why": why} if why else {})})
 
         request = entry.request_of(effect.request)
         self._connector.call(entry.service, entry.type, request, answered=answered, timeout_s=effect.timeout_s)
@@ -309,11 +219,3 @@ def _said(data: Any) -> Mapping[str, Any]:
     except Exception as error:  # noqa: BLE001 - whoever answers is not trusted to behave
         why = str(error)[:300]
     return {"failed": f"said what is no answer: {why}"}
-
-
-def _told(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """What came back, as a journal can hold it; what it cannot is named instead."""
-    try:
-        return dict(plain(data))
-    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
-        return {"why": f"what it said was not understood: {error}"[:300]}

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The goals of a run, each from its start to its confirmed end: with a server, or composed of services and guards.
+
+Rule: a goal's id follows from run, owner and start, so that a run that goes on finds its goals again.
+"""
+
+from __future__ import annotations
+
+import logging
+import uuid
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+from rai_missions.connectors.connector import Connector, Reply, Report
+from rai_missions.robot import ActionEntry, Robot, plain
+from rai_missions.step import CancelGoal, StartGoal
+
+__all__ = ("Goals", "told")
+
+log = logging.getLogger(__name__)
+
+ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
+
+
+class Goals:
+    """What was started and has not ended.
+
+    Args:
+        run: The run's identity.
+        robot: The profile; without one every start is rejected.
+        connector: How the robot is reached.
+        tell: Takes kind, name, number and data of an event.
+    """
+
+    def __init__(
+        self, run: str, robot: Robot | None, connector: Connector | None,
+        *, tell: Callable[[str, str, int, Mapping[str, Any]], None],
+    ) -> None:  # fmt: skip
+        self._run, self._robot, self._connector, self._tell = run, robot, connector, tell
+        self._ids: dict[int, str] = {}
+        self._composed: dict[str, CancelGoal] = {}
+        """Action → its last start: that it has ended is known to guards alone."""
+        self._entries: dict[int, ActionEntry] = {}
+
+    def goal_id(self, number: int, owner: str) -> str:
+        """The id under which a start's goal goes to its server."""
+        return uuid.uuid5(uuid.NAMESPACE_URL, f"{self._run}/{owner}/{number}").hex
+
+    def start(self, effect: StartGoal) -> None:
+        """Send a goal; raises what the connector raises."""
+        entry = self._entry(effect.action)
+        if entry is None or self._connector is None:
+            self._end(effect.number, "rejected", {"why": f"no robot has an action '{effect.action}'"})
+        elif entry.action is None:
+            self._compose(entry, effect)
+        else:
+            goal = entry.goal_of(effect.goal)
+            goal_id, report = self._sent(entry, effect)
+            self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, report=report)
+
+    def cancel(self, effect: CancelGoal) -> None:
+        """Ask for a goal's end; raises what the connector raises."""
+        entry = self._entry(effect.action)
+        if entry is None or self._connector is None:
+            return
+        if entry.action is not None:
+            self._connector.cancel_goal(self._ids.get(effect.number, ""))
+        elif entry.cancel is None:
+            self._end(effect.number, "canceled", {})
+        else:
+            self._connector.call(
+                entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}),
+                answered=lambda reply: self._canceled(entry, effect.number, reply),
+            )  # fmt: skip
+
+    def give_up(self, number: int, why: str) -> None:
+        """A start could not be carried out; it may have arrived before the connector failed."""
+        if (goal_id := self._ids.get(number)) is not None and self._connector is not None:
+            with suppress(Exception):
+                self._connector.cancel_goal(goal_id)
+        self._end(number, "rejected", {"why": why})
+
+    def cut_off(self) -> tuple[CancelGoal, ...]:
+        """End every goal with a server, heard of or not; returns what ends the composed ones."""
+        for goal_id in list(self._ids.values()):
+            if self._connector is not None:
+                with suppress(Exception):  # the others must be stopped too
+                    self._connector.cancel_goal(goal_id)
+        return tuple(self._composed.values())
+
+    def _entry(self, action: str) -> ActionEntry | None:
+        return self._robot.actions.get(action) if self._robot is not None else None
+
+    def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, Callable[[Report], None]]:
+        """A goal's id, and whom its server tells."""
+        self._entries[effect.number] = entry
+        goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
+        return goal_id, lambda report: self._reported(effect.number, report)
+
+    def _compose(self, entry: ActionEntry, effect: StartGoal) -> None:
+        """An action made of services: its `start` accepts, its guards end it, its `cancel` confirms."""
+        assert self._connector is not None and entry.start is not None
+        start = entry.start
+        self._composed[effect.action] = CancelGoal(effect.number, effect.action)
+
+        def answered(reply: Reply) -> None:
+            if start.succeeded(reply.outcome, reply.data):
+                self._tell("accepted", "accepted", effect.number, {})
+            else:
+                why = reply.why or str(reply.data.get("message", "")) or reply.outcome
+                self._end(effect.number, "rejected", {"why": why})
+
+        self._connector.call(start.service, start.type, start.request_of(effect.goal), answered=answered)
+
+    def _canceled(self, entry: ActionEntry, number: int, reply: Reply) -> None:
+        assert entry.cancel is not None
+        if entry.cancel.succeeded(reply.outcome, reply.data):
+            self._end(number, "canceled", {})
+
+    def _reported(self, number: int, report: Report) -> None:
+        if report.said in ("accepted", "feedback"):
+            self._tell(report.said, report.said, number, told(report.data))
+        elif report.said in ENDS:
+            outcome = "failed" if report.said == "lost" else report.said
+            why = {"why": str(report.why)} if report.why else {}
+            self._end(number, outcome, {**self._result_of(number, report), **why})
+        elif report.said != "cancel_rejected":
+            log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.said)
+
+    def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
+        entry = self._entries.pop(number, None)
+        try:
+            return entry.result_of(report.data) if entry is not None else {}
+        except Exception as error:  # noqa: BLE001 - whatever a server tells, its goal has ended
+            return {"why": f"its result was not understood: {error}"[:300]}
+
+    def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
+        self._ids.pop(number, None)
+        for action, cancel in list(self._composed.items()):
+            if cancel.number == number:
+                del self._composed[action]
+        self._tell("result", outcome, number, data)
+
+
+def told(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """What came back, as a journal can hold it; what it cannot is named instead."""
+    try:
+        return dict(plain(data))
+    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
+        return {"why": f"what it said was not understood: {error}"[:300]}
