@@ -68,7 +68,10 @@ class Control:
         self.requested: str | None = None
         """Whom it was asked for and has not reached yet."""
         self.kept = False
-        """The operator has taken it, rather than been given it by the mission; then only the operator gives it back."""
+        """The operator has taken it, rather than been given it by the mission; then only the operator gives it back.
+
+        It ends with the operator's hold, also where that ends elsewhere: at a gate, given back or lost by silence.
+        """
 
     @property
     def holder(self) -> str:
@@ -105,7 +108,7 @@ class Control:
         """
         if self.holder == "nobody" and to == "nobody":
             return
-        lifted = self.holder == "nobody" and to != "operator"
+        lifted, was_operators = self.holder == "nobody" and to != "operator", self.holder == "operator"
         try:
             if lifted:
                 self._machine.hand_to_operator()
@@ -113,6 +116,8 @@ class Control:
         except MachineError as error:
             raise UsageError(f"control cannot go from '{self.holder}' to '{to}': {error}") from None
         self.requested = None
+        if was_operators and to != "operator":
+            self.kept = False
 
 
 class Lifecycle:
