@@ -91,6 +91,13 @@ class Connector(Protocol):
     ) -> None:
         """Ask an action's server to pursue a goal under the id given."""
 
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+        """Ask for a goal that an earlier process sent, and be told of it from now on.
+
+        Reports `accepted` if it runs, its end if it has ended, and `lost` if its server knows nothing of it or nobody
+        serves the action.
+        """
+
     def cancel_goal(self, goal_id: str) -> None:
         """Ask for a goal's end; before its acceptance too. An unknown or ended goal: nothing happens."""
 

@@ -74,6 +74,8 @@ class Goal:
         self._server, self._calls, self._report, self._ended = server, calls, report, ended
         self._reports = Mailbox()
         self._is_accepted = self._is_over = self._is_unwanted = False
+        self.end: Report | None = None
+        """How it ended."""
 
     def send(self, goal: Data) -> None:
         self._calls.post(lambda: self._accept(goal))
@@ -84,6 +86,17 @@ class Goal:
     def hear(self, report: Report) -> None:
         """What the server says; dropped when it comes late, twice or under another goal's id."""
         self._reports.post(lambda: self._pass_on(report))
+
+    def tell(self, report: Callable[[Report], None]) -> None:
+        """Tell somebody else from now on, beginning with what has become of it."""
+        self._reports.post(lambda: self._begin_anew(report))
+
+    def _begin_anew(self, report: Callable[[Report], None]) -> None:
+        self._report = report
+        if self.end is not None:
+            report(self.end)
+        elif self._is_accepted:
+            report(Report(self.goal_id, "accepted", {}))
 
     def silence(self) -> None:
         """Nothing more is reported."""
@@ -117,7 +130,7 @@ class Goal:
             self._pass_on(Report(self.goal_id, "accepted", {}))
         self._is_accepted = self._is_accepted or report.said == "accepted"
         if report.said in ENDS:
-            self._is_over = True
+            self._is_over, self.end = True, report
             self._ended(self)
         self._report(report)
         if report.said == "accepted" and self._is_unwanted:

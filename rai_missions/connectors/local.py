@@ -21,6 +21,8 @@ __all__ = ("LocalConnector",)
 
 log = logging.getLogger(__name__)
 
+MOST_ENDED = 1000
+
 
 class LocalConnector:
     """Topics, services and actions inside one process; a `Connector`.
@@ -44,6 +46,8 @@ class LocalConnector:
         self._services: dict[str, Callable[[Data], Data]] = {}
         self._servers: dict[str, tuple[ActionServer, Mailbox]] = {}
         self._goals: dict[str, Goal] = {}
+        self._ended: dict[str, Goal] = {}
+        """The last goals that have ended, for whoever asks again."""
 
     @property
     def running(self) -> bool:
@@ -60,7 +64,7 @@ class LocalConnector:
         with self._lock:
             self._running = False
             goals = tuple(self._goals.values())
-            for registry in (self._types, self._subscribers, self._services, self._servers, self._goals):
+            for registry in (self._types, self._subscribers, self._services, self._servers, self._goals, self._ended):
                 registry.clear()
         for goal in goals:
             goal.silence()
@@ -120,6 +124,16 @@ class LocalConnector:
             report(Report(goal_id, "rejected", {}, wrong))
         else:
             sent.send(goal)
+
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+        with self._lock:
+            found = self._goals.get(goal_id) or self._ended.get(goal_id)
+            is_served = action in self._servers
+        if found is not None:
+            found.tell(report)
+        else:
+            why = f"the server of {action} knows nothing of the goal" if is_served else f"nobody serves {action}"
+            report(Report(goal_id, "lost", {}, why))
 
     def cancel_goal(self, goal_id: str) -> None:
         goal = self._goals.get(goal_id)
@@ -183,7 +197,9 @@ class LocalConnector:
     def _forget(self, goal: Goal) -> None:
         with self._lock:
             if self._goals.get(goal.goal_id) is goal:
-                del self._goals[goal.goal_id]
+                self._ended[goal.goal_id] = self._goals.pop(goal.goal_id)
+                if len(self._ended) > MOST_ENDED:
+                    del self._ended[next(iter(self._ended))]
 
 
 def _answer(answer: Callable[[Data], Data], request: Data, service: str) -> Reply:

@@ -178,6 +178,10 @@ class MqttConnector:
         """MQTT has no actions: rejected."""
         report(Report(goal_id, "rejected", {}, f"MQTT carries no actions, and so not {action}; compose it of services"))
 
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+        """MQTT has no actions: lost."""
+        report(Report(goal_id, "lost", {}, f"MQTT carries no actions, and so not {action}"))
+
     def cancel_goal(self, goal_id: str) -> None:
         """MQTT has no actions: nothing happens."""
 

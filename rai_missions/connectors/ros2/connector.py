@@ -110,6 +110,18 @@ class Ros2Connector:
             return
         session.send_goal(action, cls, message, goal_id, report)
 
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+        session = self._session
+        if session is None:
+            report(Report(goal_id, "lost", {}, f"nobody serves {action}: the connector is not started"))
+            return
+        try:
+            cls = self._type("action", action, type_name)
+        except ConnectorError as fault:
+            report(Report(goal_id, "lost", {}, str(fault)))
+            return
+        session.find_goal(action, cls, goal_id, report)
+
     def cancel_goal(self, goal_id: str) -> None:
         session = self._session
         if session is not None:

@@ -25,7 +25,7 @@ from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.services import MANY, WATCH_S
 from rai_missions.connectors.ros2.window import Window
 
-__all__ = ("Goal", "GoalClient")
+__all__ = ("End", "Goal", "GoalClient")
 
 log = logging.getLogger(__name__)
 
@@ -50,7 +50,7 @@ class GoalClient:
     """
 
     def __init__(self, runtime: Runtime, action: str, cls: Any, patience_s: float) -> None:
-        self.runtime, self.action = runtime, action
+        self.runtime, self.action, self.cls = runtime, action, cls
         self.client = ActionClient(
             runtime.node, cls, action, callback_group=runtime.group, goal_service_qos_profile=MANY,
             result_service_qos_profile=MANY, cancel_service_qos_profile=MANY, feedback_sub_qos_profile=MANY,
@@ -66,6 +66,13 @@ class GoalClient:
 
     def _grow_impatient(self) -> None:
         self.patience_s = 0.0
+
+    def overhear(self, topic: str, cls: Any, quality: Any, hear: Callable[[Any], None]) -> Work:
+        """Listen to what the server tells everybody: its `status` or `feedback`; returns what ends it."""
+        node, name = self.runtime.node, f"{self.action}/_action/{topic}"
+        ear = node.create_subscription(cls, name, hear, quality, callback_group=self.runtime.group)
+        self.runtime.keep(ear, lambda: node.destroy_subscription(ear))
+        return lambda: self.runtime.dispose(ear)
 
     def watch(self, goal: Goal) -> None:
         """Look after the server until the goal has ended."""

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Reply, Report
 from rai_missions.connectors.ros2.actions import Served
+from rai_missions.connectors.ros2.found import FoundGoal
 from rai_missions.connectors.ros2.goals import Goal, GoalClient
 from rai_missions.connectors.ros2.options import Options
 from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
@@ -21,6 +22,8 @@ from rai_missions.connectors.ros2.topics import Publication, Subscription
 from rai_missions.errors import UsageError
 
 __all__ = ("Session",)
+
+Kind = TypeVar("Kind", bound=Goal)
 
 FAREWELL_S = 1.0
 """How long a stop waits for the servers of its goals to say that they have heard of it."""
@@ -109,6 +112,12 @@ class Session:
         return self._keep(action, lambda: Served(self.runtime, action, cls, server))
 
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, report: Callable[[Report], None]) -> None:
+        self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, Goal).send(goal))
+
+    def find_goal(self, action: str, cls: Any, goal_id: str, report: Callable[[Report], None]) -> None:
+        self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, FoundGoal).find())
+
+    def _pursue(self, goal_id: str, report: Callable[[Report], None], begin: Work) -> None:
         def lose(why: str) -> None:
             with self._lock:
                 is_here = self._goals.pop(goal_id, None) is not None
@@ -119,15 +128,15 @@ class Session:
             if goal_id in self._goals:
                 raise UsageError(f"goal {goal_id!r} is still running: every goal needs an id of its own")
             self._goals[goal_id] = lose
-        if not self.runtime.post(lambda: self._send(action, cls, goal, goal_id, report)):
+        if not self.runtime.post(begin):
             lose("ROS was shut down")
 
-    def _send(self, action: str, cls: Any, goal: Any, goal_id: str, report: Callable[[Report], None]) -> None:
+    def _goal(self, action: str, cls: Any, goal_id: str, report: Callable[[Report], None], kind: type[Kind]) -> Kind:
         if action not in self._goal_clients:
             self._goal_clients[action] = GoalClient(self.runtime, action, cls, self._options.discovery_s)
-        sent = Goal(self._goal_clients[action], goal_id, lambda said: self._report(report, said), self._forget)
+        sent = kind(self._goal_clients[action], goal_id, lambda said: self._report(report, said), self._forget)
         self._sent[goal_id] = sent
-        sent.send(goal)
+        return sent
 
     def _report(self, report: Callable[[Report], None], said: Report) -> None:
         if not self._is_silent:

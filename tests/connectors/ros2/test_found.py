@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Goals of a process that was killed, taken up by another: found running, found ended, or gone."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import uuid
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.connectors.connector import Report
+from rai_missions.connectors.contract import Heard
+from tests.connectors.ros2.peer_process import ABORT, FIBONACCI, RUN, SUCCEED, Peer
+
+Open = Callable[..., Any]
+SENDER = """
+import sys, threading
+from rai_missions.connectors.ros2 import open_connector
+connector = open_connector({})
+connector.start()
+until, action, goal_id, order = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
+done = threading.Event()
+def report(said):
+    if said.said == until:
+        done.set()
+connector.send_goal(action, "test_msgs/action/Fibonacci", {"order": order}, goal_id=goal_id, report=report)
+done.wait(60)
+print("sent", flush=True)
+threading.Event().wait()
+"""
+
+
+def send_and_die(action: str, goal_id: str, order: int, until: str) -> None:
+    """Send a goal from a process that is killed once the server has said something of it."""
+    process = subprocess.Popen(
+        [sys.executable, "-W", "ignore", "-c", SENDER, until, action, goal_id, str(order)], stdout=subprocess.PIPE
+    )
+    assert process.stdout is not None
+    with process.stdout:
+        assert process.stdout.readline() == b"sent\n"
+        process.kill()
+        process.wait()
+
+
+def found(connector: Any, action: str, goal_id: str) -> Heard[Report]:
+    heard: Heard[Report] = Heard(30.0)
+    connector.find_goal(action, FIBONACCI, goal_id=goal_id, report=heard)
+    return heard
+
+
+def test_a_goal_that_runs_is_found_and_its_end_is_told(open_ros: Open, peer: Peer) -> None:
+    goal_id, action = uuid.uuid4().hex, f"/{peer.name}/fibonacci"
+    send_and_die(action, goal_id, RUN, "accepted")
+    connector = open_ros()
+    heard = found(connector, action, goal_id)
+    heard.wait(lambda said: [each.said for each in said][:1] == ["accepted"], "it runs")
+    connector.cancel_goal(goal_id)
+    heard.wait(lambda said: said[-1].said == "canceled", "it was canceled")
+
+
+def test_a_goal_that_ended_unheard_is_found_with_its_result(open_ros: Open, peer: Peer) -> None:
+    for order, end in ((SUCCEED, "succeeded"), (ABORT, "failed")):
+        goal_id, action = uuid.uuid4().hex, f"/{peer.name}/fibonacci"
+        send_and_die(action, goal_id, order, end)
+        heard = found(open_ros(), action, goal_id)
+        heard.wait(lambda said, end=end: bool(said) and said[-1].said == end, f"it has {end}")
+
+
+def test_a_goal_that_nobody_knows_is_lost(open_ros: Open, peer: Peer) -> None:
+    heard = found(open_ros(), f"/{peer.name}/fibonacci", uuid.uuid4().hex)
+    heard.wait(lambda said: [each.said for each in said] == ["lost"], "it is lost")
+    heard = found(open_ros(discovery_s=0.2), "/nobody/serves", uuid.uuid4().hex)
+    heard.wait(
+        lambda said: [(each.said, each.why) for each in said] == [("lost", "nobody serves /nobody/serves")],
+        "nobody is there",
+    )
