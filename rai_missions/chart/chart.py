@@ -72,6 +72,12 @@ class Chart(Instants):
         """Goals whose end has not been confirmed and that are not given up as orphaned."""
         return sum(goal.phase != "orphaned" for goal in self._ledger.goals.values())
 
+    @property
+    def awaited(self) -> frozenset[int]:
+        """The numbers of goals, calls, questions and behaviours whose end the run still waits for."""
+        each = (machine.awaits(state) for _, machine, state in self._live())
+        return frozenset(self._ledger.goals).union(self._calls, *each)
+
     def start(self, at: float = 0.0) -> Step:
         """Enter the mission.
 

@@ -86,6 +86,9 @@ class Machine(Protocol):
     def reads(self, state: Any) -> frozenset[str]:
         """The keys whose change it wants to hear of."""
 
+    def awaits(self, state: Any) -> frozenset[int]:
+        """The numbers of the starts and questions whose answer it waits for."""
+
     def shifted(self, state: Any, by_s: float) -> Any:
         """The state with its deadlines moved: the mission was paused for so long."""
 

@@ -144,6 +144,9 @@ class AskingMachine:
     def reads(self, state: Asking) -> frozenset[str]:
         return NO_KEYS
 
+    def awaits(self, state: Asking) -> frozenset[int]:
+        return frozenset({state.question.number})
+
     def shifted(self, state: Asking, by_s: float) -> Asking:
         question = state.question._replace(until=state.question.until + by_s)
         return state._replace(question=question, deadline=state.deadline + by_s)

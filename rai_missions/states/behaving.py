@@ -49,5 +49,8 @@ class BehavingMachine:
     def reads(self, state: Behaving) -> frozenset[str]:
         return NO_KEYS
 
+    def awaits(self, state: Behaving) -> frozenset[int]:
+        return frozenset({state.number})
+
     def shifted(self, state: Behaving, by_s: float) -> Behaving:
         return state

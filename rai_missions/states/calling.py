@@ -62,5 +62,8 @@ class CallingMachine:
     def reads(self, state: Calling) -> frozenset[str]:
         return NO_KEYS
 
+    def awaits(self, state: Calling) -> frozenset[int]:
+        return frozenset({state.number})
+
     def shifted(self, state: Calling, by_s: float) -> Calling:
         return state

@@ -156,5 +156,8 @@ class PursuitMachine:
             return self.settling_reads
         return self.composed_reads if state.phase == "running" else NO_KEYS
 
+    def awaits(self, state: Pursuit) -> frozenset[int]:
+        return frozenset({state.number} - {0})
+
     def shifted(self, state: Pursuit, by_s: float) -> Pursuit:
         return state._replace(until=state.until + by_s)

@@ -167,6 +167,10 @@ class TendingMachine:
         each = (self.limbs[path].machine.reads(tended.state) for path, tended in state.leaves.items())
         return self.ticker.reads(state.tree).union(*each)
 
+    def awaits(self, state: Tending) -> frozenset[int]:
+        each = (self.limbs[path].machine.awaits(tended.state) for path, tended in state.leaves.items())
+        return frozenset[int]().union(*each)
+
     def shifted(self, state: Tending, by_s: float) -> Tending:
         leaves = {
             path: Tended(self.limbs[path].machine.shifted(tended.state, by_s), tended.deadline + by_s)
