@@ -14,10 +14,10 @@ from typing import Any
 from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage
 
 from rai_missions.agents.modes import Mode
-from rai_missions.agents.png import png
 from rai_missions.agents.reading import callable_name
 from rai_missions.embodiment.identity import Identity
 from rai_missions.event import Image
+from rai_missions.png import png
 from rai_missions.verdict import Evidence, Offer, Question
 
 __all__ = ("messages_of", "quoted")

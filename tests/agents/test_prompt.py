@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from PIL import Image as Pillow
 
 from rai_missions.agents.modes import tool_specifications, wish_schema
-from rai_missions.agents.png import png
 from rai_missions.agents.prompt import LONGEST_FACT, messages_of, quoted
 from rai_missions.embodiment import Identity
 from rai_missions.event import Image
+from rai_missions.png import png
 from rai_missions.testing import QUESTION
 from rai_missions.verdict import Evidence, Offer, Question
 

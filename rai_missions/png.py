@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Raw pixels as a PNG file, so that a model can be shown what a camera saw.
+"""Raw pixels as a PNG file, so that a model and a reader can be shown what a camera saw.
 
 Source: Portable Network Graphics (PNG) Specification, W3C Recommendation, sections 5 and 11.2.
 """
@@ -17,8 +17,14 @@ FAST = 1
 """zlib's level: a picture is sent once, and the robot waits for it."""
 
 
-def png(width: int, height: int, rgb: bytes) -> bytes:
+def png(width: int, height: int, rgb: bytes, *, level: int = FAST) -> bytes:
     """A PNG file of `rgb8` pixels, row by row.
+
+    Args:
+        width: Pixels.
+        height: Pixels.
+        rgb: Three bytes a pixel.
+        level: How hard zlib tries, 0 to 9.
 
     Raises:
         ValueError: There are not three bytes for each pixel.
@@ -28,7 +34,7 @@ def png(width: int, height: int, rgb: bytes) -> bytes:
     row = width * 3
     unfiltered = b"".join(b"\0" + rgb[start : start + row] for start in range(0, len(rgb), row))
     header = struct.pack(">IIBBBBB", width, height, 8, TRUECOLOUR, 0, 0, 0)
-    parts = (_chunk(b"IHDR", header), _chunk(b"IDAT", zlib.compress(unfiltered, FAST)), _chunk(b"IEND", b""))
+    parts = (_chunk(b"IHDR", header), _chunk(b"IDAT", zlib.compress(unfiltered, level)), _chunk(b"IEND", b""))
     return SIGNATURE + b"".join(parts)
 
 
