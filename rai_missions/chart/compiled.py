@@ -69,6 +69,7 @@ class Compiled:
             state = node.state
             assert state is not None
             node.initial = tuple(self.nodes[name] for name in getattr(state, "initial", ()))
+            node.clocked = node.clocked or node.activity  # its machine's guards, a profile's too, may ask for its age
             node.entry = self._acts(state.entry, f"{node.place}/entry", node)
             node.exit = self._acts(state.exit, f"{node.place}/exit", node)
             if isinstance(state, Final) and state.requires is not None:
