@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Laws of the gate: one holder, nobody else gets through, silence costs control, every refusal is counted."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given
+
+from rai_missions.agents.gate.rules import step
+from rai_missions.agents.gate.values import (
+    COMMANDERS,
+    Alive,
+    Answer,
+    Change,
+    Command,
+    Deed,
+    Gate,
+    Happening,
+    Pass,
+    Refuse,
+    Request,
+    Tell,
+    Terms,
+    Tick,
+    status_of,
+)
+from rai_missions.lifecycle import CONTROLLERS, Control
+from tests.agents.gate.happenings import happenings, live, terms
+
+AGENT_ALONE = Terms(leases={"agent": 0.5})
+
+
+def deeds(terms_: Terms, happened: Sequence[Happening]) -> list[Deed]:
+    return [deed for moment in live(terms_, happened) for deed in moment.done]
+
+
+@given(terms, happenings)
+def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
+    given_: Terms, happened: Sequence[Happening]
+) -> None:
+    holder, revision = given_.safe, 0
+    for deed in deeds(given_, happened):
+        if isinstance(deed, Change):
+            assert deed.former == holder != deed.holder and deed.holder in CONTROLLERS
+            assert deed.revision == revision + 1
+            holder, revision = deed.holder, deed.revision
+        elif not isinstance(deed, Tell):
+            assert deed.revision == revision, "what is done under a grant carries its number"
+
+
+@given(terms, happenings)
+def test_only_the_holder_s_commands_go_through_and_none_made_before_its_grant(
+    given_: Terms, happened: Sequence[Happening]
+) -> None:
+    holder, since = given_.safe, 0.0
+    for moment in live(given_, happened):
+        for deed in moment.done:
+            if isinstance(deed, Change):
+                holder, since = deed.holder, moment.after.at
+            if isinstance(deed, Pass):
+                assert deed.command.who == holder and deed.command.made >= since
+
+
+@given(terms, happenings)
+def test_a_command_goes_through_or_is_refused_once_and_each_is_counted(
+    given_: Terms, happened: Sequence[Happening]
+) -> None:
+    lived = live(given_, happened)
+    passed, refused = Counter[str](), Counter[str]()
+    for moment in lived:
+        verdicts = [each for each in moment.done if isinstance(each, Pass | Refuse)]
+        assert len(verdicts) == isinstance(moment.happened, Command)
+        for verdict in verdicts:
+            (passed if isinstance(verdict, Pass) else refused)[verdict.command.who] += 1
+    if lived:
+        last = status_of(lived[-1].after, given_)
+        assert last["passed"] == {who: passed[who] for who in COMMANDERS}
+        assert last["refused"] == {who: refused[who] for who in COMMANDERS}
+
+
+@given(terms, happenings)
+def test_whose_lease_has_run_out_loses_control_before_anything_else_is_done(
+    given_: Terms, happened: Sequence[Happening]
+) -> None:
+    for before, _, after, done in live(given_, happened):
+        if after.at >= before.lapses_at(given_):
+            safe = given_.safe if before.holder != given_.safe else "nobody"
+            assert isinstance(done[0], Change) and (done[0].former, done[0].holder) == (before.holder, safe)
+
+
+@given(terms, happenings)
+def test_control_changes_by_a_granted_request_or_by_silence_alone(given_: Terms, happened: Sequence[Happening]) -> None:
+    for before, what, after, done in live(given_, happened):
+        changes = [each for each in done if isinstance(each, Change)]
+        lapsed = after.at >= before.lapses_at(given_)
+        granted = any(isinstance(each, Answer) and not each.why for each in done)
+        assert len(changes) <= lapsed + granted
+        if isinstance(what, Request) and granted:
+            assert after.holder == what.to
+
+
+@given(terms, happenings)
+def test_requests_are_judged_as_the_lifecycle_judges_them(given_: Terms, happened: Sequence[Happening]) -> None:
+    for before, what, after, done in live(given_, happened):
+        if isinstance(what, Request) and what.by in COMMANDERS and what.to in CONTROLLERS:
+            control = Control(before.holder)
+            control.kept = before.kept
+            if after.at >= before.lapses_at(given_):
+                control.acknowledge(given_.safe if before.holder != given_.safe else "nobody")
+            (answer,) = [each for each in done if isinstance(each, Answer)]
+            assert answer.why == control.request(what.to, what.by)
+
+
+@given(terms, happenings)
+def test_only_the_operator_lifts_control_from_nobody_and_gives_back_what_it_took(
+    given_: Terms, happened: Sequence[Happening]
+) -> None:
+    for before, what, after, done in live(given_, happened):
+        if any(isinstance(each, Answer) and not each.why for each in done) and isinstance(what, Request):
+            if before.holder == "nobody":
+                assert what.by == "operator" or what.to == "nobody" == after.holder
+            if before.kept and after.at < before.lapses_at(given_):
+                assert what.by == "operator" or what.to == "nobody"
+
+
+@given(terms, happenings)
+def test_every_change_and_every_answer_is_told_and_the_status_is_never_older_than_promised(
+    given_: Terms, happened: Sequence[Happening]
+) -> None:
+    for moment in live(given_, happened):
+        if any(isinstance(each, Change | Answer) for each in moment.done):
+            assert moment.done[-1] == Tell(moment.after)
+        assert moment.after.at < moment.after.told + given_.status_s
+        assert moment.after.wake_at(given_) > moment.after.at
+
+
+@given(terms, happenings)
+def test_telling_the_time_more_often_changes_no_verdict(given_: Terms, happened: Sequence[Happening]) -> None:
+    ticked = [each for one in happened for each in (Tick(one.at), one, Tick(one.at))]
+    plain, often = ([each for each in deeds(given_, all_) if not isinstance(each, Tell)] for all_ in (happened, ticked))
+    assert plain == often
+
+
+def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None:
+    done = deeds(AGENT_ALONE, [Request(1.0, "agent", "agent"), Command(1.4, "agent", "/c", {}), Tick(1.8), Tick(1.9)])
+    assert [type(each) for each in done if not isinstance(each, Tell)] == [Change, Answer, Pass, Change]
+    late = [Request(1.0, "agent", "agent"), Command(1.5, "agent", "/c", {})]
+    *_, change, refusal, _ = deeds(AGENT_ALONE, late)
+    assert isinstance(change, Change) and change.why == "agent was silent for 0.5 s"
+    assert isinstance(refusal, Refuse) and refusal.why == "autonomy holds control"
+
+
+def test_a_heartbeat_keeps_control_and_a_stranger_s_does_not() -> None:
+    asked = Request(0.0, "agent", "agent")
+    assert live(AGENT_ALONE, [asked, Alive(0.4, "agent"), Tick(0.8)])[-1].after.holder == "agent"
+    assert live(AGENT_ALONE, [asked, Alive(0.4, "operator"), Tick(0.8)])[-1].after.holder == "autonomy"
+
+
+def test_the_safe_one_that_falls_silent_leaves_nobody() -> None:
+    lived = live(Terms(leases={"autonomy": 1.0}), [Tick(1.0)])
+    assert lived[-1].after.holder == "nobody"
+
+
+def test_an_operator_who_took_control_and_fell_silent_keeps_it_from_nobody() -> None:
+    given_ = Terms(leases={"operator": 1.0})
+    happened = [Request(0.0, "operator", "operator"), Request(0.5, "agent", "agent"), Request(2.0, "agent", "agent")]
+    answers = [each.why for each in deeds(given_, happened) if isinstance(each, Answer)]
+    assert answers == ["", "the operator has control and has not given it back", ""]
+
+
+def test_a_command_made_before_the_grant_is_refused_though_its_maker_holds_control() -> None:
+    *_, refusal = deeds(AGENT_ALONE, [Request(1.0, "agent", "agent"), Command(1.1, "agent", "/c", {}, 0.8)])
+    assert isinstance(refusal, Refuse)
+    assert refusal.why == "it was made 0.2 s before control was handed over, or by another clock"
+
+
+@pytest.mark.parametrize(
+    ("to", "by", "why"),
+    [
+        ("bob", "agent", "nobody called 'bob' can hold control; there is: autonomy, agent, operator, nobody"),
+        ("agent", "eve", "nobody called 'eve' can ask for control; there is: autonomy, agent, operator"),
+        ("agent", "nobody", "nobody called 'nobody' can ask for control; there is: autonomy, agent, operator"),
+    ],
+)
+def test_a_request_of_strangers_or_for_strangers_is_refused_with_who_there_is(to: str, by: str, why: str) -> None:
+    gate, (answer, _) = step(AGENT_ALONE, Gate(), Request(0.0, to, by))
+    assert isinstance(answer, Answer) and answer.why == why
+    assert gate.holder == "autonomy" and gate.requests_refused == {by: 1}
+
+
+def test_a_request_of_the_holder_for_what_it_has_changes_no_grant() -> None:
+    gate, done = step(AGENT_ALONE, Gate(), Request(0.0, "autonomy", "autonomy"))
+    assert gate.revision == 0 and not any(isinstance(each, Change) for each in done)
