@@ -183,7 +183,7 @@ class Runner:
             UsageError: The robot did not say what the mission needs to know before it starts; the names stand in it.
         """
         began = self.clock.now()
-        ours = self._connector is not None and not getattr(self._connector, "running", False)
+        ours = self._connector is not None and not self._connector.running
         try:
             if self._connector is not None and ours:
                 self._connector.start()

@@ -65,11 +65,21 @@ class Connector(Protocol):
 
     modes: frozenset[Mode]
 
+    @property
+    def running(self) -> bool:
+        """It was started and not stopped since."""
+
     def start(self) -> None:
         """Open; a connector that was stopped can be started again."""
 
     def stop(self) -> None:
         """Close everything; afterwards no callback runs. Goals that still run are canceled first."""
+
+    def listed(self, mode: Mode) -> Mapping[str, str]:
+        """What is there now, by name: each with the name of its type, empty where nobody says it.
+
+        What somebody listens to counts as a topic too. A connector that does not run lists nothing.
+        """
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close: ...
 

@@ -7,15 +7,18 @@ Rule: each check opens a fresh connector, so that one broken promise does not hi
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, get_args
 
-from rai_missions.connectors.connector import Connector, Data, Message, Reply, Report
+from rai_missions.connectors.connector import Connector, Data, Message, Mode, Reply, Report
 
 __all__ = ("Heard", "PatientServer", "check_connector")
 
 T = TypeVar("T")
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
+MODES: tuple[Mode, ...] = get_args(Mode)
+PATIENCE_S = 30.0
 ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 
 
@@ -26,7 +29,7 @@ class Heard(Generic[T]):
         within_s: How long `wait` waits before it gives up.
     """
 
-    def __init__(self, within_s: float = 20.0) -> None:
+    def __init__(self, within_s: float = PATIENCE_S) -> None:
         self.all: list[T] = []
         self._within_s = within_s
         self._changed = threading.Condition()
@@ -90,10 +93,49 @@ def check_connector(
 def _starts_and_stops_repeatedly(connector: Connector) -> None:
     connector.stop()
     for _ in range(2):
+        assert connector.running is False, "what was not started, or was stopped, does not run"
         connector.start()
         connector.start()
+        _is_running(connector)
         connector.stop()
         connector.stop()
+    assert connector.running is False, "what was stopped does not run"
+    assert all(connector.listed(mode) == {} for mode in MODES), "what does not run lists nothing"
+
+
+def _is_running(connector: Connector) -> None:
+    assert connector.running is True, "what was started runs"
+
+
+def _comes_to_list(connector: Connector, mode: Mode, type_name: str | None, name: str) -> None:
+    """Wait until a name is listed with its type; or, for None, until it is no more."""
+    until, tick = time.monotonic() + PATIENCE_S, threading.Event()
+    while (found := connector.listed(mode)).get(name) != type_name:
+        assert time.monotonic() < until, f"{name} should be listed with the type {type_name!r}, not: {dict(found)}"
+        tick.wait(0.02)
+    others = [other for each in MODES for other in connector.listed(each) if other.startswith(name) and other != name]
+    assert not others, f"what a transport makes {name} of is not listed: {others}"
+
+
+def _lists_its_topics(connector: Connector, *_: Any) -> None:
+    connector.subscribe("/check/heard", STRING, lambda _message: None)
+    connector.publish("/check/said", STRING, {"data": "x"})
+    _comes_to_list(connector, "topics", STRING, "/check/heard")
+    _comes_to_list(connector, "topics", STRING, "/check/said")
+
+
+def _lists_what_is_served(connector: Connector, *_: Any) -> None:
+    close = connector.serve("/check/service", TRIGGER, lambda request: request)
+    _comes_to_list(connector, "services", TRIGGER, "/check/service")
+    close()
+    _comes_to_list(connector, "services", None, "/check/service")
+
+
+def _lists_its_actions(connector: Connector, action_type: str, _goal: Data) -> None:
+    close = connector.offer("/check/action", action_type, PatientServer())
+    _comes_to_list(connector, "actions", action_type, "/check/action")
+    close()
+    _comes_to_list(connector, "actions", None, "/check/action")
 
 
 def _hears_what_is_published(connector: Connector, *_: Any) -> None:
@@ -206,12 +248,18 @@ def _cancels_running_goals_on_stop(connector: Connector, action_type: str, goal:
 
 
 Check = Callable[[Connector, str, Data], None]
-TOPICS: tuple[Check, ...] = (_hears_what_is_published, _hears_nothing_after_stop)
-SERVICES: tuple[Check, ...] = (_answers_a_call_once, _says_why_a_call_failed, _says_that_nobody_serves)
+TOPICS: tuple[Check, ...] = (_hears_what_is_published, _hears_nothing_after_stop, _lists_its_topics)
+SERVICES: tuple[Check, ...] = (
+    _answers_a_call_once,
+    _says_why_a_call_failed,
+    _says_that_nobody_serves,
+    _lists_what_is_served,
+)
 ACTIONS: tuple[Check, ...] = (
     _carries_a_goal_to_its_end,
     _remembers_an_early_cancel,
     _ignores_a_cancel_of_nothing,
     _rejects_what_nobody_serves,
     _cancels_running_goals_on_stop,
+    _lists_its_actions,
 )

@@ -69,6 +69,16 @@ class LocalConnector:
         for goal in goals:
             goal.silence()
 
+    def listed(self, mode: Mode) -> Mapping[str, str]:
+        """What is served, and the topics that somebody listens to or has spoken on since the start."""
+        with self._lock:
+            if mode == "topics":
+                spoken = [name for kind, name in self._types if kind == "topics"]
+                names = {*spoken, *(topic for topic, hears in self._subscribers.items() if hears)}
+            else:
+                names = {*(self._services if mode == "services" else self._servers)}
+            return {name: self._types.get((mode, name), "") for name in sorted(names)} if self._running else {}
+
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
         key = object()
         with self._lock:

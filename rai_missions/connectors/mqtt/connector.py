@@ -60,8 +60,14 @@ class MqttConnector:
         self._services: dict[str, tuple[str, Callable[[Data], Data]]] = {}
         self._calls: dict[bytes, _Call] = {}
         self._sent: dict[int, bytes] = {}
+        self._types: dict[tuple[Mode, str], str] = {}
         self._refused: set[int] = set()
         self._entering = 0
+
+    @property
+    def running(self) -> bool:
+        """It was started and not stopped since, whether or not the broker is there at the moment."""
+        return self._client is not None
 
     def start(self) -> None:
         """Connect.
@@ -107,22 +113,33 @@ class MqttConnector:
             client, self._client = self._client, None
             self._hears.clear()
             self._services.clear()
+            self._types.clear()
         if client is not None:
             client.disconnect()
             client.loop_stop()
             self._give_up("the connector was stopped")
+
+    def listed(self, mode: Mode) -> Mapping[str, str]:
+        """What this connector itself listens to, publishes on and serves: a broker does not tell what others do."""
+        with self._lock:
+            served = {service for service, _ in self._services.values()}
+            known = dict(self._types)
+            there = {"topics": {*self._hears, *(name for kind, name in known if kind == "topics")}, "services": served}
+            return {name: known.get((mode, name), "") for name in sorted(there.get(mode, ()))} if self._client else {}
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
         key = object()
         client = self._opened()
         with self._lock:
             self._hears[topic][key] = hear
+            self._types["topics", topic] = type_name
         client.subscribe(topic, qos=1)
         return lambda: self._unsubscribe(topic, key)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         payload, client = encode(message), self._client
         if client is not None:
+            self._types["topics", topic] = type_name
             client.publish(topic, payload, qos=1)
 
     def call(
@@ -169,6 +186,7 @@ class MqttConnector:
             if topic in self._services:
                 raise UsageError(f"{service} is served already; close the first server before another")
             self._services[topic] = (service, answer)
+            self._types["services", service] = type_name
         client.subscribe(topic, qos=1)
         return lambda: self._close_service(topic, answer)
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.ros2.graph import listed
 from rai_missions.connectors.ros2.messages import to_message
 from rai_missions.connectors.ros2.names import Kind, find_type
 from rai_missions.connectors.ros2.options import read_options
@@ -46,6 +47,12 @@ class Ros2Connector:
         self._session: Session | None = None
         self._types: dict[tuple[Mode, str], str] = {}
 
+    @property
+    def running(self) -> bool:
+        """It was started, not stopped since, and nobody else has shut ROS down under it."""
+        session = self._session
+        return session is not None and session.runtime.is_open
+
     def start(self) -> None:
         """Open the node.
 
@@ -53,7 +60,7 @@ class Ros2Connector:
             UsageError: A name or an argument that ROS does not take.
         """
         with self._lock:
-            if self._session is None:
+            if self._session is None or not self._session.runtime.is_open:
                 self._types.clear()
                 self._session = Session(self._options, self._now)
                 _running.add(self)
@@ -64,6 +71,18 @@ class Ros2Connector:
             _running.discard(self)
         if session is not None:
             session.close()
+
+    def listed(self, mode: Mode) -> Mapping[str, str]:
+        """What the graph has at this moment, hidden names left out.
+
+        Types that contradict each other stand side by side. Whoever has just started, here or elsewhere, is not known
+        yet: ask again a second later.
+
+        Raises:
+            ConnectorError: The connector's thread does not answer, since a callback does not return.
+        """
+        session = self._session
+        return {} if session is None else session.runtime.ask(lambda: listed(session.runtime.node, mode), {})
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
         return self._opened().subscribe(topic, self._type("msg", topic, type_name), hear)

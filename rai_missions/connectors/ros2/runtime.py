@@ -14,7 +14,8 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from concurrent.futures import Future
+from typing import Any, TypeVar
 
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -25,16 +26,19 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from rai_missions.connectors.ros2.options import Options
-from rai_missions.errors import UsageError
+from rai_missions.errors import ConnectorError, UsageError
 
 __all__ = ("Runtime", "Work", "guarded")
 
 log = logging.getLogger(__name__)
 
+T = TypeVar("T")
 Work = Callable[[], None]
 LOOK_S = 0.02
 """How often somebody who is awaited is looked for."""
 IDLE_S = 1.0
+ANSWER_S = 5.0
+"""How long somebody on another thread waits for what only this thread can say."""
 
 
 class Runtime:
@@ -71,6 +75,11 @@ class Runtime:
         """The caller is this runtime's own thread."""
         return threading.current_thread() is self._thread
 
+    @property
+    def is_open(self) -> bool:
+        """Neither closed nor shut down from outside."""
+        return not self._is_closing and bool(self._context.ok())
+
     def now(self) -> float:
         """ROS time in seconds; simulated where `/clock` rules."""
         return float(self.node.get_clock().now().nanoseconds / 1e9)
@@ -85,6 +94,37 @@ class Runtime:
                 self._is_drain_due = True
                 self._begin(self._drain)
             return True
+
+    def ask(self, question: Callable[[], T], nobody: T) -> T:
+        """Have something found out on this thread, and wait for it; from any thread.
+
+        Args:
+            question: What to find out.
+            nobody: The answer of a runtime that is closed, or closes meanwhile.
+
+        Raises:
+            ConnectorError: A callback does not return, and so there is no answer.
+        """
+        if self.is_here:
+            return question()
+        answer: Future[T] = Future()
+
+        def find_out() -> None:
+            try:
+                answer.set_result(question())
+            except Exception as fault:  # noqa: BLE001 - whoever asks is told
+                answer.set_exception(fault)
+
+        if not self.post(find_out):
+            return nobody
+        until = time.monotonic() + ANSWER_S
+        while self.is_open:
+            try:
+                return answer.result(LOOK_S)
+            except TimeoutError:
+                if time.monotonic() > until:
+                    raise ConnectorError(f"{self._thread.name} gives no answer: a callback does not return") from None
+        return nobody
 
     def _begin(self, work: Work) -> None:
         """A task ends `spin_once` at once; waking or shutting the executor down does not."""

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is on the ROS graph now, as anybody there sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rclpy.action import get_action_names_and_types
+from rclpy.node import Node
+
+from rai_missions.connectors.connector import Mode
+
+__all__ = ("listed",)
+
+HIDDEN = "/_"
+"""Stands in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
+
+
+def listed(node: Node, mode: Mode) -> Mapping[str, str]:
+    """Names and types of a mode, hidden ones left out. On the node's thread only."""
+    find = {
+        "topics": node.get_topic_names_and_types,
+        "services": node.get_service_names_and_types,
+        "actions": lambda: get_action_names_and_types(node),
+    }
+    return {name: ", ".join(sorted(types)) for name, types in sorted(find[mode]()) if HIDDEN not in name}
