@@ -11,8 +11,8 @@ from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal.database import SqliteError
-from rai_missions.journal.record import Raw, Record
-from rai_missions.journal.rows import GENESIS, StepRow, chained
+from rai_missions.journal.record import Record
+from rai_missions.journal.rows import GENESIS, Raw, StepRow, chained
 
 __all__ = ("read", "verify")
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 
-__all__ = ("FORMAT", "LONGEST_BYTES", "Lock", "SqliteError", "open_to_read", "open_to_write")
+__all__ = ("BLOB", "FORMAT", "LONGEST_BYTES", "ROW", "Lock", "SqliteError", "open_to_read", "open_to_write")
 
 SqliteError = sqlite3.Error
 
@@ -26,6 +26,8 @@ COLUMNS = {
     "rows": "number INTEGER PRIMARY KEY, kind TEXT NOT NULL, content TEXT NOT NULL, hash TEXT NOT NULL",
     "blobs": "sha256 TEXT PRIMARY KEY, media_type TEXT NOT NULL, bytes BLOB NOT NULL",
 }
+ROW = "INSERT INTO rows VALUES (?, ?, ?, ?)"
+BLOB = "INSERT OR IGNORE INTO blobs VALUES (?, ?, ?)"
 TABLES = {name: f"CREATE TABLE {name} ({columns})" for name, columns in COLUMNS.items()}
 LONGEST_BYTES = 64 * 1024 * 1024
 """No row and no picture is longer: neither written nor read."""

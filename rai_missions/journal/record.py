@@ -15,14 +15,12 @@ from typing import Any, Self, TypeVar
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal.database import open_to_read
-from rai_missions.journal.rows import Confirmation, Header, Note, Row, StepRow, parsed, read_header
+from rai_missions.journal.rows import Blob, Confirmation, Header, Note, Raw, Row, StepRow, parsed, read_header
 from rai_missions.step import Step
 
-__all__ = ("Raw", "Record")
+__all__ = ("Record",)
 
 Made = TypeVar("Made")
-Raw = tuple[int, Any, Any, Any]
-"""A row as it stands in the file: number, kind, content and hash."""
 BAD = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 """What a row that is none raises on its way to a value."""
 
@@ -119,6 +117,11 @@ class Record:
         """The hashes of the bytes that are kept."""
         for (digest,) in self._database.execute("SELECT sha256 FROM blobs ORDER BY rowid"):
             yield str(digest)
+
+    def pictures(self) -> Iterator[Blob]:
+        """The bytes that are kept, as they stand in the file."""
+        for digest, media_type, data in self._database.execute("SELECT * FROM blobs ORDER BY rowid"):
+            yield str(digest), str(media_type), data
 
     def damage(self) -> Iterator[str]:
         """What SQLite finds wrong with the file."""

@@ -17,12 +17,16 @@ from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to
 from rai_missions.step import Step
 
 __all__ = (
-    "GENESIS", "Confirmation", "Header", "Note", "Row", "StepRow", "chained", "parsed", "read_header", "text_of",
-    "written_header",
+    "GENESIS", "Blob", "Confirmation", "Header", "Note", "Raw", "Row", "StepRow", "chained", "parsed", "read_header",
+    "text_of", "written_header",
 )  # fmt: skip
 
 GENESIS = "0" * 64
 """What row 0 follows."""
+Raw = tuple[int, Any, Any, Any]
+"""A row as it stands in the file: number, kind, content and hash."""
+Blob = tuple[str, str, bytes]
+"""Bytes that a journal keeps: their SHA-256 in hex, their media type, and they themselves."""
 
 
 class Header(NamedTuple):

@@ -20,8 +20,8 @@ from typing import Any, Self
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.event import Image
 from rai_missions.journal.codec import encode
-from rai_missions.journal.database import Lock, SqliteError, open_to_write
-from rai_missions.journal.rows import GENESIS, Header, chained, text_of, written_header
+from rai_missions.journal.database import BLOB, ROW, Lock, SqliteError, open_to_write
+from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
 from rai_missions.journal.values import to_json
 from rai_missions.step import Step
 
@@ -30,6 +30,8 @@ __all__ = ("Journal", "versions")
 MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg"}
 Redact = Callable[[str], str]
 """Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
+Witness = Callable[[Raw, tuple[Blob, ...]], None]
+"""Is told of each row once it is written, with the pictures that came with it; must return at once, and never raise."""
 
 
 def versions() -> dict[str, str]:
@@ -49,8 +51,10 @@ class Journal:
     After a loss of power the journal is still whole, but rows of the last seconds may be missing at its end.
     """
 
-    def __init__(self, path: Path, lock: Lock, *, new: bool, redact: Redact | None) -> None:
-        self.path, self._lock, self._redact = path, lock, redact
+    def __init__(
+        self, path: Path, lock: Lock, *, new: bool, redact: Redact | None, witness: Witness | None = None
+    ) -> None:
+        self.path, self._lock, self._redact, self._witness = path, lock, redact, witness
         self._alone = threading.Lock()
         self._open = True
         try:
@@ -60,7 +64,9 @@ class Journal:
         self._number, self._hash = -1, GENESIS
 
     @classmethod
-    def create(cls, path: Path | str, header: Header, *, redact: Redact | None = None) -> Self:
+    def create(
+        cls, path: Path | str, header: Header, *, redact: Redact | None = None, witness: Witness | None = None
+    ) -> Self:
         """A new journal with its row 0.
 
         Raises:
@@ -69,7 +75,7 @@ class Journal:
         path = Path(path)
         lock = Lock(path, new=True)
         try:
-            journal = cls(path, lock, new=True, redact=redact)
+            journal = cls(path, lock, new=True, redact=redact, witness=witness)
             journal._append("header", written_header(_filled(header)))
         except BaseException:
             lock.release()
@@ -154,9 +160,12 @@ class Journal:
         with self._alone:
             number = self._number + 1
             digest = chained(self._hash, number, kind, content)
-            blobs = [(BLOB, (name, _media_type(image), image.data)) for name, image in (pictures or {}).items()]
-            self._run([*blobs, (ROW, (number, kind, content, digest))], f"row {number}")
+            blobs = tuple((name, _media_type(image), image.data) for name, image in (pictures or {}).items())
+            raw = (number, kind, content, digest)
+            self._run([*((BLOB, blob) for blob in blobs), (ROW, raw)], f"row {number}")
             self._number, self._hash = number, digest
+            if self._witness is not None:
+                self._witness(raw, blobs)
         return number
 
     def _run(self, statements: list[tuple[str, tuple[Any, ...]]], what: str) -> None:
@@ -174,10 +183,6 @@ class Journal:
             with suppress(SqliteError):
                 self._database.rollback()
             raise ConnectorError(f"the journal {self.path} cannot be written: {error}; {what} is lost") from error
-
-
-ROW = "INSERT INTO rows VALUES (?, ?, ?, ?)"
-BLOB = "INSERT OR IGNORE INTO blobs VALUES (?, ?, ?)"
 
 
 def _filled(header: Header) -> Header:
