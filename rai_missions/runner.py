@@ -26,12 +26,13 @@ from rai_missions.journal.scribe import Book, Scribe
 from rai_missions.lifecycle import Lifecycle, Status
 from rai_missions.mission import Mission
 from rai_missions.performer import Performer
+from rai_missions.rebuild import default_ticker
 from rai_missions.robot import Robot, missing, terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import Step
 from rai_missions.verdict import Answerer
 
-__all__ = ("Commands", "Result", "Runner", "accepted", "default_ticker")
+__all__ = ("Commands", "Result", "Runner", "accepted")
 
 log = logging.getLogger(__name__)
 
@@ -337,15 +338,6 @@ class Runner:
             chart.outcome or "failed", chart.why, chart.seq, self._scribe.path, self.run_id,
             tuple(sorted(chart.active)), self._decisions, self.clock.now() - began,
         )  # fmt: skip
-
-
-def default_ticker(mission: Mission) -> Trees | None:
-    """py_trees, for a mission that has a tree."""
-    if not any(state.word == "tree" for _, _, state in mission.walk()):
-        return None
-    from rai_missions.trees import PyTrees  # loads py_trees
-
-    return PyTrees()
 
 
 def accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -38,7 +38,7 @@ def steps_of(journal: str | None, mission: Mission | None = None) -> tuple[Any, 
     if journal is None:
         return ()
     from rai_missions.journal import read
-    from rai_missions.replay import mission_of
+    from rai_missions.rebuild import mission_of
 
     with read(journal) as record:
         if mission is not None and record.header.mission and mission_of(record) != mission:

@@ -16,7 +16,7 @@ __all__ = ("replay",)
 def replay(given: argparse.Namespace) -> int:
     """Do a run again."""
     from rai_missions.journal import read
-    from rai_missions.replay import mission_of
+    from rai_missions.rebuild import mission_of
     from rai_missions.replay import replay as again
 
     with read(given.journal) as record:
