@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: `rai-missions run check draw diff replay schema new doctor`.
+"""The command line: `rai-missions run check draw diff replay schema new doctor world`.
 
 Rule: exit 0 the mission succeeded (or the check or replay holds), 1 it ended otherwise, 2 the input is at fault.
 What a command needs is imported when it runs.
@@ -8,6 +8,7 @@ What a command needs is imported when it runs.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Sequence
 
@@ -89,6 +90,46 @@ def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     commands.add_parser("doctor", help="say what this machine has, what it lacks and how to get it", epilog=EXIT)
 
 
+def _pace(text: str) -> float:
+    """Simulated seconds to one of the wall."""
+    try:
+        speed = math.inf if text == "max" else float(text)
+    except ValueError:
+        speed = math.nan
+    if not speed > 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is no pace: give 1, another number above 0, or max")
+    return speed
+
+
+def _add_world(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    world = commands.add_parser(
+        "world",
+        help="put a simulated robot on ROS, in a process of its own",
+        epilog="exit status: 0 it was ended (Ctrl-C, SIGTERM), 2 the input is at fault",
+    )
+    world.add_argument("world", metavar="WORLD", help="orchard, …")
+    world.add_argument("--ros", action="store_true", help="on the ROS 2 graph")
+    world.add_argument("--domain", type=int, metavar="N", help="the ROS domain (default: ROS_DOMAIN_ID, or 0)")
+    world.add_argument("--seed", type=int, metavar="N", help="decides what is not said (default: the world's own)")
+    world.add_argument(
+        "--speed",
+        type=_pace,
+        default=1.0,
+        metavar="1|N|max",
+        help="simulated seconds to one of the wall (default 1); missions follow by /clock",
+    )
+    world.add_argument(
+        "--option",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help='what the world takes, as JSON: alleys=2, obstacles=\'["branch", "none"]\'; may be repeated',
+    )
+    world.add_argument(
+        "--no-camera", action="store_true", help="no pictures and no detected obstacles; needs no OpenGL"
+    )
+
+
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
     made = argparse.ArgumentParser(prog="rai-missions", description=ABOUT, epilog=EXIT)
@@ -97,6 +138,7 @@ def parser() -> argparse.ArgumentParser:
     _add_run(commands)
     _add_reviews(commands)
     _add_tools(commands)
+    _add_world(commands)
     return made
 
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 import queue
+import threading
 import time
 from collections import deque
 from typing import NamedTuple, Protocol
 
 from rai_missions.event import Event
 
-__all__ = ("Clock", "Mailbox", "SimulatedClock", "Steppable", "WallClock")
+__all__ = ("Clock", "HeardClock", "Mailbox", "SimulatedClock", "Steppable", "WallClock")
 
 LONGEST_WAIT_S = 86_400.0
 """A wait for longer ends early and begins again: threads cannot wait for centuries."""
@@ -176,3 +177,61 @@ class Pace(NamedTuple):
     def reached(self) -> float:
         """The instant whose turn it is now."""
         return self.start + (time.monotonic() - self.wall) * self.speed
+
+
+SILENCE_S = 2.0
+"""Nothing heard for so long on the wall: the simulation is gone, or was never there."""
+JUMP_S = 60.0
+"""Two times heard one after the other that lie farther apart belong to two simulations."""
+
+
+class HeardClock:
+    """Time as a simulation tells it, on ROS's `/clock`: seconds since the run began.
+
+    It never goes back and never stands still for good: whoever waits for a robot that is gone must not wait for ever,
+    so a silence is filled with time as on the wall.
+
+    Args:
+        silence_s: Seconds on the wall after which time goes on by itself.
+    """
+
+    def __init__(self, silence_s: float = SILENCE_S) -> None:
+        self._silence_s = silence_s
+        self._lock = threading.Lock()
+        self._at = 0.0
+        self._told: float | None = None
+        self._told_at = time.monotonic()
+        self._waiting: tuple[float, Mailbox] | None = None
+
+    def hear(self, told: float) -> None:
+        """The simulation's time is now so many seconds; from any thread."""
+        with self._lock:
+            gone_s = 0.0 if self._told is None else told - self._told
+            lived = self._at + (gone_s if 0.0 < gone_s <= JUMP_S else 0.0)
+            self._at, self._told, self._told_at = max(lived, self._now()), told, time.monotonic()
+            due, mailbox = self._waiting or (math.inf, None)
+            if mailbox is None or self._at < due:
+                return
+            self._waiting = None
+        mailbox.wake()
+
+    def now(self) -> float:
+        with self._lock:
+            return self._now()
+
+    def _now(self) -> float:
+        return self._at + max(0.0, time.monotonic() - self._told_at - self._silence_s)
+
+    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
+        """Return when the mailbox holds something, or when it is told that an instant has come."""
+        while mailbox.empty:
+            with self._lock:
+                now = self._now()
+                if now >= until:
+                    break
+                self._waiting = (until, mailbox)
+                silent_in_s = max(0.0, self._told_at + self._silence_s - time.monotonic())
+                least_s = silent_in_s + (until - now if not silent_in_s else 0.0)
+            mailbox.wait(None if until == math.inf else max(least_s, 1e-3))
+        with self._lock:
+            self._waiting = None
