@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rai_missions.connectors.connector import Data, Report
+from rai_missions.worlds.messages import pose_stamped, stamp
 from rai_missions.worlds.orchard.autonomy import Autonomy
 from rai_missions.worlds.orchard.crossing import Judge
-from rai_missions.worlds.orchard.interface import pose_stamped, stamp
 from rai_missions.worlds.orchard.route import Lattice
 from rai_missions.worlds.orchard.tractor import Pose
 
@@ -130,7 +130,7 @@ class NavigateToPose(OneGoal):
 
     def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
         return {
-            "current_pose": pose_stamped(pose, self.at),
+            "current_pose": pose_stamped(*pose[:3], self.at),
             "navigation_time": stamp(taken_s),
             "distance_remaining": round(self.autonomy.left_m, 2),
             "number_of_recoveries": 0,

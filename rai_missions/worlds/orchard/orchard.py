@@ -16,20 +16,21 @@ import mujoco
 import numpy as np
 
 from rai_missions.connectors.connector import Close, Connector
+from rai_missions.worlds import messages
+from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.camera import Camera
 from rai_missions.worlds.orchard import interface, scene
 from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
 from rai_missions.worlds.orchard.autonomy import Autonomy
-from rai_missions.worlds.orchard.battery import Battery
 from rai_missions.worlds.orchard.beams import Beams
-from rai_missions.worlds.orchard.camera import Camera
 from rai_missions.worlds.orchard.counter import AlleyCounter
 from rai_missions.worlds.orchard.crossing import Judge
 from rai_missions.worlds.orchard.detector import Detector, Errors
 from rai_missions.worlds.orchard.layout import Layout
 from rai_missions.worlds.orchard.obstacles import Walker, place
-from rai_missions.worlds.orchard.outbox import Guarded, Outbox
 from rai_missions.worlds.orchard.route import Lattice
 from rai_missions.worlds.orchard.tractor import Pose, Tractor
+from rai_missions.worlds.outbox import Guarded, Outbox
 
 __all__ = ("Orchard",)
 
@@ -94,7 +95,7 @@ class Orchard:
         self._steps = 0
         self._range_m: float | None = None
         self._saw_at, self._bumps = -math.inf, 0
-        self._outbox = Outbox(robot)
+        self._outbox = Outbox(f"/{robot}", interface.TOPICS)
         self._home = NavigateToPose(self.autonomy, self._outbox.add, lattice)
         self._cross = Cross(self.autonomy, self._outbox.add, self.judge)
         self._closes: list[Close] = []
@@ -128,7 +129,7 @@ class Orchard:
             "stop": self._stop,
         }
         for name, answer in services.items():
-            self._closes.append(connector.serve(self._outbox.name(name), interface.TRIGGER, self._locked(answer)))
+            self._closes.append(connector.serve(self._outbox.name(name), messages.TRIGGER, self._locked(answer)))
         actions = (
             ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
             (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
@@ -211,10 +212,10 @@ class Orchard:
     def _tell(self) -> None:
         at, pose = self.at, self.pose
         if self._steps % FAST == 1:
-            self._outbox.publish("pose", interface.pose_stamped(pose, at))
+            self._outbox.publish("pose", messages.pose_stamped(*pose[:3], at))
             self._look(pose)
         if self._steps % SLOW == 1:
-            self._outbox.publish("battery", interface.battery_state(self.battery.percentage, self.battery.voltage, at))
+            self._outbox.publish("battery", messages.battery_state(self.battery.percentage, self.battery.voltage, at))
         crossing = self.judge.crossing
         facts: dict[str, Any] = {
             "state": self.autonomy.word,
@@ -227,19 +228,19 @@ class Orchard:
         for name, fact in facts.items():
             self._outbox.tell(name, fact, {"data": fact}, anyway=self._steps % SLOW == 1)
         if crossing is not None:
-            self._outbox.tell("crossing", (crossing.start, crossing.outcome), interface.text(crossing.facts()))
+            self._outbox.tell("crossing", (crossing.start, crossing.outcome), messages.text(crossing.facts()))
 
     def _look(self, pose: Pose) -> None:
         if self.camera is None or self._detector is None:
             return
         moment = self.camera.moment(self.data)
         picture = self.camera.picture(moment, f"{self._outbox.name('camera')}@{self.at:.3f}")
-        self._outbox.publish("camera_image_color", interface.image(picture, self.at))
+        self._outbox.publish("camera_image_color", messages.image(picture, self.at))
         if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
             fact = self._detector.look(moment, self.places, pose)
             if fact is not None:
                 self._saw_at = self.at
-                self._outbox.publish("obstacle", interface.text(fact))
+                self._outbox.publish("obstacle", messages.text(fact))
 
     def _hand_over(self, distance_m: float) -> None:
         self.judge.begin(self.pose, distance_m)
@@ -247,27 +248,27 @@ class Orchard:
     def _continue(self) -> dict[str, Any]:
         """As upstream: what it sees in its way it drives over. What it does not see, it did not mean to drive over."""
         done = self.autonomy.proceed(over=self.camera is None or self.at - self._saw_at < SEEN_S)
-        return interface.trigger(done, "The vehicle continues the mission" if done else "There is nothing to continue")
+        return messages.trigger(done, "The vehicle continues the mission" if done else "There is nothing to continue")
 
     def _replan(self) -> dict[str, Any]:
         done = self.autonomy.replan()
         if done:
             self.judge.leave()
-        return interface.trigger(done, "The current mission was aborted" if done else "The vehicle is in no alley")
+        return messages.trigger(done, "The current mission was aborted" if done else "The vehicle is in no alley")
 
     def _stop(self) -> dict[str, Any]:
         self.autonomy.stop()
-        return interface.trigger(True, "The vehicle was stopped")
+        return messages.trigger(True, "The vehicle was stopped")
 
     def _current_state(self) -> dict[str, Any]:
-        return interface.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
+        return messages.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
 
     def _flash(self) -> dict[str, Any]:
         pose = self.pose
         for walker in self._walkers.values():
             if math.dist((walker.x, walker.y), pose[:2]) < HEARD_M:
                 walker.signal(pose.x)
-        return interface.trigger(True, "Flashing triggered.")
+        return messages.trigger(True, "Flashing triggered.")
 
     def _locked(self, answer: Callable[[], dict[str, Any]]) -> Callable[[Any], dict[str, Any]]:
         def answered(_request: Any) -> dict[str, Any]:

@@ -7,11 +7,10 @@ Rule: nothing leaves while the world's lock is held, so whoever hears it may cal
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Connector, Data, Report
-from rai_missions.worlds.orchard.interface import TOPICS
 
 __all__ = ("Guarded", "Outbox")
 
@@ -20,18 +19,19 @@ class Outbox:
     """Messages and reports on their way out.
 
     Args:
-        robot: The name that the topics begin with.
+        prefix: What the names of topics begin with, such as `/tractor1`; may be empty.
+        types: Topics, without the prefix, and the types of their messages.
     """
 
-    def __init__(self, robot: str) -> None:
+    def __init__(self, prefix: str, types: Mapping[str, str]) -> None:
         self.lock = threading.RLock()
         self.connector: Connector | None = None
-        self._robot = robot
+        self._prefix, self._types = prefix, types
         self._waiting: list[Callable[[], None]] = []
         self._told: dict[str, Any] = {}
 
     def name(self, name: str) -> str:
-        return f"/{self._robot}/{name}"
+        return f"{self._prefix}/{name}"
 
     def add(self, send: Callable[[], None]) -> None:
         self._waiting.append(send)
@@ -39,7 +39,7 @@ class Outbox:
     def publish(self, name: str, message: Data) -> None:
         connector = self.connector
         if connector is not None:
-            self.add(lambda: connector.publish(self.name(name), TOPICS[name], message))
+            self.add(lambda: connector.publish(self.name(name), self._types[name], message))
 
     def tell(self, name: str, fact: Any, message: Data, *, anyway: bool = False) -> None:
         """Publish a fact if it is not what was told last, or anyway."""

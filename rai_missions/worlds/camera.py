@@ -27,7 +27,7 @@ FRONT = "front"
 
 
 class Moment(NamedTuple):
-    """All that a picture of the orchard depends on."""
+    """All that a picture of the world depends on."""
 
     qpos: NDArray[np.float64]
     mocap_pos: NDArray[np.float64]
@@ -54,10 +54,10 @@ class Sight(NamedTuple):
 
 
 class Camera:
-    """Renders what the tractor's camera sees.
+    """Renders what a robot's camera sees.
 
     Args:
-        model: The compiled orchard.
+        model: The compiled world.
         width, height: Pixels of a colour picture.
         frame_width, frame_height: Pixels of what the detector measures in.
     """
@@ -113,7 +113,7 @@ class Camera:
     def _do(self, work: Callable[[], T]) -> T:
         with self._lock:
             if self._thread is None:
-                self._thread = ThreadPoolExecutor(1, "orchard-camera")
+                self._thread = ThreadPoolExecutor(1, "camera")
             future = self._thread.submit(work)
         return future.result()
 
@@ -129,7 +129,7 @@ class Camera:
             except Exception as fault:
                 raise UsageError(
                     f"the camera cannot render ({fault}): install EGL (Debian: libegl1 libgl1 libgl1-mesa-dri), "
-                    "or open the orchard with camera=False"
+                    "or open the world with camera=False"
                 ) from fault
         return self._renderers[size]
 
