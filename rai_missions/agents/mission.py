@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Named
 from rai_missions.check import check
-from rai_missions.clock import Clock, SimulatedClock, WallClock
+from rai_missions.clock import Clock, HeardClock, SimulatedClock, WallClock
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.embodiment import Identity
@@ -111,8 +111,11 @@ class Prepared:
         options = dict(self.robot.connector)
         kind, world_name = options.pop("kind"), options.pop("world", None)
         if kind in REMOTE:
-            clock = setting.clock or WallClock()
+            heard = HeardClock() if setting.clock is None and options.get("sim_time") is True else None
+            clock = heard or setting.clock or WallClock()
             opened: Connector = importlib.import_module(REMOTE[kind]).open_connector(options, now=clock.now)
+            if heard is not None:
+                self._follow(heard, opened)
             return None, opened, clock
         if kind != "local":
             raise UsageError(f"no connector of kind '{kind}'{suggestion(str(kind), ('local', *REMOTE))}")
@@ -125,6 +128,12 @@ class Prepared:
         connector = LocalConnector(now=lambda: world.at)
         world.open(connector)
         return world, connector, setting.clock or SimulatedClock(world, setting.speed)
+
+    def _follow(self, clock: HeardClock, connector: Connector) -> None:
+        """Live by the time that a simulation tells, from now on."""
+        connector.start()
+        self._closes.append(connector.stop)
+        connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", lambda said: clock.hear(_seconds(said.data["clock"])))
 
     def _answerers(self) -> dict[str, Answerer]:
         """Who answers, in the words of `ask`."""
@@ -175,6 +184,11 @@ class Prepared:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _seconds(stamp: Mapping[str, int]) -> float:
+    """A builtin_interfaces/msg/Time."""
+    return stamp["sec"] + stamp["nanosec"] / 1e9
 
 
 def _profile(given: Robot | str | Path | None) -> tuple[Robot | None, Path | None]:
