@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
-__all__ = ("ActionServer", "Close", "Connector", "Message", "Mode", "Reply", "Report")
+__all__ = ("ActionServer", "Close", "Connector", "Message", "Mode", "RawMessage", "Reply", "Report", "Wiretap")
 
 Mode = Literal["topics", "services", "actions"]
 Data = Mapping[str, Any]
@@ -25,6 +25,17 @@ class Message(NamedTuple):
     data: Data
     at: float
     """When it happened, in seconds on the run's clock (the header's stamp where there is one)."""
+
+
+class RawMessage(NamedTuple):
+    """One message as it came over the wire."""
+
+    topic: str
+    type: str
+    """Its type's full name, `std_msgs/msg/String`."""
+    data: bytes
+    at: float
+    """As a `Message`'s."""
 
 
 class Reply(NamedTuple):
@@ -57,6 +68,19 @@ class ActionServer(Protocol):
 
     def cancel(self, goal_id: str) -> None:
         """The client wants the goal to end: report `canceled` once it has, or `cancel_rejected`."""
+
+
+@runtime_checkable
+class Wiretap(Protocol):
+    """A connector whose messages can be had as they came over the wire too, for whoever records them."""
+
+    def definition(self, type_name: str) -> str:
+        """How the bytes of a type are read, as the wire's own language says it; raises `ConnectorError`."""
+
+    def tap(
+        self, topic: str, type_name: str, hear: Callable[[Message], None], hear_raw: Callable[[RawMessage], None]
+    ) -> Close:
+        """Subscribe; each message comes raw first, then as plain data."""
 
 
 @runtime_checkable

@@ -12,7 +12,8 @@ import weakref
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, RawMessage, Reply, Report
+from rai_missions.connectors.ros2.definitions import definition_of
 from rai_missions.connectors.ros2.graph import listed
 from rai_missions.connectors.ros2.messages import to_message
 from rai_missions.connectors.ros2.names import Kind, find_type
@@ -86,6 +87,17 @@ class Ros2Connector:
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
         return self._opened().subscribe(topic, self._type("msg", topic, type_name), hear)
+
+    def definition(self, type_name: str) -> str:
+        """How a message's bytes are read: .msg text with all that it depends on."""
+        return definition_of(type_name)
+
+    def tap(
+        self, topic: str, type_name: str, hear: Callable[[Message], None], hear_raw: Callable[[RawMessage], None]
+    ) -> Close:
+        """Subscribe once, and hear each message as CDR and as plain data."""
+        cls = self._type("msg", topic, type_name)
+        return self._opened().subscribe(topic, cls, hear, hear_raw)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         session = self._session

@@ -21,7 +21,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.wording import shown, suggestion
 
-__all__ = ("to_data", "to_message")
+__all__ = ("name_of", "to_data", "to_message")
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 GREATEST = {"float": 3.4028234663852886e38, "double": sys.float_info.max}

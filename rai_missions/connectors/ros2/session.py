@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Reply, Report
+from rai_missions.connectors.connector import ActionServer, Close, Data, Message, RawMessage, Reply, Report
 from rai_missions.connectors.ros2.actions import Served
 from rai_missions.connectors.ros2.found import FoundGoal
 from rai_missions.connectors.ros2.goals import Goal, GoalClient
@@ -52,9 +52,17 @@ class Session:
 
     # -- topics ----------------------------------------------------------------------------------------------------
 
-    def subscribe(self, topic: str, cls: Any, hear: Callable[[Message], None]) -> Close:
+    def subscribe(
+        self,
+        topic: str,
+        cls: Any,
+        hear: Callable[[Message], None],
+        hear_raw: Callable[[RawMessage], None] | None = None,
+    ) -> Close:
         quality = self._options.quality(topic)
-        return Subscription(self.runtime, topic, cls, quality=quality, hear=hear, at_of=self._at_of).close
+        return Subscription(
+            self.runtime, topic, cls, quality=quality, hear=hear, at_of=self._at_of, hear_raw=hear_raw
+        ).close
 
     def publish(self, topic: str, cls: Any, message: Any) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish(message))

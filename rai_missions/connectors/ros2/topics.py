@@ -10,9 +10,10 @@ from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 
-from rai_missions.connectors.connector import Message
-from rai_missions.connectors.ros2.messages import to_data
+from rai_missions.connectors.connector import Message, RawMessage
+from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.options import Quality
 from rai_missions.connectors.ros2.runtime import Runtime, guarded
 
@@ -69,14 +70,15 @@ class Subscription:
         quality: How messages travel; where it leaves the reliability open, it is what the publisher offers.
         hear: Whom to tell.
         at_of: When a message was so, on the run's clock.
+        hear_raw: Whom to tell of its bytes, before.
     """
 
     def __init__(
         self, runtime: Runtime, topic: str, cls: Any, *, quality: Quality, hear: Callable[[Message], None],
-        at_of: Callable[[Any], float],
+        at_of: Callable[[Any], float], hear_raw: Callable[[RawMessage], None] | None = None,
     ) -> None:  # fmt: skip
         self._runtime, self._topic, self._class, self._quality = runtime, topic, cls, quality
-        self._hear, self._at_of = hear, at_of
+        self._hear, self._at_of, self._hear_raw = hear, at_of, hear_raw
         self._is_open = True
         self._entity: Any = None
         self._is_puzzled = self._is_fitted = False
@@ -93,7 +95,7 @@ class Subscription:
         events = SubscriptionEventCallbacks(incompatible_qos=self._misfits)
         self._entity = self._runtime.node.create_subscription(
             self._class, self._topic, self._heard, profile(self._quality, reliability),
-            callback_group=self._runtime.group, event_callbacks=events,
+            callback_group=self._runtime.group, event_callbacks=events, raw=self._hear_raw is not None,
         )  # fmt: skip
 
     def _leave(self) -> None:
@@ -119,7 +121,13 @@ class Subscription:
             )  # fmt: skip
 
     def _heard(self, message: Any) -> None:
+        """A message has come; in bytes, where somebody wants them."""
         if self._is_open:
+            hear_raw, wire = self._hear_raw, message
+            if hear_raw is not None:
+                message = deserialize_message(wire, self._class)
             at = self._at_of(message)
+            if hear_raw is not None:
+                guarded(lambda: hear_raw(RawMessage(self._topic, name_of(self._class), wire, at)))
             data = to_data(message, f"{self._topic}@{at:.3f}")
             guarded(lambda: self._hear(Message(self._topic, data, at)))
