@@ -42,6 +42,8 @@ class Goals:
         self._composed: dict[str, CancelGoal] = {}
         """Action → its last start: that it has ended is known to guards alone."""
         self._entries: dict[int, ActionEntry] = {}
+        self._unwanted: set[int] = set()
+        """Goals whose end was asked for: while one is looked for, its server may know nothing of it yet."""
 
     def goal_id(self, number: int, owner: str) -> str:
         """The id under which a start's goal goes to its server."""
@@ -55,9 +57,62 @@ class Goals:
         elif entry.action is None:
             self._compose(entry, effect)
         else:
-            goal = entry.goal_of(effect.goal)
-            goal_id, report = self._sent(entry, effect)
-            self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, report=report)
+            self._send(entry, effect)
+
+    def _send(self, entry: ActionEntry, effect: StartGoal) -> None:
+        assert self._connector is not None and entry.action is not None
+        goal = entry.goal_of(effect.goal)
+        goal_id, report = self._sent(entry, effect)
+        self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, report=report)
+
+    def take_up(self, effect: StartGoal, *, sent: bool, accepted: bool) -> bool:
+        """Go on with a goal that an earlier process was to send.
+
+        Args:
+            effect: Its start.
+            sent: It is known to have been sent.
+            accepted: Its server is known to have accepted it.
+
+        Returns:
+            Whether its fate is known or will be told; False where nobody can say, and the robot was told to end it.
+        """
+        entry = self._entry(effect.action)
+        if entry is None or self._connector is None:
+            self.start(effect)
+        elif entry.action is not None:
+            self._find(entry, effect, sent=sent)
+        elif accepted:
+            self._composed[effect.action] = CancelGoal(effect.number, effect.action)
+        elif entry.repeat:
+            self.start(effect)
+        else:
+            if entry.cancel is not None:
+                self._connector.call(
+                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), answered=lambda reply: None
+                )
+            return False
+        return True
+
+    def _find(self, entry: ActionEntry, effect: StartGoal, *, sent: bool) -> None:
+        """Ask its server; what was never sent, or may be sent twice, is sent where the server knows nothing of it."""
+        assert self._connector is not None and entry.action is not None
+        goal_id, told_of = self._sent(entry, effect)
+
+        def report(said: Report) -> None:
+            if said.said != "lost" or (sent and not entry.repeat):
+                told_of(said)
+            elif effect.number in self._unwanted:
+                self._end(effect.number, "canceled", {})
+            else:
+                self._send_again(entry, effect)
+
+        self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, report=report)
+
+    def _send_again(self, entry: ActionEntry, effect: StartGoal) -> None:
+        try:
+            self._send(entry, effect)
+        except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
+            self.give_up(effect.number, str(error))
 
     def cancel(self, effect: CancelGoal) -> None:
         """Ask for a goal's end; raises what the connector raises."""
@@ -65,6 +120,7 @@ class Goals:
         if entry is None or self._connector is None:
             return
         if entry.action is not None:
+            self._unwanted.add(effect.number)
             self._connector.cancel_goal(self._ids.get(effect.number, ""))
         elif entry.cancel is None:
             self._end(effect.number, "canceled", {})
@@ -137,6 +193,7 @@ class Goals:
 
     def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
         self._ids.pop(number, None)
+        self._unwanted.discard(number)
         for action, cancel in list(self._composed.items()):
             if cancel.number == number:
                 del self._composed[action]

@@ -69,7 +69,7 @@ class Record:
         return (row.step for row in self.entries())
 
     def confirmations(self) -> dict[int, str]:
-        """Number of a start or question → how it was performed; the last word counts."""
+        """Number of a step → how its effects were carried out; the last word counts."""
         return {row.number: row.how for row in self.rows() if isinstance(row, Confirmation)}
 
     def notes(self) -> tuple[Note, ...]:

@@ -58,10 +58,11 @@ class StepRow(NamedTuple):
 
 
 class Confirmation(NamedTuple):
-    """An effect was performed: by the number of its start or question, and how it went."""
+    """The effects of a step were carried out."""
 
     row: int
     number: int
+    """The step's."""
     how: str
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rai_missions.blackboard import Blackboard
+from rai_missions.journal.underway import weighty
 from rai_missions.step import Step
 
 __all__ = ("Book", "Scribe")
@@ -25,6 +26,8 @@ class Book(Protocol):
     path: Path
 
     def write(self, step: Step, *, since: float, quiet: Any = ()) -> int: ...
+
+    def confirm(self, number: int, how: str) -> int: ...
 
     def note(self, text: str, data: Any = None) -> int: ...
 
@@ -61,6 +64,11 @@ class Scribe:
         if self._book is not None:
             self._book.write(step, since=since, quiet=tuple(self._carried.values()))
         self._clear()
+
+    def confirm(self, step: Step) -> None:
+        """Write down that a step's effects were carried out, where doing so twice may harm; raises as `write` does."""
+        if self._book is not None and weighty(step):
+            self._book.confirm(step.seq, "performed")
 
     def note(self, text: str) -> None:
         """Write down why there is no run, or why it broke off; raises what the journal raises."""

@@ -123,7 +123,7 @@ class Journal:
         return self._append("step", text_of(content), pictures)
 
     def confirm(self, number: int, how: str) -> int:
-        """Writes that an effect was performed, by the number of its start or question; raises as `write` does."""
+        """Writes that the effects of a step, named by its number, were carried out; raises as `write` does."""
         return self._append("confirmation", text_of({"number": number, "how": how}))
 
     def note(self, text: str, data: Any = None) -> int:
