@@ -19,25 +19,15 @@ from rai_missions.errors import ConnectorError
 
 __all__ = ("definition_of",)
 
-PLAIN = frozenset(
-    [
-        "bool",
-        "byte",
-        "char",
-        "float32",
-        "float64",
-        "int8",
-        "uint8",
-        "int16",
-        "uint16",
-        "int32",
-        "uint32",
-        "int64",
-        "uint64",
-        "string",
-        "wstring",
-    ]
-)
+PLAIN = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)) | {
+    "bool",
+    "byte",
+    "char",
+    "float32",
+    "float64",
+    "string",
+    "wstring",
+}
 SEPARATOR = f"\n{'=' * 80}\nMSG: "
 
 
