@@ -82,3 +82,25 @@ def test_a_crossing_that_is_canceled_stands_short_of_the_obstacle(rig: Any) -> N
     assert orchard.said("cross") == ["accepted", "canceled"]
     assert orchard.data("passed") is False
     assert orchard.world.judge.crossing.contact_n == 0.0
+
+
+def test_a_plain_service_drives_over_and_home_where_the_types_of_nav2_are_not_known(rig: Any) -> None:
+    orchard = rig(alleys=1, obstacles=["branch"], camera=False)
+    refused = orchard.call("drive_over")
+    assert not refused["success"]
+    assert refused["message"] == "there is nothing to cross: the tractor has not stopped for an obstacle"
+    orchard.to_the_obstacle()
+    assert orchard.data("passed") is False
+    assert orchard.call("drive_over")["success"]
+    assert orchard.run(lambda: orchard.data("passed"), 20.0)
+    assert orchard.call("go_home")["success"]
+    assert orchard.run(lambda: orchard.data("at_home"), 120.0)
+
+
+def test_a_plain_service_does_not_take_a_way_from_a_goal(rig: Any) -> None:
+    orchard = rig(alleys=1, obstacles=["none"], camera=False)
+    orchard.call("continue")
+    orchard.rest(15.0)
+    orchard.send("/navigate_to_pose", {}, "home")
+    refused = orchard.call("go_home")
+    assert (refused["success"], refused["message"]) == (False, "/navigate_to_pose pursues another goal")

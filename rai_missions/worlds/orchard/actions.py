@@ -114,10 +114,17 @@ class NavigateToPose(OneGoal):
 
     def begin(self, goal: Data, running: Running) -> str:
         x, y = _position(goal) or self._lattice.layout.home[:2]
+        running.place = self._lattice.position(self._lattice.nearest(x, y))
+        return self.set_out(x, y)
+
+    def set_out(self, x: float, y: float) -> str:
+        """Begin to drive to a place, for whoever asks; why not, if not."""
+        if self.running is not None:
+            return f"{self.name} pursues another goal"
         place = self._lattice.nearest(x, y)
-        running.place = self._lattice.position(place)
-        if math.dist((x, y), running.place) > self._lattice.layout.radius_m:
-            near = ", ".join(f"{v:.2f}" for v in running.place)
+        found = self._lattice.position(place)
+        if math.dist((x, y), found) > self._lattice.layout.radius_m:
+            near = ", ".join(f"{v:.2f}" for v in found)
             return f"({x:.2f}, {y:.2f}) is not on a headland; the nearest place that is: ({near})"
         return "" if self.autonomy.go_to(place) else "no way leads there"
 
@@ -151,6 +158,10 @@ class Cross(OneGoal):
         self._start = (0.0, 0.0)
 
     def begin(self, goal: Data, running: Running) -> str:
+        return self.set_out()
+
+    def set_out(self) -> str:
+        """Begin to drive over what the tractor stands before, for whoever asks; why not, if not."""
         if self._judge.crossing is None or self.autonomy.word != "STOPPED" or not self.autonomy.watches:
             return "there is nothing to cross: the tractor has not stopped for an obstacle"
         if self._judge.crossing.outcome == "failed":

@@ -124,12 +124,15 @@ class Orchard:
         services = {
             "continue": self._continue,
             "current_state": self._current_state,
+            "drive_over": self._drive_over,
             "flash": self._flash,
+            "go_home": self._go_home,
             "replan": self._replan,
             "stop": self._stop,
         }
         for name, answer in services.items():
             self._closes.append(connector.serve(self._outbox.name(name), messages.TRIGGER, self._locked(answer)))
+        # The same two for whoever has the types of Nav2.
         actions = (
             ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
             (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
@@ -259,6 +262,14 @@ class Orchard:
     def _stop(self) -> dict[str, Any]:
         self.autonomy.stop()
         return messages.trigger(True, "The vehicle was stopped")
+
+    def _drive_over(self) -> dict[str, Any]:
+        why = self._cross.set_out()
+        return messages.trigger(not why, why or "The vehicle drives over what is in its way")
+
+    def _go_home(self) -> dict[str, Any]:
+        why = self._home.set_out(*self.layout.home[:2])
+        return messages.trigger(not why, why or "The vehicle drives home")
 
     def _current_state(self) -> dict[str, Any]:
         return messages.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
