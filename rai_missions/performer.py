@@ -15,6 +15,7 @@ from rai_missions.connectors.connector import Connector, Reply
 from rai_missions.errors import MissionError
 from rai_missions.event import Event
 from rai_missions.goals import Goals, told
+from rai_missions.handovers import Handovers
 from rai_missions.robot import Robot, plain
 from rai_missions.senses import Senses
 from rai_missions.states.tree import BehaviourLeaf
@@ -67,6 +68,7 @@ class Performer:
         self._allow = allow
         self._goals = Goals(run, robot, connector, tell=self._event)
         self._open: dict[int, str] = {}
+        self.handovers = Handovers(robot, connector, post=post, later=later, now=now)
         self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
         self._senses = Senses(robot, connector, post=post, later=later, now=now)
         self._perform: Mapping[type, Callable[[Any], None]] = {
@@ -77,6 +79,11 @@ class Performer:
         }  # fmt: skip
 
     @property
+    def holder(self) -> str | None:
+        """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
+        return self._senses.holder
+
+    @property
     def thinking(self) -> bool:
         """Somebody is asked who has not answered at once: a model or a person, who needs real time."""
         return bool(self._open)
@@ -84,10 +91,12 @@ class Performer:
     def open(self) -> None:
         """Start to listen to the robot."""
         self._senses.open()
+        self.handovers.open()
 
     def close(self) -> None:
         """Stop listening, and take back every question."""
         self._senses.close()
+        self.handovers.close()
         self._behaviours.close()
         for number in list(self._open):
             self._withdraw(Withdraw(number))
@@ -188,25 +197,7 @@ class Performer:
         if why := self._allow(effect.to):
             log.warning("control does not go to %s: %s", effect.to, why)
         else:
-            self.hand_over(effect.to, "mission")
-
-    def hand_over(self, to: str, by: str) -> None:
-        """Have control handed over where the actuators are; the acknowledgement comes back as an event."""
-        entry = self._robot.control.get(to) if self._robot is not None else None
-        if entry is None or self._connector is None:
-            self._event("control", to, 0, {"by": by})
-            return
-
-        def answered(reply: Reply) -> None:
-            if entry.succeeded(reply.outcome, reply.data):
-                self._event("control", to, 0, {"by": by})
-            else:
-                log.warning("control does not go to %s: %s", to, reply.why or reply.data.get("message", reply.outcome))
-
-        try:
-            self._connector.call(entry.service, entry.type, entry.request_of({}), answered=answered)
-        except Exception:
-            log.exception("control could not be handed to %s", to)
+            self.handovers.hand_over(effect.to, "mission")
 
 
 def _said(data: Any) -> Mapping[str, Any]:

@@ -156,7 +156,7 @@ class Runner:
 
     def _hand_over(self, to: str, by: str) -> None:
         if not self.lifecycle.control.request(to, by):
-            self.performer.hand_over(to, by)
+            self.performer.handovers.hand_over(to, by)
 
     def answer(
         self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
@@ -194,7 +194,7 @@ class Runner:
                 self.performer.begin()
                 self._step(lambda: self.chart.start(self.clock.now()))
             self._loop(lambda: self.chart.outcome is not None)
-            self._loop(lambda: not self.chart.open_goals)
+            self._loop(lambda: not self.chart.open_goals and not self.performer.handovers.letting_go)
             self._write_carried()
             return self._result(began)
         except BaseException as error:
@@ -217,10 +217,18 @@ class Runner:
         for key, value in self._arguments.items():
             self._step(lambda key=key, value=value: chart.write(key, value, self.clock.now()))  # type: ignore[misc]
         until = self.clock.now() + self.mission.ready_s
-        self._loop(lambda: chart.outcome is not None or not chart.unheard or self.clock.now() >= until, until)
-        if chart.unheard and chart.outcome is None:
-            names = ", ".join(chart.unheard)
+        self._loop(lambda: chart.outcome is not None or not self._unheard or self.clock.now() >= until, until)
+        if self._unheard and chart.outcome is None:
+            names = ", ".join(self._unheard)
             raise UsageError(f"the robot has not said within {self.mission.ready_s:g} s: {names}; is it running?")
+        holder = self.performer.holder
+        if holder is not None and holder != chart.holder and chart.outcome is None:
+            self._step(lambda: chart.send(Event(holder, self.clock.now(), {"by": "robot"}, "control")))
+
+    @property
+    def _unheard(self) -> tuple[str, ...]:
+        """What the robot has yet to say."""
+        return (*self.chart.unheard, *(() if self.performer.holder != "" else ("who holds control",)))
 
     def _loop(self, done: Callable[[], bool], until: float = math.inf) -> None:
         while not done():
@@ -295,6 +303,8 @@ class Runner:
         self._decisions += step.question is not None
         chart = self.chart
         status = self.lifecycle.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
+        if status is not None and status.control == "nobody" and step.event.kind != "control":
+            self.performer.handovers.let_go(self.mailbox.wake)
         if status is not None and self._on_status is not None:
             self._observe(self._on_status, status, "on_status")
         if self._on_step is not None:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Close, Connector, Reply
+from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.robot import EventSource, Robot, Source
 
@@ -46,6 +47,8 @@ class Senses:
         self._puzzled: set[str] = set()
         self._before: dict[str, bool | None] = {}
         self._polls: dict[Poll, tuple[Mapping[str, Any], list[Hear]]] = {}
+        self.holder = None if robot is None or robot.holder is None else ""
+        """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
 
     def open(self) -> None:
         """Subscribe to topics and begin to ask services."""
@@ -57,6 +60,8 @@ class Senses:
         for name, event in self._robot.events.items():
             if not event.posted:
                 self._listen(event, self._event_of(name, event))
+        if self._robot.holder is not None:
+            self._listen(self._robot.holder, self._hear_holder(self._robot.holder))
         for poll, (request, hears) in self._polls.items():
             self._poll(poll, request, hears)
 
@@ -125,6 +130,21 @@ class Senses:
                     self._post(Event(name, self._now(), source.payload(message)))
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle(name, error)
+
+        return hear
+
+    def _hear_holder(self, source: Source) -> Hear:
+        def hear(message: Mapping[str, Any], _: float) -> None:
+            try:
+                holder = source.value(message)
+                if not isinstance(holder, str):
+                    raise ConnectorError(f"{holder!r:.60} stands where the name of who holds control belongs")
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+                self._puzzle("holder", error)
+                return
+            if holder != self.holder:
+                self.holder = holder
+                self._post(Event(holder, self._now(), {"by": "robot"}, "control"))
 
         return hear
 

@@ -15,9 +15,9 @@ from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
 from rai_missions.robot.convert import at_path, plain, pose_message
 from rai_missions.robot.source import truth_of
-from rai_missions.written import Bool, Json, Name, OneOf, Text, Written, fault
+from rai_missions.written import Bool, Json, Name, OneOf, Seconds, Text, Written, fault
 
-__all__ = ("ActionEntry", "OneService", "ServiceEntry", "TopicEntry", "given_to", "references")
+__all__ = ("ActionEntry", "AliveEntry", "OneService", "ServiceEntry", "TopicEntry", "given_to", "references")
 
 TRIGGER = "std_srvs/srv/Trigger"
 POSES = ("PoseStamped", "Pose")
@@ -148,10 +148,23 @@ class TopicEntry(Written):
     type: Text
     message: dict[Text, Json] = Field(default_factory=dict)
     """What a message has beside and below what the mission gives; or a template with `{"from": field}`."""
+    repeat: Bool = False
+    """Publishing twice does no harm: after a crash it may be published again."""
 
     def message_of(self, message: Mapping[str, Any]) -> dict[str, Any]:
         """The message for the robot from the mission's; raises `ConnectorError` as `given_to` does."""
         return given_to(self.message, message)
+
+
+class AliveEntry(Written):
+    """A topic on which a run says that it goes on."""
+
+    positional: ClassVar = ("topic",)
+
+    topic: Text
+    type: Text = "std_msgs/msg/Empty"
+    every_s: Seconds = Field(default=0.1, gt=0)
+    """Seconds between two messages; well below the lease of whoever listens."""
 
 
 def references(template: Any) -> Iterator[str]:

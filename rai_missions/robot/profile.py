@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from rai_missions.guards.guard import Guard
-from rai_missions.robot.entries import ActionEntry, OneService, ServiceEntry, TopicEntry
+from rai_missions.robot.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.robot.source import EventSource, Source
 from rai_missions.states.state import Controller
 from rai_missions.states.terms import Terms
@@ -21,7 +21,7 @@ from rai_missions.written import Json, Name, OneOf, Text, Written, fault
 __all__ = ("Robot", "Rule", "terms")
 
 
-CONTROLLERS: tuple[str, ...] = get_args(Controller)
+CONTROLLERS: tuple[str, ...] = (*get_args(Controller), "nobody")
 
 
 class Rule(Written):
@@ -55,7 +55,14 @@ class Robot(Written):
     rules: dict[Name, Rules] = Field(default_factory=dict)
     """State → who answers as `rules` there, row by row."""
     control: dict[Text, OneService] = Field(default_factory=dict)
-    """Who shall hold control → the service that hands it over; one that is not here has it at once."""
+    """Who shall hold control → the service that hands it over; one that is not here has it at once.
+
+    `{by}` in the service's name becomes `operator` where an operator asks, else `agent`: the mission asks as the agent.
+    """
+    holder: Source | None = None
+    """Where it is heard who holds control, by name; what is heard there counts, whatever a handover's service says."""
+    alive: AliveEntry | None = None
+    """Where the run says again and again that it goes on, so that control can be taken from one that hangs."""
     identity: Text = ""
     """The folder with the robot's identity, beside this file."""
 
