@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools over a connector, for models and for programs; each part is loaded when it is first used."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rai_missions.tools.allowed import Allowed
+    from rai_missions.tools.said import Said
+    from rai_missions.tools.tool import RobotTool
+    from rai_missions.tools.toolbox import Toolbox
+
+__all__ = ("Allowed", "RobotTool", "Said", "Toolbox")
+
+ROOMS = {"Allowed": "allowed", "RobotTool": "tool", "Said": "said", "Toolbox": "toolbox"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in ROOMS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{ROOMS[name]}"), name)

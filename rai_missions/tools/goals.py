@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Goals that tools have sent to actions: each by its id, with what its server truly said of it.
+
+Rule: how a goal ended is what its server reported; until it has, the goal is not over, and nobody is told that it is.
+"""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
+
+from rai_missions.connectors.connector import Data, Report
+from rai_missions.errors import UsageError
+from rai_missions.tools.latest import Latest
+from rai_missions.tools.reach import Reach
+
+__all__ = ("Goal", "Goals", "Standing")
+
+State = Literal["sent", "running", "rejected", "succeeded", "aborted", "canceled", "lost"]
+STATES: Mapping[str, State] = {
+    "accepted": "running", "feedback": "running", "cancel_rejected": "running", "rejected": "rejected",
+    "succeeded": "succeeded", "failed": "aborted", "canceled": "canceled", "lost": "lost",
+}  # fmt: skip
+"""What a server says → how the goal stands; `aborted` is ROS's word for a failed action."""
+ENDS = frozenset({"rejected", "succeeded", "aborted", "canceled", "lost"})
+WORDS: Mapping[State, str] = {
+    "sent": "was sent; the server has not yet said whether it takes it",
+    "running": "was accepted and is still running; it has not ended",
+    "rejected": "was REJECTED by the server and never ran",
+    "succeeded": "has SUCCEEDED",
+    "aborted": "was ABORTED: the server gave up, and it has not succeeded",
+    "canceled": "was CANCELED before it was done, and has not succeeded",
+    "lost": "is LOST: its server is gone, and whether it goes on is unknown",
+}
+NOTHING: Data = MappingProxyType({})
+KEPT = 100
+"""Goals that are remembered after their end."""
+AT_ONCE = 20
+"""Goals that may run at the same time."""
+
+
+class Standing(NamedTuple):
+    """How a goal stands."""
+
+    goal_id: str
+    action: str
+    state: State
+    result: Data = NOTHING
+    """The end's fields."""
+    feedback: Data | None = None
+    """The newest."""
+    feedbacks: int = 0
+    """How much feedback there was."""
+    why: str = ""
+    cancel: Literal["", "asked", "refused"] = ""
+    """Whether the server was asked to cancel it, and whether it refused."""
+
+    @property
+    def is_over(self) -> bool:
+        return self.state in ENDS
+
+    def words(self) -> str:
+        """In a sentence of our own; what the server said beside it is data."""
+        refused = "; the server refused to cancel it" if self.cancel == "refused" and not self.is_over else ""
+        asked = "; it was asked to cancel and has not confirmed" if self.cancel == "asked" and not self.is_over else ""
+        return f"goal {self.goal_id} of {self.action} {WORDS[self.state]}{refused}{asked}"
+
+    def data(self) -> dict[str, Any]:
+        return {**self._asdict(), "result": dict(self.result), "is_over": self.is_over}
+
+
+class Goal:
+    """One goal, and who waits for news of it."""
+
+    def __init__(self, goal_id: str, action: str) -> None:
+        self._lock = threading.Lock()
+        self.news: Latest[Standing] = Latest()
+        self.news.put(Standing(goal_id, action, "sent"))
+
+    @property
+    def standing(self) -> Standing:
+        assert self.news.value is not None
+        return self.news.value
+
+    def hear(self, report: Report) -> None:
+        """What the server says; after an end nothing changes it."""
+        with self._lock:
+            now = self.standing
+            if now.is_over or report.goal_id != now.goal_id:
+                return
+            changed = now._replace(state=STATES[report.said], why=report.why)
+            if report.said == "feedback":
+                changed = changed._replace(feedback=report.data, feedbacks=now.feedbacks + 1)
+            elif report.said == "cancel_rejected":
+                changed = changed._replace(cancel="refused")
+            elif changed.is_over:
+                changed = changed._replace(result=report.data)
+            self.news.put(changed)
+
+    def want_no_more(self) -> None:
+        with self._lock:
+            if not self.standing.is_over:
+                self.news.put(self.standing._replace(cancel="asked"))
+
+
+class Goals:
+    """All goals of one set of tools.
+
+    Args:
+        reach: The way to the robot.
+    """
+
+    def __init__(self, reach: Reach) -> None:
+        self._reach = reach
+        self._lock = threading.Lock()
+        self._goals: dict[str, Goal] = {}
+        self._is_stopped = False
+
+    def start(self, action: str, type_name: str, goal: Data, ends: float) -> Standing:
+        """Send a goal, and wait until its server has said whether it takes it."""
+        goal_id = f"tool-{uuid.uuid4().hex[:12]}"
+        sent = self._keep(Goal(goal_id, action), goal_id)
+        try:
+            self._reach.send_goal(action, type_name, goal, goal_id, sent.hear)
+        except BaseException:
+            with self._lock:
+                self._goals.pop(goal_id, None)
+            self._reach.done(sent.news)
+            raise
+        sent.news.wait(ends, lambda standing: standing.state != "sent")
+        return sent.standing
+
+    def watch(self, goal_id: str, ends: float) -> Standing:
+        """How a goal stands once it is over, or when the time is."""
+        goal = self._known(goal_id)
+        goal.news.wait(ends, lambda standing: standing.is_over)
+        return goal.standing
+
+    def cancel(self, goal_id: str, ends: float) -> Standing:
+        """Ask a goal's server to end it, and wait for what it says of that."""
+        goal = self._known(goal_id)
+        goal.want_no_more()
+        if not goal.standing.is_over:
+            self._reach.cancel_goal(goal_id)
+        goal.news.wait(ends, lambda standing: standing.is_over or standing.cancel == "refused")
+        return goal.standing
+
+    def all(self) -> tuple[Standing, ...]:
+        """Every goal that is remembered, oldest first."""
+        with self._lock:
+            return tuple(goal.standing for goal in self._goals.values())
+
+    def stop(self, ends: float) -> tuple[Standing, ...]:
+        """Cancel what still runs; the goals that are not over when the time is."""
+        with self._lock:
+            self._is_stopped = True
+        running = [standing.goal_id for standing in self.all() if not standing.is_over]
+        for goal_id in running:
+            self._known(goal_id).want_no_more()
+            self._reach.cancel_goal(goal_id)
+        left = tuple(standing for goal_id in running if not (standing := self.watch(goal_id, ends)).is_over)
+        with self._lock:
+            goals = tuple(self._goals.values())
+        for goal in goals:
+            self._reach.done(goal.news)
+        return left
+
+    def _keep(self, goal: Goal, goal_id: str) -> Goal:
+        with self._lock:
+            if self._is_stopped:
+                raise UsageError("the tools were stopped")
+            over = [key for key, kept in self._goals.items() if kept.standing.is_over]
+            if len(self._goals) - len(over) >= AT_ONCE:
+                raise UsageError(f"{AT_ONCE} goals run already; cancel one, or wait until one has ended")
+            for key in over[: max(0, len(over) - KEPT + 1)]:
+                self._reach.done(self._goals.pop(key).news)
+            self._reach.waiting(goal.news)
+            self._goals[goal_id] = goal
+        return goal
+
+    def _known(self, goal_id: str) -> Goal:
+        with self._lock:
+            goal = self._goals.get(goal_id)
+            known = ", ".join(list(self._goals)[-5:]) or "none was started"
+        if goal is None:
+            raise UsageError(f"no goal {goal_id!r:.60} was started here; there is: {known}")
+        return goal

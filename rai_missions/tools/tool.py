@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One tool as langchain has it: words for a model, data for a program, and a fault as an answer like any other.
+
+Rule: whatever goes wrong is told to whoever called, as data; no exception of ours or of the robot's ends an agent.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any, Literal
+
+from langchain_core.tools import BaseTool, ToolException
+from pydantic import BaseModel, Field, ValidationError
+
+from rai_missions.errors import MissionError
+from rai_missions.tools.said import Said
+
+__all__ = ("RobotTool",)
+
+log = logging.getLogger(__name__)
+
+
+def _failed(fault: ToolException) -> str:
+    """A fault may quote what the robot said: it is data as well."""
+    return Said("This was not done:", {}, str(fault)).text()
+
+
+def _not_understood(fault: Any) -> str:
+    """What is wrong with the arguments, each by its name."""
+    problems = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in fault.errors()[:5]]
+    return Said("This was not done; the arguments are not right:", {}, "; ".join(problems)[:500]).text()
+
+
+class RobotTool(BaseTool):
+    """A tool over a connector; `metadata["read_only"]` says whether it only looks.
+
+    What it gives a model marks the robot's data as such (`metadata["marks_data"]`).
+    """
+
+    act: Callable[..., Said] = Field(exclude=True, repr=False)
+    """What it does; may be called directly by a program, and then raises `MissionError`."""
+    response_format: Literal["content", "content_and_artifact"] = "content_and_artifact"
+    handle_tool_error: bool | str | Callable[[ToolException], str] | None = _failed
+    handle_validation_error: Any = _not_understood
+
+    @property
+    def is_read_only(self) -> bool:
+        return (self.metadata or {}).get("read_only") is True
+
+    def _run(self, *given: Any, **words: Any) -> tuple[str | list[dict[str, Any]], Any]:
+        try:
+            said = self.act(*given, **words)
+            return said.content(), said.data
+        except MissionError as fault:
+            raise ToolException(str(fault)) from fault
+        except ValidationError as fault:  # a fault of ours, and none of the arguments
+            raise ToolException(f"failed: {fault!s:.200}") from fault
+        except Exception as fault:
+            log.exception("the tool %s failed", self.name)
+            raise ToolException(f"failed: {type(fault).__name__}: {fault!s:.200}") from fault
+
+
+def robot_tool(
+    name: str, about: str, arguments: type[BaseModel], act: Callable[..., Said], *, read_only: bool
+) -> RobotTool:
+    """A tool of a name, with what a model is told of it."""
+    marks = {"read_only": read_only, "marks_data": True}
+    return RobotTool(name=name, description=about, args_schema=arguments, act=act, metadata=marks)

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All tools over one connector, with one list of what they may touch.
+
+Rule: what only looks is marked so; a decision is given nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rai_missions.connectors.connector import Connector
+from rai_missions.tools import arguments as args
+from rai_missions.tools.acting import Acting
+from rai_missions.tools.allowed import Allowed
+from rai_missions.tools.goals import Goals, Standing
+from rai_missions.tools.looking import Looking
+from rai_missions.tools.measuring import Measuring
+from rai_missions.tools.reach import Reach, until
+from rai_missions.tools.tool import RobotTool, robot_tool
+
+__all__ = ("Toolbox",)
+
+
+class Toolbox:
+    """Tools for models and for programs.
+
+    For a program the tools are plain functions, `toolbox.looking.receive_message("/battery").data`, which raise
+    `MissionError`; for a model they are langchain's, in `tools`, which raise nothing.
+
+    Args:
+        connector: Started, and stopped, by whoever opened it.
+        allowed: What may be read, written and never touched; left out, everything may be read and nothing written.
+        now: Seconds on the clock that stamps the connector's messages: the run's.
+    """
+
+    def __init__(self, connector: Connector, allowed: Allowed | None = None, *, now: Callable[[], float]) -> None:
+        self.allowed = allowed or Allowed()
+        self._reach = Reach(connector, self.allowed, now)
+        self._goals = Goals(self._reach)
+        self.looking, self.measuring = Looking(self._reach), Measuring(self._reach)
+        self.acting = Acting(self._reach, self._goals)
+        self.tools: tuple[RobotTool, ...] = (*_that_look(self), *_that_act(self))
+
+    @property
+    def read_only(self) -> tuple[RobotTool, ...]:
+        """The tools that only look."""
+        return tuple(tool for tool in self.tools if tool.is_read_only)
+
+    def stop(self, within_s: float = 5.0) -> tuple[Standing, ...]:
+        """Cancel the goals that still run and end every wait; the goals whose end nobody confirmed in time."""
+        left = self._goals.stop(until(within_s))
+        self.measuring.stop()
+        self._reach.stop()
+        return left
+
+
+def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
+    look, measure = box.looking, box.measuring
+    rows = (
+        ("list_topics", "The robot's topics with their types.", args.List, look.list_topics),
+        ("list_services", "The robot's services with their types.", args.List, look.list_services),
+        ("list_actions", "The robot's actions with their types.", args.List, look.list_actions),
+        ("describe_type", "The fields of a message, service or action type.", args.DescribeType, look.describe_type),
+        (
+            "receive_message",
+            "The newest message of a topic, with its age in seconds. Says so if none comes in time.",
+            args.ReceiveMessage,
+            look.receive_message,
+        ),
+        ("get_image", "The newest picture of a camera, with its age in seconds.", args.GetImage, look.get_image),
+        (
+            "get_transform",
+            "Where one coordinate frame lies in another: translation in metres, rotation as a quaternion, yaw.",
+            args.GetTransform,
+            measure.get_transform,
+        ),
+        (
+            "get_distance_to_objects",
+            "How far from the camera, in metres, the objects are that a detector sees.",
+            args.GetDistanceToObjects,
+            measure.get_distance_to_objects,
+        ),
+        (
+            "watch_action",
+            "How a goal stands that start_action started: running, succeeded, aborted, canceled, rejected or lost, "
+            "with its feedback and result. Waits for its end as long as told.",
+            args.WatchAction,
+            box.acting.watch_action,
+        ),
+    )
+    return tuple(robot_tool(name, about, takes, act, read_only=True) for name, about, takes, act in rows)
+
+
+def _that_act(box: Toolbox) -> tuple[RobotTool, ...]:
+    rows = (
+        ("publish_message", "Publish one message on a topic.", args.PublishMessage, box.acting.publish_message),
+        ("call_service", "Call a service and wait for its reply.", args.CallService, box.acting.call_service),
+        (
+            "start_action",
+            "Start an action. Says whether its server took the goal, and the goal's id for watch_action and "
+            "cancel_action; it does not wait for the end, and an accepted goal has not succeeded.",
+            args.StartAction,
+            box.acting.start_action,
+        ),
+        (
+            "cancel_action",
+            "Ask for the end of a goal, and say how it ended or that it has not.",
+            args.CancelAction,
+            box.acting.cancel_action,
+        ),
+    )
+    return tuple(robot_tool(name, about, takes, act, read_only=False) for name, about, takes, act in rows)
