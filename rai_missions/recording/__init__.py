@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run as an MCAP file: what the robot said, what the mission did, and its journal; opened by others, and replayed.
+
+Rule: whoever looks on cannot harm the run. A recording never makes it wait and never ends it; what it could not keep
+it counts and says. The library mcap is known in this room only, and comes in when a recording is written or read.
+"""
+
+from __future__ import annotations
+
+from rai_missions.recording.connector import RecordedConnector
+from rai_missions.recording.recording import Recording, Summary, check_name
+from rai_missions.recording.replayed import Replayed, journal_of
+
+__all__ = ("RecordedConnector", "Recording", "Replayed", "Summary", "check_name", "journal_of")

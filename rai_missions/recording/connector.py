@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A connector that is recorded: it does what the one inside does, and hands what is heard to the recording.
+
+Rule: what a mission hears is the same with it and without it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.connectors.connector import Close, Connector, Data, Message, Mode, RawMessage, Reply, Report, Wiretap
+from rai_missions.errors import ConnectorError
+from rai_missions.recording.recording import Recording
+
+__all__ = ("RecordedConnector",)
+
+
+class RecordedConnector:
+    """Around a `Connector`, for the mission that runs with it; whoever else uses the one inside is not recorded.
+
+    Args:
+        inner: Does everything.
+        recording: Is told what is heard: messages (raw where they can be had so), replies and reports.
+    """
+
+    def __init__(self, inner: Connector, recording: Recording) -> None:
+        self._inner, self._recording = inner, recording
+        self.modes: frozenset[Mode] = inner.modes
+        self._keeps: dict[str, object] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        """Whatever else the one inside has."""
+        return getattr(self._inner, name)
+
+    def start(self) -> None:
+        self._inner.start()
+
+    def stop(self) -> None:
+        self._inner.stop()
+
+    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+        """Subscribe; a topic that is subscribed to more than once is recorded once."""
+        key = object()
+
+        def is_kept() -> bool:
+            return self._keeps.setdefault(topic, key) is key
+
+        def heard(message: Message) -> None:
+            if is_kept():
+                self._recording.heard(message, type_name)
+            hear(message)
+
+        definition = self._definition(type_name)
+        if isinstance(self._inner, Wiretap) and definition:
+
+            def heard_raw(message: RawMessage) -> None:
+                if is_kept():
+                    self._recording.heard_raw(message, definition)
+
+            close = self._inner.tap(topic, type_name, hear, heard_raw)
+        else:
+            close = self._inner.subscribe(topic, type_name, heard)
+
+        def end() -> None:
+            close()
+            if self._keeps.get(topic) is key:
+                del self._keeps[topic]
+
+        return end
+
+    def _definition(self, type_name: str) -> str:
+        """How the bytes of a type are read; empty where nobody knows, and messages are recorded as plain data."""
+        try:
+            return self._inner.definition(type_name) if isinstance(self._inner, Wiretap) else ""
+        except ConnectorError:
+            return ""
+
+    def publish(self, topic: str, type_name: str, message: Data) -> None:
+        self._inner.publish(topic, type_name, message)
+
+    def call(
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        answered: Callable[[Reply], None],
+        timeout_s: float | None = None,
+    ) -> None:
+        began = time.monotonic()
+
+        def told(reply: Reply) -> None:
+            self._recording.called(service, request, reply, time.monotonic() - began)
+            answered(reply)
+
+        self._inner.call(service, type_name, request, answered=told, timeout_s=timeout_s)
+
+    def send_goal(
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+    ) -> None:
+        def told(said: Report) -> None:
+            self._recording.reported(action, said)
+            report(said)
+
+        self._inner.send_goal(action, type_name, goal, goal_id=goal_id, report=told)
+
+    def cancel_goal(self, goal_id: str) -> None:
+        self._inner.cancel_goal(goal_id)
+
+    def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
+        return self._inner.serve(service, type_name, answer)
+
+    def offer(self, action: str, type_name: str, server: Any) -> Close:
+        return self._inner.offer(action, type_name, server)

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording that is being made: takes what others hand it, from any thread, and writes it on one of its own.
+
+Rule: once it has begun no method raises, and none waits but `close`.
+"""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import math
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import IO, Any, NamedTuple, Self
+
+from rai_missions.connectors.connector import Message, RawMessage, Reply, Report
+from rai_missions.errors import UsageError
+from rai_missions.journal import Blob, Raw, Record
+from rai_missions.lifecycle import Status
+from rai_missions.mission import Mission
+from rai_missions.recording.pen import JOURNAL_TOPIC, TOPIC, Pen, When
+from rai_missions.recording.room import Kind, Waiting, WaitingRoom
+from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
+from rai_missions.recording.words import image_in, plain, short, status_of, write_of
+from rai_missions.step import Step
+
+__all__ = ("ENDING", "FORMAT", "Recording", "Summary", "check_name")
+
+log = logging.getLogger(__name__)
+
+ENDING = ".mcap"
+FORMAT = "1"
+FLUSH_S = 1.0
+"""How much a process that is killed may lose of its recording."""
+PATIENCE_S = 60.0
+"""How long the end waits for what is still to be written."""
+MESSAGE_BYTES = 500
+"""What a message as plain data is taken to weigh; nobody measures it on the robot's thread."""
+
+
+class Summary(NamedTuple):
+    """What became of a recording."""
+
+    path: str
+    messages: int
+    size: int
+    """Bytes of the file."""
+    dropped: Mapping[str, int]
+    """Topic → how many of its messages found no room."""
+    why: str = ""
+    """Why it stopped before the run did; empty if it did not."""
+
+    def __str__(self) -> str:
+        lost = f", {sum(self.dropped.values())} dropped" if self.dropped else ""
+        broken = f", broken off: {self.why}" if self.why else ""
+        return f"{self.path} ({self.messages} messages, {self.size / 1e6:.1f} MB{lost}{broken})"
+
+
+def check_name(path: Path) -> None:
+    """Whether a recording may be called so, and whether there is what writes it.
+
+    Raises:
+        UsageError: It may not, or the library is missing.
+    """
+    if path.suffix != ENDING:
+        name = f"{path.stem or 'run'}{ENDING}"
+        raise UsageError(f"a recording is an MCAP file, and '{path.name}' does not end so; name it '{name}'")
+    try:
+        import mcap  # noqa: F401 - only whether it is there
+    except ImportError as fault:
+        raise UsageError(f"a recording needs the package mcap ({fault}): pip install 'rai_missions[record]'") from None
+
+
+class Recording:
+    """Takes what happens, and writes it. Made by `create`.
+
+    Args:
+        stream: Where to write.
+        path: What the file is called.
+        mission: The mission that runs.
+        about: Words about the run, for whoever lists the file's metadata.
+        now: Seconds on the run's clock.
+        profile: MCAP's own: `ros2` where the robot's messages are those of ROS.
+    """
+
+    def __init__(
+        self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
+        profile: str = "",
+    ) -> None:  # fmt: skip
+        from rai_missions.recording.file import File  # loads mcap
+
+        self.path, self._mission, self._now = path, mission, now
+        self._began_ns = time.time_ns() - round(now() * 1e9)
+        self._room = WaitingRoom()
+        self._why, self._size = "", 0
+        self._flushed, self._flush_at = True, 0.0
+        self._journal: Path | None = None
+        self._file = File(stream, profile)
+        self._pen = Pen(self._file, mission)
+        words = {"format": FORMAT, "mission": mission.name, "version": mission.version, "began_ns": str(self._began_ns)}
+        self._file.say("rai_missions", {**words, **about})
+        self.summary: Summary | None = None
+        """How it ended; None until then."""
+        self._thread = threading.Thread(target=self._work, name="recording", daemon=True)
+        self._thread.start()
+        atexit.register(self.close)
+
+    @classmethod
+    def create(cls, path: Path | str, **words: Any) -> Self:
+        """A new file.
+
+        Raises:
+            UsageError: It is there already, cannot be written, is called something else, or mcap is missing.
+        """
+        path = Path(path)
+        check_name(path)
+        try:
+            stream = path.open("xb")
+        except FileExistsError:
+            raise UsageError(
+                f"{path} is there already, and a recording is never overwritten; name another file"
+            ) from None
+        except OSError as fault:
+            raise UsageError(f"a recording cannot be written at {path}: {fault.strerror}; name another file") from None
+        return cls(stream, path, **words)
+
+    # -- what is handed over, from any thread --------------------------------------------------------------------------
+
+    def heard(self, message: Message, type_name: str) -> None:
+        """A message as plain data; a picture in it is shown as one."""
+        image = image_in(message.data)
+        kind: Kind = "message" if image is None else "picture"
+        size = MESSAGE_BYTES if image is None else image.width * image.height * 3
+        self._put(kind, message.topic, size, lambda when: self._pen.heard(message, type_name, when), message.at)
+
+    def heard_raw(self, message: RawMessage, definition: str) -> None:
+        """A message of ROS as it came over the wire."""
+        size = len(message.data)
+        self._put("message", message.topic, size, lambda when: self._pen.raw(message, definition, when), message.at)
+
+    def called(self, service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> None:
+        """A service has answered, or has not."""
+        said = {"service": service, "request": short(request), "seconds": seconds, **reply._asdict()}
+        self._say("calls", CALL, lambda: plain(said))
+
+    def reported(self, action: str, report: Report) -> None:
+        """An action's server has said something of a goal."""
+        self._say("goals", GOAL, lambda: plain({"action": action, **report._asdict()}))
+
+    def row(self, raw: Raw, blobs: Iterable[Blob]) -> None:
+        """The journal has got a row."""
+        kept = tuple(blobs)
+        size = len(raw[2]) + sum(len(data) for _, _, data in kept)
+        self._put("row", JOURNAL_TOPIC, size, lambda when: self._pen.row(raw, kept, when), None)
+
+    def step(self, step: Step) -> None:
+        """A step was made: what it wrote on the blackboard, also where the journal waits for the next row."""
+        for key, value in step.writes:
+            self._say("blackboard", BLACKBOARD, lambda key=key, value=value: write_of(key, value, step.at), step.at)  # type: ignore[misc]
+
+    def status(self, status: Status) -> None:
+        """The run's mode, control or states have changed."""
+        self._say("status", STATUS, lambda: status_of(status, self._mission))
+
+    def close(self, journal: Path | None = None) -> Summary:
+        """Write what waits, and the end; doing so twice changes nothing.
+
+        Args:
+            journal: The run's, closed: rows for which there was no room are read from it.
+        """
+        if self.summary is None:
+            atexit.unregister(self.close)
+            self._journal = journal
+            self._room.close()
+            self._thread.join(PATIENCE_S)
+            if self._thread.is_alive():
+                self._give_up(f"its end was not written within {PATIENCE_S:g} s")
+            dropped = {topic: count for topic, count in self._room.dropped.items() if topic != JOURNAL_TOPIC}
+            self.summary = Summary(str(self.path), self._file.messages, self._size, dropped, self._why)
+            if dropped:
+                lost = ", ".join(f"{topic} {count}" for topic, count in sorted(dropped.items()))
+                log.warning("%s lacks messages that came faster than they can be written: %s", self.path, lost)
+        return self.summary
+
+    def _say(self, name: str, schema: Schema, make: Callable[[], Any], at: float | None = None) -> None:
+        topic = TOPIC + name
+        self._put("message", topic, MESSAGE_BYTES, lambda when: self._pen.json(topic, schema, make(), when), at)
+
+    def _put(self, kind: Kind, name: str, size: int, write: Callable[[Any], None], at: float | None) -> None:
+        """Have something written, with its times."""
+        if not self._why:
+            wall = time.time_ns()
+            run_s = self._now() if at is None else at
+            run = self._began_ns + round(run_s * 1e9) if math.isfinite(run_s) else wall
+            self._room.put(Waiting(kind, name, size, lambda: write(When(wall, run))))
+
+    # -- on the recording's own thread ---------------------------------------------------------------------------------
+
+    def _work(self) -> None:
+        try:
+            while not self._room.closed:
+                self._room.await_some(None if self._flushed else FLUSH_S)
+                self._write_waiting()
+            self._write_waiting()
+            self._fill_up()
+            self._file.say("rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._room.dropped)})
+            self._size = self._file.finish()
+        except Exception as fault:  # noqa: BLE001 - whatever breaks the recording does not break the run
+            self._give_up(str(fault) or type(fault).__name__)
+
+    def _write_waiting(self) -> None:
+        """All who wait, and whoever comes meanwhile; every second what was written leaves the process."""
+        self._flush()
+        while (waiting := self._room.take()) is not None:
+            self._flushed = False
+            try:
+                waiting.write()
+            except OSError:
+                raise
+            except Exception:
+                self._room.dropped[waiting.name] += 1
+                log.exception("a message of %s could not be recorded", waiting.name)
+            self._flush()
+
+    def _flush(self) -> None:
+        if not self._flushed and time.monotonic() >= self._flush_at:
+            self._file.flush()
+            self._flushed, self._flush_at = True, time.monotonic() + FLUSH_S
+
+    def _fill_up(self) -> None:
+        """The journal's rows that found no room."""
+        if self._journal is None or not self._room.dropped[JOURNAL_TOPIC]:
+            return
+        with Record(self._journal) as record:
+            when = When(time.time_ns(), time.time_ns())
+            self._pen.attach(record.pictures(), when)
+            for raw in record.raw():
+                if self._pen.lacks(raw[0]):
+                    self._pen.row(raw, (), when)
+
+    def _give_up(self, why: str) -> None:
+        """The recording cannot go on: nothing more is taken, and what waits is let go."""
+        if self._why:
+            return
+        self._why = why
+        log.warning("the recording %s stops, the mission goes on: %s", self.path, why)
+        self._room.clear()
+        with suppress(Exception):
+            self._file.abandon()
