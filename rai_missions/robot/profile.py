@@ -18,7 +18,7 @@ from rai_missions.states.terms import Terms
 from rai_missions.wording import suggestion
 from rai_missions.written import Json, Name, OneOf, Text, Written, fault
 
-__all__ = ("Robot", "Rule", "terms")
+__all__ = ("Robot", "Rule", "Touched", "terms")
 
 
 CONTROLLERS: tuple[str, ...] = (*get_args(Controller), "nobody")
@@ -33,6 +33,29 @@ class Rule(Written):
 
 
 Rules = Annotated[tuple[Rule, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+
+
+Patterns = Annotated[
+    tuple[Text, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
+]
+
+
+class Touched(Written):
+    """What a model's tools may touch: patterns over names, `*` for any characters; never goes before the others."""
+
+    read: Patterns = ("*",)
+    """What may be looked at."""
+    write: Patterns = ()
+    """What may be published on, called and started, by tools that act; and looked at."""
+    never: Patterns = ()
+    """What is not touched, nor anything below it."""
+
+    @model_validator(mode="after")
+    def _has_no_empty_pattern(self) -> Self:
+        for word in ("read", "write", "never"):
+            if "" in getattr(self, word):
+                raise fault(word, f"an empty pattern in '{word}' is no name; drop it")
+        return self
 
 
 class Robot(Written):
@@ -65,6 +88,8 @@ class Robot(Written):
     """Where the run says again and again that it goes on, so that control can be taken from one that hangs."""
     identity: Text = ""
     """The folder with the robot's identity, beside this file."""
+    tools: Touched | None = None
+    """What the tools of a model may touch; left out, it has none."""
 
     @model_validator(mode="before")
     @classmethod

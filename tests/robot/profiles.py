@@ -53,6 +53,7 @@ PROFILE: dict[str, Any] = {
     "services": {"horn": {"service": "/tractor1/flash", "type": TRIGGER, "repeat": True}},
     "topics": {"status": {"topic": "/tractor1/status", "type": "std_msgs/msg/String"}},
     "rules": {"assessing": [{"when": {"key": "obstacle.height_m", "<": 0.2}, "answer": "go_on"}, {"answer": "stop"}]},
+    "tools": {"read": ["/tractor1/*"], "write": ["/tractor1/flash"], "never": ["/cmd_vel", "*/e_stop"]},
 }
 
 MISSION: dict[str, Any] = {

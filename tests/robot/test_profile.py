@@ -26,6 +26,15 @@ def test_a_profile_comes_back_as_it_was_written() -> None:
     assert json.loads(dump_profile(robot())) == altered(PROFILE, {"services/horn/type": None})
 
 
+def test_a_profile_says_what_tools_may_touch_and_nothing_of_it_is_left_empty() -> None:
+    assert robot().tools is not None and robot().tools.never == ("/cmd_vel", "*/e_stop")
+    plain = parse_profile(json.dumps(altered(PROFILE, {"tools": {}}))).tools
+    assert plain is not None and (plain.read, plain.write, plain.never) == (("*",), (), ())
+    assert parse_profile(json.dumps(altered(PROFILE, {"tools": None}))).tools is None
+    assert refused({"tools": {"write": [""]}}) == ["/tools: an empty pattern in 'write' is no name; drop it"]
+    assert refused({"tools": {"wrote": []}})[0].startswith("/tools/wrote: ")
+
+
 def test_a_profile_is_read_from_a_file(tmp_path: Path) -> None:
     (tmp_path / "identity").mkdir()
     path = tmp_path / "robot.json"
