@@ -106,7 +106,8 @@ class Answerer(Protocol):
 
         `answer` is told, from any thread, once: `{"option", "parameters", "why"}`, or `{"absent": why}`, or
         `{"failed": why}`. Further tellings are stale. `usage` may come along:
-        `{"calls", "tokens_in", "tokens_out", "seconds", "model"}`.
+        `{"calls", "tokens_in", "tokens_out", "seconds", "model"}`; and `looked`, what was looked up before the answer:
+        `[{"tool", "arguments", "said"}]`, each text.
         """
 
     def withdraw(self, number: int) -> None:

@@ -62,7 +62,7 @@ def answer_fault(said: Any) -> str:
         return f"an answer has one of option, absent, failed; this has {', '.join(kinds) or 'none'}"
     if not isinstance(said[kinds[0]], str):
         return f"'{kinds[0]}' is text, not {said[kinds[0]]!r:.80}"
-    known = {"option": {"option", "parameters", "why", "usage"}}.get(kinds[0], {kinds[0], "usage"})
+    known = {"option": {"option", "parameters", "why", "usage", "looked"}}.get(kinds[0], {kinds[0], "usage", "looked"})
     if unknown := sorted(map(str, set(said) - known)):
         return f"an answer with '{kinds[0]}' has no '{unknown[0]}'"
     if not isinstance(said.get("parameters", {}), Mapping) or not isinstance(said.get("why", ""), str):
@@ -71,7 +71,13 @@ def answer_fault(said: Any) -> str:
         json.dumps(said, allow_nan=False, ensure_ascii=False).encode()
     except (TypeError, ValueError, RecursionError) as error:
         return f"an answer can be written as JSON in UTF-8: {error}"
-    return _usage_fault(said.get("usage"))
+    return _looked_fault(said.get("looked", [])) or _usage_fault(said.get("usage"))
+
+
+def _looked_fault(looked: Any) -> str:
+    notes = looked if isinstance(looked, list) else [looked]
+    wrong = [note for note in notes if not isinstance(note, Mapping) or set(note) != {"tool", "arguments", "said"}]
+    return f"'looked' is a list of what has tool, arguments and said, not {wrong[0]!r:.60}" if wrong else ""
 
 
 def _usage_fault(usage: Any) -> str:

@@ -16,11 +16,12 @@ from langchain_core.language_models import BaseChatModel
 from langchain_core.tools import BaseTool
 from pydantic import SecretStr
 
+from rai_missions.agents.lookup import is_read_only
 from rai_missions.agents.modes import Mode, takes_images
 from rai_missions.agents.pending import Pending
 from rai_missions.agents.reading import Reading
 from rai_missions.agents.redact import Redaction
-from rai_missions.agents.thought import Manner, Spent, Thought, is_read_only
+from rai_missions.agents.thought import Manner, Spent, Thought
 from rai_missions.agents.watch import DeadlineWatch
 from rai_missions.embodiment.identity import Identity
 from rai_missions.errors import UsageError
@@ -38,14 +39,14 @@ class DecisionAgent:
     Args:
         model: Who is asked.
         identity: Who the model is, as an embodied being; shown with each question.
-        tools: What it may look things up with, where a question names it; only those marked read-only are ever run.
+        tools: What it may look things up with, where a question names it; each is marked as one that only looks.
         mode: How it is asked: by a JSON Schema, by one function an option, in plain text; `auto` finds out.
         images: Whether it is shown pictures; `auto`: if its profile says that it takes them.
         at_once: How many questions may be in work; one that hangs counts until it comes back.
         longest_s: Wall time for one question, where neither it nor its budget sets one.
 
     Raises:
-        UsageError: No such mode.
+        UsageError: No such mode, or a tool that is not marked read-only.
     """
 
     def __init__(
@@ -65,11 +66,17 @@ class DecisionAgent:
         ):
             if given not in known:
                 raise UsageError(f"{what} '{given}' does not exist{suggestion(given, known)}")
+        for tool in tools:
+            if not is_read_only(tool):
+                marks = 'metadata={"read_only": True}'
+                raise UsageError(
+                    f"the tool '{tool.name}' is not marked as one that only looks ({marks}): a decision takes no other"
+                )
         self._redaction = Redaction(_secrets_of(model))
         self._manner = Manner(
             model,
             mode,
-            {tool.name: tool for tool in tools if is_read_only(tool)},
+            {tool.name: tool for tool in tools},
             identity,
             takes_images(model) if images == "auto" else images == "yes",
             self._redaction.text,
@@ -148,7 +155,8 @@ class DecisionAgent:
         pending.tell(self._told(thought, {"failed": f"no answer within {pending.taken_s:.1f} s"}))
 
     def _told(self, thought: Thought, said: Mapping[str, Any]) -> dict[str, Any]:
-        cleaned: dict[str, Any] = self._redaction.json({**said, "usage": thought.usage()})
+        looked = {"looked": list(thought.looked)} if thought.looked else {}
+        cleaned: dict[str, Any] = self._redaction.json({**said, **looked, "usage": thought.usage()})
         return cleaned
 
 

@@ -11,16 +11,17 @@ from typing import Any, NamedTuple
 
 from langchain_core.callbacks import BaseCallbackHandler
 from langchain_core.language_models import BaseChatModel
-from langchain_core.messages import AIMessage, BaseMessage, ToolMessage
+from langchain_core.messages import AIMessage, BaseMessage
 from langchain_core.tools import BaseTool
 
+from rai_missions.agents.lookup import Looked, look_up, shown
 from rai_missions.agents.modes import Bound, Mode, bound, modes_of
 from rai_missions.agents.pending import Pending
-from rai_missions.agents.prompt import messages_of, quoted
+from rai_missions.agents.prompt import messages_of
 from rai_missions.agents.reading import LONGEST, Reading, read
 from rai_missions.embodiment.identity import Identity
 
-__all__ = ("Manner", "Spent", "Thought", "is_read_only")
+__all__ = ("Manner", "Spent", "Thought")
 
 UNFIT = frozenset({400, 415, 422, 500, 501})
 """HTTP statuses by which servers refuse a form of answer that they do not know; the next mode may do."""
@@ -45,11 +46,6 @@ class Watch(BaseCallbackHandler):
             raise Spent("nobody waits for the answer any more")
         if self.heard > LONGEST:
             raise Spent(f"answered with more than {LONGEST} characters")
-
-
-def is_read_only(tool: BaseTool) -> bool:
-    """Whether a tool is marked as one that only looks: `metadata={"read_only": True}`."""
-    return (tool.metadata or {}).get("read_only") is True
 
 
 class Manner(NamedTuple):
@@ -81,6 +77,8 @@ class Thought:
         self.tools = {name: manner.tools[name] for name in pending.question.tools if name in manner.tools}
         self.calls = self.tokens_in = self.tokens_out = 0
         self.model_name = ""
+        self.looked: list[Mapping[str, str]] = []
+        """What was looked up, in order; it goes with the answer."""
         self.unfit: list[Mode] = []
         """The modes that the model's server refused."""
 
@@ -125,7 +123,9 @@ class Thought:
             left = question.budget.calls - self.calls
             if len(reading.calls) >= left:
                 raise Spent(f"asked for {len(reading.calls)} calls of tools; {max(0, left - 1)} of the budget are left")
-            messages = [*messages, message, *(self._look_up(call) for call in reading.calls)]
+            looks = [self._look_up(call) for call in reading.calls]
+            pictures = shown(looks) if self.manner.images else []
+            messages = [*messages, message, *(look.message for look in looks), *pictures]
 
     def _invoke(self, chain: Bound, messages: list[BaseMessage]) -> AIMessage | None:
         self._afford()
@@ -165,22 +165,14 @@ class Thought:
             "model": str(name or type(model).__name__)[:100],
         }
 
-    def _look_up(self, call: Mapping[str, Any]) -> ToolMessage:
-        """What a tool says, as data; or that there is no such tool."""
-        name, number = str(call["name"])[:100], str(call.get("id") or "")
-        tool = self.tools.get(name)
-        if tool is None:
-            known = ", ".join(self.tools) or "none"
-            return ToolMessage(
-                quoted(f"refused: no tool '{name}' here; there is: {known}"), tool_call_id=number, status="error"
-            )
-        self._afford()
-        self.calls += 1
-        try:
-            said = tool.invoke(dict(call["args"]))
-        except Exception as error:  # noqa: BLE001 - the model is told, and may choose without it
-            return ToolMessage(quoted(self.manner.clean(f"failed: {error}")), tool_call_id=number, status="error")
-        return ToolMessage(quoted(said if isinstance(said, str) else str(said)), tool_call_id=number)
+    def _look_up(self, call: Mapping[str, Any]) -> Looked:
+        """What a tool says; one that is not here costs nothing."""
+        if str(call["name"])[:100] in self.tools:
+            self._afford()
+            self.calls += 1
+        looked = look_up(self.tools, call, self.manner.clean)
+        self.looked.append(looked.note)
+        return looked
 
 
 def _is_unfit(error: Exception) -> bool:

@@ -46,6 +46,8 @@ def test_an_answer_of_the_contract_has_no_fault(said: Any) -> None:
         (GOOD | {"parameters": []}, "'parameters' is a mapping and 'why' is text"),
         (GOOD | {"parameters": {"x": float("nan")}}, "an answer can be written as JSON in UTF-8"),
         (GOOD | {"why": "\ud800"}, "an answer can be written as JSON in UTF-8"),
+        (GOOD | {"looked": [{"tool": "look"}]}, "'looked' is a list of what has tool, arguments and said"),
+        (GOOD | {"looked": "x"}, "'looked' is a list of what has tool, arguments and said"),
         (GOOD | {"usage": {"calls": 1}}, "'usage' has calls, tokens_in, tokens_out, seconds, model"),
         (GOOD | {"usage": USAGE | {"model": None}}, "usage of model is not None"),
     ],
