@@ -45,7 +45,8 @@ def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Calla
         clean: Takes secrets out of a text.
     """
     name, number = str(call["name"])[:100], str(call.get("id") or "")
-    tool, pictures = tools.get(name), ()
+    tool = tools.get(name)
+    pictures: tuple[Mapping[str, Any], ...] = ()
     if tool is None:
         text, status = quoted(f"refused: no tool '{name}' here; there is: {', '.join(tools) or 'none'}"), "error"
     else:
