@@ -17,7 +17,10 @@ from rai_missions.errors import UsageError
 
 __all__ = ("WORLDS", "World", "open_world")
 
-WORLDS: Mapping[str, tuple[str, str]] = {"orchard": ("rai_missions.worlds.orchard", "Orchard")}
+WORLDS: Mapping[str, tuple[str, str]] = {
+    "house": ("rai_missions.worlds.house", "House"),
+    "orchard": ("rai_missions.worlds.orchard", "Orchard"),
+}
 """Where each world lives: module and class, imported when it is opened."""
 
 

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's topics, services and actions, under the names that ROSbot XL and Nav2 give them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rai_missions.worlds import messages
+from rai_missions.worlds.house.layout import Place
+from rai_missions.worlds.house.lidar import BEAMS, NEAREST_M, REACH_M
+from rai_missions.worlds.house.rosbot import Pose
+
+__all__ = ("CAMERA", "CMD_VEL", "TOPICS", "laser_scan", "located", "odometry")
+
+CAMERA = "camera/color/image_raw"
+CMD_VEL = "/cmd_vel", "geometry_msgs/msg/Twist"
+TOPICS: Mapping[str, str] = {
+    "amcl_pose": "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "battery": "sensor_msgs/msg/BatteryState",
+    CAMERA: "sensor_msgs/msg/Image",
+    "odom": "nav_msgs/msg/Odometry",
+    "scan": "sensor_msgs/msg/LaserScan",
+}
+"""What is published, and its types."""
+TURN = 2 * math.pi / BEAMS
+
+
+def laser_scan(ranges: NDArray[np.float64], at: float, scan_s: float) -> dict[str, Any]:
+    """A sensor_msgs/msg/LaserScan; infinite is farther than it reaches (REP 117)."""
+    return {
+        "header": messages.header(at, "laser"),
+        "angle_min": -math.pi,
+        "angle_max": math.pi - TURN,
+        "angle_increment": TURN,
+        "time_increment": 0.0,
+        "scan_time": scan_s,
+        "range_min": NEAREST_M,
+        "range_max": REACH_M,
+        "ranges": [round(range_m, 4) for range_m in ranges.tolist()],
+    }
+
+
+def located(pose: Pose, at: float) -> dict[str, Any]:
+    """A geometry_msgs/msg/PoseWithCovarianceStamped in the frame `map`, certain of itself."""
+    return {"header": messages.header(at, "map"), "pose": {"pose": messages.pose(*pose[:3])}}
+
+
+def odometry(pose: Pose, start: Place, at: float) -> dict[str, Any]:
+    """A nav_msgs/msg/Odometry, from where it set out."""
+    dx, dy = pose.x - start.x, pose.y - start.y
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    turned = messages.pose(cos * dx + sin * dy, cos * dy - sin * dx, pose.heading - start.heading)
+    twist = {"linear": {"x": pose.speed, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": pose.turn}}
+    return {
+        "header": messages.header(at, "odom"),
+        "child_frame_id": "base_link",
+        "pose": {"pose": turned},
+        "twist": {"twist": twist},
+    }

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The navigation: plans a way, follows it, plans anew when it is blocked, and recovers until it gives up.
+
+Rule: it knows the map and what the lidar saw, and nothing else of the house.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rai_missions.worlds.house.costmap import CELL_M, Costmap
+from rai_missions.worlds.house.layout import Place
+from rai_missions.worlds.house.planner import plan
+from rai_missions.worlds.house.recovery import Recovery, sort_of
+from rai_missions.worlds.house.rosbot import FASTEST_MPS, Pose
+
+__all__ = ("NO_PROGRESS", "NO_WAY", "Navigator")
+
+NO_WAY, NO_PROGRESS = 308, 105
+"""NO_VALID_PATH of nav2_msgs/action/ComputePathToPose, and FAILED_TO_MAKE_PROGRESS of FollowPath."""
+ARRIVED_M, TURNED_RAD = 0.12, 0.12
+AHEAD_M = 0.35
+"""How far along the way it aims."""
+PLAN_S, PATIENCE_S = 3.0, 10.0
+"""How often it plans anew, and how long it may take to come 0.2 m nearer."""
+TOUCH_M = 0.22
+"""So near ahead of the lidar nothing may be."""
+
+Outcome = Literal["", "arrived", "failed"]
+
+
+class Navigator:
+    """Drives to one place at a time.
+
+    Args:
+        recoveries: How many are tried before it gives up.
+    """
+
+    def __init__(self, recoveries: int) -> None:
+        self.costmap = Costmap()
+        self.goal: Place | None = None
+        self.number = 0
+        """Of the goals that were begun: whose number it is not has been replaced."""
+        self.outcome: Outcome = ""
+        self.why, self.error = "", 0
+        self.recoveries = 0
+        self._most = recoveries
+        self._way: list[tuple[float, float]] = []
+        self._recovery: Recovery | None = None
+        self._turns = False
+        self._ahead_m = self._behind_m = math.inf
+        self._next_plan = self._best_at = 0.0
+        self._best_m = math.inf
+
+    @property
+    def is_driving(self) -> bool:
+        return self.goal is not None
+
+    @property
+    def left_m(self) -> float:
+        """Along the way."""
+        return sum(math.dist(one, other) for one, other in zip(self._way, self._way[1:], strict=False))
+
+    def begin(self, goal: Place, *, turns: bool, at: float) -> int:
+        """Set out; the goal's number.
+
+        Args:
+            goal: Where to.
+            turns: Whether its heading is meant too.
+            at: Now.
+        """
+        self.stop()
+        self.goal, self._turns, self.number = goal, turns, self.number + 1
+        self.outcome, self.why, self.error, self.recoveries = "", "", 0, 0
+        self._next_plan = self._best_at = at
+        self._best_m = math.inf
+        return self.number
+
+    def stop(self) -> None:
+        """Stand still, whatever was meant."""
+        self.goal, self._recovery, self._way = None, None, []
+
+    def fail(self, why: str, error: int) -> None:
+        self.stop()
+        self.outcome, self.why, self.error = "failed", why, error
+
+    def see(
+        self, place: tuple[float, float], heading: float, angles: NDArray[np.float64], ranges: NDArray[np.float64]
+    ) -> None:
+        """Take in a scan.
+
+        Args:
+            place: Of the lidar.
+            heading: Of the robot.
+            angles: Of the beams, from straight ahead.
+            ranges: Metres.
+        """
+        self.costmap.look(place, angles + heading, ranges)
+        self._ahead_m = float(ranges[np.abs(angles) < 0.5].min())
+        self._behind_m = float(ranges[np.abs(angles) > math.pi - 0.5].min())
+        if any(math.isinf(self.costmap.cost[self.costmap.cell(*point)]) for point in self._way[3:]):
+            self._next_plan = 0.0
+
+    def step(self, pose: Pose, at: float) -> tuple[float, float]:
+        """Speed (m/s) and turn (rad/s) from here."""
+        if self.goal is None:
+            return 0.0, 0.0
+        if self._recovery is not None:
+            if not self._recovery.is_over(at):
+                return self._recovery.command(self._behind_m)
+            self._recovery, self._next_plan, self._best_at, self._best_m = None, at, at, math.inf
+        left = math.dist(pose[:2], self.goal[:2])
+        if left < ARRIVED_M:
+            return self._turn(pose)
+        if at >= self._next_plan and not self._plan(pose, at):
+            return self._recover("no way leads to {}", NO_WAY, at)
+        self._pass(pose)
+        if self._ahead_m < TOUCH_M and abs(self._aim(pose)) < 0.5:
+            return self._recover("something stands close ahead on the way to {}", NO_PROGRESS, at)
+        if not self._is_getting_on(at):
+            return self._recover("no progress on the way to {}", NO_PROGRESS, at)
+        return self._follow(pose, left)
+
+    def _plan(self, pose: Pose, at: float) -> bool:
+        assert self.goal is not None
+        grid = self.costmap
+        cells = plan(grid.cost, grid.cell(pose.x, pose.y), grid.cell(*self.goal[:2]))
+        self._next_plan = at + PLAN_S
+        self._way = [] if cells is None else [*map(grid.middle, cells[:-1]), self.goal[:2]]
+        return cells is not None
+
+    def _recover(self, why: str, error: int, at: float) -> tuple[float, float]:
+        assert self.goal is not None
+        if self.recoveries >= self._most:
+            place = f"({self.goal.x:.2f}, {self.goal.y:.2f})"
+            self.fail(f"{why.format(place)}, after {self.recoveries} recoveries", error)
+            return 0.0, 0.0
+        sort = sort_of(self.recoveries)
+        self.recoveries += 1
+        if sort == "clear":
+            self.costmap.clear()
+        self._recovery, self._way = Recovery(sort, at), []
+        return self._recovery.command(self._behind_m)
+
+    def _is_getting_on(self, at: float) -> bool:
+        left = self.left_m
+        if left < self._best_m - 0.2 or left > self._best_m + 1.0:  # much farther: another way was taken
+            self._best_m, self._best_at = left, at
+        return at - self._best_at < PATIENCE_S
+
+    def _pass(self, pose: Pose) -> None:
+        """Drop what of the way lies behind."""
+        ahead = self._way[:12]
+        nearest = min(range(len(ahead)), key=lambda index: math.dist(ahead[index], pose[:2]))
+        del self._way[:nearest]
+
+    def _aim(self, pose: Pose) -> float:
+        """The angle to the point that it aims at, from straight ahead."""
+        index = min(len(self._way) - 1, max(1, round(AHEAD_M / CELL_M)))
+        x, y = self._way[index]
+        return _wrapped(math.atan2(y - pose.y, x - pose.x) - pose.heading)
+
+    def _follow(self, pose: Pose, left: float) -> tuple[float, float]:
+        aside = self._aim(pose)
+        speed = FASTEST_MPS * max(0.0, math.cos(aside)) ** 2 * min(1.0, left / 0.3 + 0.1)
+        return speed, 2.5 * aside
+
+    def _turn(self, pose: Pose) -> tuple[float, float]:
+        assert self.goal is not None
+        self._way = []
+        aside = _wrapped(self.goal.heading - pose.heading) if self._turns else 0.0
+        if abs(aside) > TURNED_RAD:
+            return 0.0, 1.5 * aside + math.copysign(0.2, aside)
+        if abs(pose.speed) < 0.05 and abs(pose.turn) < 0.2:
+            self.stop()
+            self.outcome = "arrived"
+        return 0.0, 0.0
+
+
+def _wrapped(angle: float) -> float:
+    return (angle + math.pi) % (2 * math.pi) - math.pi
