@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: `rai-missions run check draw diff replay schema new doctor world`.
+"""The command line: `rai-missions run check draw diff replay schema new doctor world gate`.
 
 Rule: exit 0 the mission succeeded (or the check or replay holds), 1 it ended otherwise, 2 the input is at fault.
 What a command needs is imported when it runs.
@@ -21,7 +21,12 @@ DIFF_EXIT = "exit status: 0 they mean the same, 1 they differ, 2 the input is at
 
 def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     run = commands.add_parser("run", help="run a mission on a robot, simulated or real", epilog=EXIT)
-    run.add_argument("mission", metavar="MISSION", help="a .json file, or a .py file that offers mission()")
+    run.add_argument(
+        "mission", metavar="MISSION", nargs="?", help="a .json file, or a .py file that offers mission()"
+    )
+    run.add_argument(
+        "--resume", metavar="JOURNAL", help="go on with a run that was cut short; its mission and profile are in there"
+    )
     run.add_argument("--robot", metavar="PROFILE", help="the robot profile: what stands behind the mission's names")
     run.add_argument(
         "--set", metavar="KEY=VALUE", action="append", default=[], help="an argument of the mission; may be repeated"
@@ -130,6 +135,32 @@ def _add_world(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
 
 
+def _add_gate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    gate = commands.add_parser(
+        "gate",
+        help="let only the holder of control command a robot's actuators",
+        description="Stands where the actuators are: of autonomy, agent and operator, each on topics of its own"
+        " (/gate/agent/cmd_vel → /cmd_vel), only the holder of control is let through.",
+        epilog="exit status: 0 it was ended (Ctrl-C, SIGTERM), 2 the input is at fault",
+    )
+    gate.add_argument("--ros", action="store_true", help="on the ROS 2 graph (the default)")
+    gate.add_argument("--file", metavar="FILE.json", help="all of this in a file, and what stops each topic")
+    gate.add_argument(
+        "--command", dest="command_topics", metavar="TOPIC=TYPE", action="append", default=[],
+        help="a command topic of the actuators (default: /cmd_vel=geometry_msgs/msg/Twist); may be repeated",
+    )  # fmt: skip
+    gate.add_argument(
+        "--lease", metavar="HOLDER=SECONDS", action="append", default=[],
+        help="a holder that says nothing for so long loses control (default: agent=0.5; 0: never); may be repeated",
+    )  # fmt: skip
+    gate.add_argument("--safe", choices=("autonomy", "nobody"), help="who has control then, and at first (autonomy)")
+    gate.add_argument("--name", metavar="NAME", help="what the gate's topics and services stand below (/gate)")
+    gate.add_argument("--domain", type=int, metavar="N", help="the ROS domain, instead of ROS_DOMAIN_ID")
+    gate.add_argument("--sim-time", action="store_true", help="stamps of commands are simulated time, as /clock says")
+    gate.add_argument("--log", metavar="FILE", help="every command and handover, a JSON object a line")
+    gate.add_argument("--quiet", action="store_true", help="print nothing")
+
+
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
     made = argparse.ArgumentParser(prog="rai-missions", description=ABOUT, epilog=EXIT)
@@ -138,6 +169,7 @@ def parser() -> argparse.ArgumentParser:
     _add_run(commands)
     _add_reviews(commands)
     _add_tools(commands)
+    _add_gate(commands)
     _add_world(commands)
     return made
 

@@ -84,6 +84,7 @@ class GateAgent:
     def run(self) -> None:
         """Begin on a thread of its own; returns at once."""
         if self._thread is None:
+            self._is_over = False
             self._thread = threading.Thread(target=self.serve, name="gate")
             self._thread.start()
 
@@ -101,7 +102,6 @@ class GateAgent:
 
     def serve(self) -> None:
         """Stand there until `end`."""
-        self._is_over = False
         try:
             self.open()
             while not self._is_over:
