@@ -15,7 +15,7 @@ from typing import Any
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, RawMessage, Reply, Report
 from rai_missions.connectors.ros2.definitions import definition_of
 from rai_missions.connectors.ros2.graph import listed
-from rai_missions.connectors.ros2.messages import to_message
+from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
 from rai_missions.connectors.ros2.names import Kind, find_type
 from rai_missions.connectors.ros2.options import read_options
 from rai_missions.connectors.ros2.session import Session
@@ -103,7 +103,10 @@ class Ros2Connector:
         session = self._session
         if session is not None:
             cls = self._type("msg", topic, type_name)
-            session.publish(topic, cls, to_message(cls, message, topic))
+            if is_picture(message):
+                session.publish_later(topic, cls, to_message_later(cls, message, topic))
+            else:
+                session.publish(topic, cls, to_message(cls, message, topic))
 
     def call(
         self,

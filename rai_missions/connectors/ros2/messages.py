@@ -9,19 +9,19 @@ from __future__ import annotations
 import math
 import sys
 from array import array
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import cache
 from typing import Any
 
 from rai_missions.connectors.connector import Data
 from rai_missions.connectors.ros2.fields import BYTES, CODES, INTEGERS, FieldType, field_type
 from rai_missions.connectors.ros2.names import find_type
-from rai_missions.connectors.ros2.pictures import PICTURES, message_of_picture
+from rai_missions.connectors.ros2.pictures import PICTURES, check_picture, message_of_picture
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.wording import shown, suggestion
 
-__all__ = ("name_of", "to_data", "to_message")
+__all__ = ("is_picture", "name_of", "to_data", "to_message", "to_message_later")
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 GREATEST = {"float": 3.4028234663852886e38, "double": sys.float_info.max}
@@ -55,6 +55,30 @@ def to_message(cls: Any, data: Data, place: str = "") -> Any:
             given = message_of_picture(value, name_of(cls), where)[name] if isinstance(value, Image) else value
             _set(message, name, _field(known[name], given, where), where)
     return message
+
+
+def is_picture(data: Any) -> bool:
+    """Whether plain data carries a picture, whose bytes may be costly to make."""
+    return isinstance(data, Mapping) and any(isinstance(value, Image) for value in data.values())
+
+
+def to_message_later(cls: Any, data: Data, place: str = "") -> Callable[[], Any]:
+    """A message of a picture whose bytes are asked for when it is made, and not before.
+
+    Raises:
+        ConnectorError: At once, as `to_message`.
+    """
+    pictures = {name: value for name, value in data.items() if isinstance(value, Image)}
+    message = to_message(cls, {name: value for name, value in data.items() if name not in pictures}, place)
+    for name, picture in pictures.items():
+        check_picture(picture, name_of(cls), _at(place, name))
+
+    def make() -> Any:
+        for name, picture in pictures.items():
+            _set(message, name, getattr(to_message(cls, {name: picture}, place), name), _at(place, name))
+        return message
+
+    return make
 
 
 def _set(message: Any, name: str, value: Any, place: str) -> None:

@@ -9,10 +9,12 @@ from typing import Any
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 
-__all__ = ("PICTURES", "message_of_picture")
+__all__ = ("PICTURES", "check_picture", "message_of_picture")
 
 CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1, "8UC1": 1, "8UC3": 3}
 RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+CARRIED = {RAW: ("rgb8",), COMPRESSED: ("png", "jpeg")}
+"""Messages that carry a picture → the encodings that they carry."""
 
 
 def message_of_picture(picture: Image, type_name: str, place: str) -> dict[str, Any]:
@@ -21,13 +23,23 @@ def message_of_picture(picture: Image, type_name: str, place: str) -> dict[str, 
     Raises:
         ConnectorError: The message carries none, or none of this encoding.
     """
-    if type_name == RAW and picture.encoding == "rgb8":
+    check_picture(picture, type_name, place)
+    if type_name == RAW:
         return {
             "width": picture.width, "height": picture.height, "encoding": "rgb8", "step": picture.width * 3,
             "data": picture.data,
         }  # fmt: skip
-    if type_name == COMPRESSED and picture.encoding in ("png", "jpeg"):
-        return {"format": picture.encoding, "data": picture.data}
+    return {"format": picture.encoding, "data": picture.data}
+
+
+def check_picture(picture: Image, type_name: str, place: str) -> None:
+    """Whether a message can carry a picture; its bytes are not asked for.
+
+    Raises:
+        ConnectorError: The message carries none, or none of this encoding.
+    """
+    if picture.encoding in CARRIED.get(type_name, ()):
+        return
     carrier = RAW if picture.encoding == "rgb8" else COMPRESSED
     raise ConnectorError(f"{place or type_name}: a picture in '{picture.encoding}' travels as {carrier}")
 

@@ -67,6 +67,9 @@ class Session:
     def publish(self, topic: str, cls: Any, message: Any) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish(message))
 
+    def publish_later(self, topic: str, cls: Any, make: Callable[[], Any]) -> None:
+        self.runtime.post(lambda: self._publication(topic, cls).publish_later(make))
+
     def _publication(self, topic: str, cls: Any) -> Publication:
         if topic not in self._publications:
             quality, patience_s = self._options.quality(topic), self._options.discovery_s

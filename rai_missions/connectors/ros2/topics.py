@@ -38,11 +38,16 @@ class Publication:
 
     A new publisher is not yet known to the subscribers: what it said in that while would be lost. So its first messages
     wait for a subscriber, as many as the topic's depth and no longer than `patience_s`.
+
+    A picture is made when it leaves: while nobody listens it is not made at all, and of those that wait for the first
+    subscriber only the newest is.
     """
 
     def __init__(self, runtime: Runtime, topic: str, cls: Any, quality: Quality, patience_s: float) -> None:
         self._publisher = runtime.node.create_publisher(cls, topic, profile(quality))
+        self._keeps = quality.durability == "latched"
         self._first: deque[Any] | None = deque(maxlen=quality.depth)
+        self._picture: Callable[[], Any] | None = None
         runtime.when(self._is_known, patience_s, lambda _known: self._open())
 
     def _is_known(self) -> bool:
@@ -52,12 +57,22 @@ class Publication:
         first, self._first = self._first or (), None
         for message in first:
             self._publisher.publish(message)
+        if self._picture is not None:
+            self.publish_later(self._picture)
+            self._picture = None
 
     def publish(self, message: Any) -> None:
         if self._first is None:
             self._publisher.publish(message)
         else:
             self._first.append(message)
+
+    def publish_later(self, make: Callable[[], Any]) -> None:
+        """Publish a picture, if anybody may see it."""
+        if self._first is not None:
+            self._picture = make
+        elif self._keeps or self._is_known():
+            self._publisher.publish(make())
 
 
 class Subscription:
