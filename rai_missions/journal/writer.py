@@ -85,7 +85,7 @@ class Journal:
         return journal
 
     @classmethod
-    def open(cls, path: Path | str, *, redact: Redact | None = None) -> Self:
+    def open(cls, path: Path | str, *, redact: Redact | None = None, witness: Witness | None = None) -> Self:
         """A journal that is there, to go on with.
 
         Raises:
@@ -95,7 +95,7 @@ class Journal:
         path = Path(path)
         lock = Lock(path, new=False)
         try:
-            journal = cls(path, lock, new=False, redact=redact)
+            journal = cls(path, lock, new=False, redact=redact, witness=witness)
             last = journal._database.execute("SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1").fetchone()
             if last is not None:
                 journal._number, journal._hash = last

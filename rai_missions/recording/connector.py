@@ -14,7 +14,7 @@ from rai_missions.connectors.connector import Close, Connector, Data, Message, M
 from rai_missions.errors import ConnectorError
 from rai_missions.recording.recording import Recording
 
-__all__ = ("RecordedConnector",)
+__all__ = ("RecordedConnector", "recorded")
 
 
 class RecordedConnector:
@@ -114,3 +114,8 @@ class RecordedConnector:
 
     def offer(self, action: str, type_name: str, server: Any) -> Close:
         return self._inner.offer(action, type_name, server)
+
+
+def recorded(connector: Connector | None, recording: Recording | None) -> Connector | None:
+    """A connector as a mission is to have it: recorded, where there is both."""
+    return connector if connector is None or recording is None else RecordedConnector(connector, recording)

@@ -22,13 +22,14 @@ class File:
 
     Args:
         stream: Where to write; closed by `finish`.
-        profile: MCAP's: `ros2` where every message of the robot is one of ROS, else empty.
+
+    MCAP's own `profile` stays empty: that of ROS 2 allows no messages in JSON beside those in CDR.
     """
 
-    def __init__(self, stream: IO[bytes], profile: str) -> None:
+    def __init__(self, stream: IO[bytes]) -> None:
         self._stream = stream
         self._writer: Any = Writer(stream, compression=CompressionType.ZSTD)
-        self._writer.start(profile=profile, library="rai_missions")
+        self._writer.start(profile="", library="rai_missions")
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
         self._sequence: dict[int, int] = {}

@@ -18,7 +18,7 @@ from typing import IO, Any, NamedTuple, Self
 
 from rai_missions.connectors.connector import Message, RawMessage, Reply, Report
 from rai_missions.errors import UsageError
-from rai_missions.journal import Blob, Raw, Record
+from rai_missions.journal import Blob, Journal, Raw, Record
 from rai_missions.lifecycle import Status
 from rai_missions.mission import Mission
 from rai_missions.recording.pen import JOURNAL_TOPIC, TOPIC, Pen, When
@@ -83,12 +83,10 @@ class Recording:
         mission: The mission that runs.
         about: Words about the run, for whoever lists the file's metadata.
         now: Seconds on the run's clock.
-        profile: MCAP's own: `ros2` where the robot's messages are those of ROS.
     """
 
     def __init__(
-        self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
-        profile: str = "",
+        self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float]
     ) -> None:  # fmt: skip
         from rai_missions.recording.file import File  # loads mcap
 
@@ -98,7 +96,7 @@ class Recording:
         self._why, self._size = "", 0
         self._flushed, self._flush_at = True, 0.0
         self._journal: Path | None = None
-        self._file = File(stream, profile)
+        self._file = File(stream)
         self._pen = Pen(self._file, mission)
         words = {"format": FORMAT, "mission": mission.name, "version": mission.version, "began_ns": str(self._began_ns)}
         self._file.say("rai_missions", {**words, **about})
@@ -117,6 +115,7 @@ class Recording:
         """
         path = Path(path)
         check_name(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
         try:
             stream = path.open("xb")
         except FileExistsError:
@@ -184,6 +183,10 @@ class Recording:
                 lost = ", ".join(f"{topic} {count}" for topic, count in sorted(dropped.items()))
                 log.warning("%s lacks messages that came faster than they can be written: %s", self.path, lost)
         return self.summary
+
+    def end(self, journal: Journal | None = None) -> None:
+        """Close it after the run's journal, if there is one."""
+        self.close(journal.path if journal is not None else None)
 
     def _say(self, name: str, schema: Schema, make: Callable[[], Any], at: float | None = None) -> None:
         topic = TOPIC + name
