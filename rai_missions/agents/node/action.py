@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mission as an action: a goal starts it, feedback says where it is, the result how it ended.
+
+Rule: the goal is the run's. Canceling the goal cancels the mission, and the goal ends when the mission has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.agents.node.bulletin import Bulletin
+from rai_missions.agents.node.course import Course
+from rai_missions.agents.node.desk import Desk
+from rai_missions.agents.node.order import Order, Receipt, mapping_in, who
+from rai_missions.connectors.connector import Data, Report
+
+__all__ = ("RunServer",)
+
+
+class RunServer:
+    """Serves `~/run`; an `ActionServer`.
+
+    Args:
+        desk: Takes the orders.
+        refused: Told why a goal is rejected, which ROS has no word for.
+    """
+
+    def __init__(self, desk: Desk, refused: Callable[[Receipt], None]) -> None:
+        self._desk, self._refused = desk, refused
+        self._goal_id = ""
+        self._report: Callable[[Report], None] | None = None
+        self._course: Course | None = None
+        self._is_unwanted = False
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        """Start the mission for a goal."""
+        given = mapping_in(goal.get("arguments", ""), "arguments")
+        if isinstance(given, str):
+            receipt = Receipt(False, given, goal_id)
+        else:
+            receipt = self._desk.ask(Order("start", who(goal.get("by")), goal_id, arguments=given))
+        if not receipt.success:
+            self._refused(receipt)
+            report(Report(goal_id, "rejected", {}, receipt.why))
+            return
+        self._goal_id, self._report, self._course = goal_id, report, self._desk.course
+        self._is_unwanted = False
+        report(Report(goal_id, "accepted", {}))
+        self._desk.when_idle(lambda: self._end(goal_id))
+
+    def cancel(self, goal_id: str) -> None:
+        """Cancel the mission of a goal."""
+        if goal_id == self._goal_id:
+            self._is_unwanted = True
+            self._desk.submit(Order("cancel", "operator (~/run)", goal_id), lambda _receipt: None)
+
+    def tell(self, bulletin: Bulletin) -> None:
+        """Feedback for the goal that runs."""
+        report, course = self._report, self._course
+        if report is None or course is None or course.is_over or bulletin.run != course.runner.run_id:
+            return
+        fields: dict[str, Any] = bulletin.fields()
+        told = {word: fields[word] for word in ("revision", "mode", "questions")}
+        report(Report(self._goal_id, "feedback", told | {"state": fields["active"]}))
+
+    def _end(self, goal_id: str) -> None:
+        report, course = self._report, self._course
+        if report is None or course is None or goal_id != self._goal_id:
+            return
+        self._report = None
+        result = course.result
+        data = {
+            "outcome": course.mode, "why": result.why if result is not None else course.error,
+            "run": course.runner.run_id, "journal": (result.journal if result is not None else None) or "",
+        }  # fmt: skip
+        if course.mode == "succeeded":
+            report(Report(goal_id, "succeeded", data))
+        elif course.mode == "canceled" and self._is_unwanted:
+            report(Report(goal_id, "canceled", data))
+        else:
+            report(Report(goal_id, "failed", data, data["why"]))

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run, the orders that it was given, and what became of each.
+
+Rule: an order is an event in the run's mailbox like any other, and its receipt is what the Step says that took it.
+"""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rai_missions.agents.node.bulletin import Open
+from rai_missions.agents.node.order import Order, Receipt, Told
+from rai_missions.blackboard import stale_at
+from rai_missions.event import Event
+from rai_missions.lifecycle import CONTROLLERS, Status
+from rai_missions.robot import Robot
+from rai_missions.runner import Result, Runner
+from rai_missions.step import Ask, Step
+from rai_missions.verdict import Question
+from rai_missions.wording import suggestion
+
+__all__ = ("Course",)
+
+MOST_WAITING = 256
+COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": "kill"}
+"""Order → the engine's command."""
+OVER = "the mission has ended"
+
+
+class Course:
+    """A run from its beginning to its end, as those outside see it.
+
+    Args:
+        runner: The run; not begun yet.
+        robot: The profile, which says which events may be posted.
+    """
+
+    def __init__(self, runner: Runner, robot: Robot | None) -> None:
+        self.runner, self._robot = runner, robot
+        self.status: Status | None = None
+        """The run's latest."""
+        self.result: Result | None = None
+        self.error = ""
+        """Why it broke off, if it did."""
+        self._lock = threading.Lock()
+        self._waiting: dict[str, tuple[Order, Told]] = {}
+        self._asked: dict[int, Question] = {}
+        self._thread: threading.Thread | None = None
+        self._is_news = False
+        self.is_over = False
+
+    @property
+    def mode(self) -> str:
+        """The run's mode; one that broke off has failed."""
+        if self.is_over:
+            return self.result.outcome if self.result is not None else "failed"
+        return self.status.mode if self.status is not None else "ready"
+
+    @property
+    def is_here(self) -> bool:
+        """The caller is the run's own thread."""
+        return threading.current_thread() is self._thread
+
+    def questions(self) -> tuple[Open, ...]:
+        """What is asked now, the oldest first, with the time left."""
+        now = self.runner.clock.now()
+        with self._lock:
+            asked = () if self.is_over else tuple(self._asked.values())
+        return tuple(Open(question, max(0.0, question.until - now)) for question in asked)
+
+    def stale(self) -> tuple[str, ...]:
+        """The robot's keys that are older than they may be."""
+        if self.is_over or self.mode not in ("running", "paused", "canceling"):
+            return ()
+        now, board = self.runner.clock.now(), self.runner.chart.view.board
+        keys = [(name, key) for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
+        heard = [(name, key, board.get(name)) for name, key in keys]
+        return tuple(name for name, key, entry in heard if entry is not None and stale_at(key, entry) <= now)
+
+    # -- orders ---------------------------------------------------------------------------------------------------
+
+    def submit(self, order: Order, told: Told) -> None:
+        """Give the run an order; `told` hears once what became of it, from any thread."""
+        why = self._refuses(order)
+        if why:
+            told(Receipt(False, why, order.id))
+        elif order.command == "control":
+            why = self.runner.control(order.to, order.by if order.by in CONTROLLERS else "operator")
+            told(Receipt(not why, why, order.id))
+        else:
+            self._post(order, told)
+
+    def _post(self, order: Order, told: Told) -> None:
+        request = uuid.uuid4().hex[:12]
+        with self._lock:
+            is_over, is_full = self.is_over, len(self._waiting) >= MOST_WAITING and order.command != "e_stop"
+            if not is_over and not is_full:
+                self._waiting[request] = (order, told)
+        if is_over or is_full:
+            told(Receipt(False, OVER if is_over else "too many orders wait already; ask again", order.id))
+        elif order.command == "e_stop":
+            self.runner.mailbox.post_urgent(self._event(order, request))
+        else:
+            self.runner.post(self._event(order, request))
+
+    def _event(self, order: Order, request: str) -> Event:
+        at, said = self.runner.clock.now(), {"by": order.by, "request": request}
+        if order.command == "answer":
+            answer = {"option": order.option, "parameters": dict(order.parameters)}
+            return Event("operator", at, answer | said, "proposal", order.question)
+        if order.command == "post":
+            return Event(order.event, at, dict(order.data) | said)
+        return Event(COMMANDS[order.command], at, said, "command")
+
+    def _refuses(self, order: Order) -> str:
+        """Why an order is not put to the engine at all."""
+        if order.command == "control" and order.to not in CONTROLLERS:
+            return f"nobody called '{order.to:.60}' can hold control{suggestion(order.to, CONTROLLERS)}"
+        if order.command == "post":
+            events = self._robot.events if self._robot is not None else {}
+            posted = [name for name, event in events.items() if event.posted]
+            if order.event not in posted:
+                near = suggestion(order.event, posted)
+                return f"the robot profile lists no posted event '{order.event:.60}'{near}"
+        if order.command == "answer":
+            return self._refuses_answer(order.question)
+        return ""
+
+    def _refuses_answer(self, number: int) -> str:
+        with self._lock:
+            question, still = self._asked.get(number), ", ".join(map(str, self._asked))
+        if question is None:
+            return f"question {number} is not open; open: {still or 'none'}"
+        state = self.runner.mission.state(question.state)
+        if question.asked != "operator" and not any("operator" in ask for ask in _asks(state.written())):
+            return f"question {number} is not for the operator; it is asked of {question.asked}"
+        return ""
+
+    # -- the run --------------------------------------------------------------------------------------------------
+
+    def run(self) -> Result:
+        """Run to the end on this thread; what is raised is raised on."""
+        self._thread = threading.current_thread()
+        try:
+            self.result = self.runner.run()
+        except BaseException as error:
+            self.error = f"{error}" or type(error).__name__
+            raise
+        else:
+            return self.result
+        finally:
+            self._end()
+
+    def follow(self, status: Status) -> None:
+        """The run's status has changed."""
+        self.status, self._is_news = status, True
+
+    def step(self, step: Step) -> bool:
+        """Follow a step, on the run's thread; whether the status or what is asked has changed with it."""
+        is_news, self._is_news = self._is_news, False
+        return self._follow_questions(step) or is_news
+
+    def receive(self, step: Step) -> None:
+        """Tell whoever has ordered what this step did."""
+        waiting = self._waiting.pop(step.event.data.get("request", ""), None) if self._waiting else None
+        if waiting is not None:
+            waiting[1](_receipt(waiting[0], step))
+
+    def _follow_questions(self, step: Step) -> bool:
+        asked = [effect.question for effect in step.effects if isinstance(effect, Ask)]
+        if not asked and not self._asked:
+            return False
+        awaited = self.runner.chart.awaited
+        before = tuple(self._asked)
+        with self._lock:
+            self._asked |= {question.number: question for question in asked}
+            self._asked = {number: each for number, each in self._asked.items() if number in awaited}
+        return before != tuple(self._asked)
+
+    def _end(self) -> None:
+        with self._lock:
+            self.is_over = True
+            left, self._waiting = tuple(self._waiting.values()), {}
+        for order, told in left:
+            told(Receipt(False, OVER, order.id))
+
+
+def _receipt(order: Order, step: Step) -> Receipt:
+    if order.command == "answer":
+        note = next((each for each in step.notes if each.startswith(f"question {order.question}:")), "")
+        is_good = note.endswith(": accepted")
+        return Receipt(is_good, "" if is_good else note or step.why or "its time was over", order.id)
+    if step.ignored and step.why:
+        return Receipt(False, step.why, order.id)
+    remark = "nothing in the mission reacts to it now" if order.command == "post" and step.ignored else ""
+    return Receipt(True, remark, order.id)
+
+
+def _asks(written: Any) -> Iterator[Any]:
+    """Whom the decisions in a state ask, wherever in it they stand."""
+    if isinstance(written, Mapping):
+        if "question" in written:
+            yield written.get("ask", ("agent", "operator", "rules"))
+        for each in written.values():
+            yield from _asks(each)
+    elif isinstance(written, list | tuple):
+        for each in written:
+            yield from _asks(each)

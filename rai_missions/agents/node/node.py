@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mission's node: the paper's Agent around runs, over a connector, with the lifecycle that ROS 2 knows."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rai_missions.agents.mission import Setting
+from rai_missions.agents.node.action import RunServer
+from rai_missions.agents.node.acts import Acts
+from rai_missions.agents.node.carrier import PACKAGE, Carrier, name_of, open_carrier
+from rai_missions.agents.node.course import Course
+from rai_missions.agents.node.desk import Desk
+from rai_missions.agents.node.hosting import Host
+from rai_missions.agents.node.managed import ManagedLifecycle, serve_lifecycle
+from rai_missions.agents.node.names import NodeName
+from rai_missions.agents.node.order import Order, Receipt
+from rai_missions.agents.node.present import readied, robot_of
+from rai_missions.agents.node.press import Press
+from rai_missions.agents.node.services import STRING, serve_orders, serve_typed_orders
+from rai_missions.connectors.connector import Close, Reply
+from rai_missions.errors import UsageError
+from rai_missions.mission import Mission
+from rai_missions.runner import Runner
+from rai_missions.step import Step
+
+__all__ = ("MissionNode",)
+
+LOOK_S = 1.0
+"""How long another node of the same name is looked for."""
+FAREWELL_S = 2.0
+"""How much longer than its `cancel_s` a canceled run may take before it is killed."""
+
+
+class MissionNode:
+    """A node that runs a mission when it is told to, again and again; or one beside a run that somebody else begins.
+
+    Args:
+        setting: What a run is made of.
+        name: The node's; left out, the profile's or the mission's.
+        managed: Runs are begun by clients. Else by whoever made the node, with `joined` and `attend`.
+        ros_arguments: What follows `--ros-args`.
+        carrier: Used instead of what the profile says.
+        journals: Names a fresh journal for each run; else there is only the setting's.
+        operator: Clients answer as the operator, where the setting names nobody.
+        ended: Told of each run of the node's own that is over.
+
+    Raises:
+        UsageError: A name that no node can have, a connector that cannot be opened.
+        DefinitionError: The profile is at fault.
+    """
+
+    def __init__(
+        self, setting: Setting, name: str = "", *, managed: bool = True, ros_arguments: Sequence[str] = (),
+        carrier: Carrier | None = None, journals: Callable[[], Path] | None = None, operator: bool = True,
+        ended: Callable[[Course], None] = lambda _course: None,
+    ) -> None:  # fmt: skip
+        robot, given = robot_of(setting), setting.mission
+        self._host = Host(setting, robot=robot, journals=journals, operator=operator)
+        self._about = (given.name, given.version) if isinstance(given, Mission) else ("", "")
+        self.name: NodeName = name_of(name, self._about[0] or Path(str(given)).stem, robot, ros_arguments)
+        self._carrier = carrier or open_carrier(robot, self.name, now=self._host.now, ros_arguments=ros_arguments)
+        self._is_managed, self._on_end = managed, ended
+        self._press = Press(
+            self._carrier, self.name, lifecycle=lambda: (self._lifecycle.state.label, self._lifecycle.fault),
+            course=lambda: self._host.course, about=lambda: self._about,
+        )  # fmt: skip
+        self._finalized = threading.Event()
+        self._desk = Desk(self._begin if managed else None, self._press.changed)
+        acts = Acts(self._desk, ready=self._ready, finalized=self._finalized.set)
+        self._lifecycle = ManagedLifecycle(acts.by_label(), self._press.moved)
+        self._closes: list[Close] = []
+        self._is_open = self._is_ours = False
+
+    # -- the agent ------------------------------------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Open the node; beside a run it is active at once, else unconfigured.
+
+        Raises:
+            UsageError: Another node has its name.
+            ConnectorError: The graph cannot be reached.
+        """
+        if self._is_open:
+            return
+        self._is_open = True
+        self._is_ours = not self._carrier.connector.running
+        try:
+            self._carrier.connector.start()
+            self._look_for_others()
+            self._serve()
+        except BaseException:
+            self.stop()
+            raise
+        self._press.outlet.run()
+        self._press.changed()
+        if not self._is_managed:
+            self._lifecycle.change("configure")
+            self._lifecycle.change("activate")
+
+    def stop(self) -> None:
+        """Cancel what runs, and close the node."""
+        course = self._desk.live
+        if course is not None and self._is_managed:
+            course.submit(Order("cancel", "stop"), _unheard)
+            self._host.join(course.runner.mission.cancel_s + FAREWELL_S)
+            course.submit(Order("e_stop", "stop"), _unheard)
+            self._host.join(FAREWELL_S)
+        while self._closes:
+            self._closes.pop()()
+        self._press.outlet.stop()
+        if self._is_open and self._is_ours:
+            self._carrier.connector.stop()
+        self._is_open = False
+
+    def wait(self, within_s: float | None = None) -> bool:
+        """Until the node was shut down; whether it was."""
+        return self._finalized.wait(within_s)
+
+    def shut_down(self, *, at_once: bool = False) -> None:
+        """Cancel what runs and finalize the node, as its lifecycle has it.
+
+        Args:
+            at_once: The run is not canceled but killed.
+        """
+        course = self._desk.live
+        if at_once and course is not None:
+            course.submit(Order("e_stop", "operator (interrupt)"), _unheard)
+        if not self._lifecycle.change("shutdown"):  # another transition is under way: after it
+            self._desk.when_idle(self._shut_down_now)
+
+    def _shut_down_now(self) -> None:
+        self._lifecycle.change("shutdown")
+
+    # -- beside a run ---------------------------------------------------------------------------------------------
+
+    def joined(self, setting: Setting) -> Setting:
+        """A setting whose run travels over the node's connector, is told of by it and can be answered through it."""
+        return self._host.joined(setting, self._carrier, on_step=self._followed)
+
+    def attend(self, runner: Runner) -> Course:
+        """Follow a run that is about to begin, by `Course.run`."""
+        course = self._host.course = Course(runner, self._host.robot)
+        self._desk.attend(course)
+        return course
+
+    def conclude(self) -> None:
+        """The run that was attended is over."""
+        self._desk.ended()
+        self._lifecycle.change("shutdown")
+
+    def _followed(self, step: Step) -> None:
+        course = self._host.course
+        if course is not None:
+            if course.step(step):
+                self._press.changed()
+            self._press.step(step, course.runner.run_id)
+            course.receive(step)
+
+    # -- runs of its own ------------------------------------------------------------------------------------------
+
+    def _begin(self, order: Order) -> Course:
+        return self._host.begin(order, self.joined, self._ended)
+
+    def _ended(self, course: Course) -> None:
+        self._desk.ended()
+        self._on_end(course)
+
+    def _ready(self) -> None:
+        if self._is_managed:
+            mission, self._host.robot = readied(self._host.setting)
+            self._host.mission = mission
+            self._about = (mission.name, mission.version)
+
+    # -- the graph ------------------------------------------------------------------------------------------------
+
+    def _look_for_others(self) -> None:
+        replies: list[Reply] = []
+        is_answered = threading.Event()
+
+        def answered(reply: Reply) -> None:
+            replies.append(reply)
+            is_answered.set()
+
+        service, kind = self.name.below("get_state"), "lifecycle_msgs/srv/GetState"
+        self._carrier.connector.call(service, kind, {}, answered=answered, timeout_s=LOOK_S)
+        is_answered.wait(3 * LOOK_S)
+        if replies and replies[0].outcome == "succeeded":
+            raise UsageError(f"another node is called {self.name.path} already; give this one a name with --node NAME")
+
+    def _serve(self) -> None:
+        connector, name = self._carrier.connector, self.name
+        self._closes += serve_lifecycle(connector, name, self._lifecycle)
+        self._closes += serve_orders(connector, name, self._desk, self._press.reply)
+        self._closes.append(connector.subscribe(name.below("status"), STRING, self._press.heard))
+        if self._carrier.robots and self._host.follows:
+            self._closes.append(connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", self._host.hear_time))
+        if self._carrier.typed:
+            self._closes += serve_typed_orders(connector, name, self._desk)
+            if "actions" in connector.modes and self._is_managed:
+                server = RunServer(self._desk, self._press.reply)
+                self._press.also = server.tell
+                self._closes.append(connector.offer(name.below("run"), f"{PACKAGE}/action/RunMission", server))
+
+
+def _unheard(_receipt: Receipt) -> None:
+    """Nobody asks what became of it."""
