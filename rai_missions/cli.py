@@ -21,9 +21,7 @@ DIFF_EXIT = "exit status: 0 they mean the same, 1 they differ, 2 the input is at
 
 def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     run = commands.add_parser("run", help="run a mission on a robot, simulated or real", epilog=EXIT)
-    run.add_argument(
-        "mission", metavar="MISSION", nargs="?", help="a .json file, or a .py file that offers mission()"
-    )
+    run.add_argument("mission", metavar="MISSION", nargs="?", help="a .json file, or a .py file that offers mission()")
     run.add_argument(
         "--resume", metavar="JOURNAL", help="go on with a run that was cut short; its mission and profile are in there"
     )
@@ -52,6 +50,23 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     run.add_argument("--seed", type=int, metavar="N", help="the simulated world's seed, instead of the profile's")
     run.add_argument("--json", action="store_true", help="print one object at the end, and nothing else on stdout")
     run.add_argument("--verbose", action="store_true", help="print steps that changed nothing too")
+    run.add_argument(
+        "--node",
+        metavar="NAME",
+        nargs="?",
+        const="",
+        help="serve the run on the robot's graph: lifecycle, orders, status, diagnostics (default: the mission's name)",
+    )
+    run.add_argument(
+        "--managed", action="store_true", help="a node that runs the mission whenever it is told to, until shut down"
+    )
+    run.add_argument(
+        "--ros-args",
+        metavar="…",
+        nargs=argparse.REMAINDER,
+        default=[],
+        help="what ROS is told; ros2 launch appends it",
+    )
     run.set_defaults(command="run")
 
 
