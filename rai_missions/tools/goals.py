@@ -121,7 +121,7 @@ class Goals:
 
     def start(self, action: str, type_name: str, goal: Data, ends: float) -> Standing:
         """Send a goal, and wait until its server has said whether it takes it."""
-        goal_id = f"tool-{uuid.uuid4().hex[:12]}"
+        goal_id = f"tool-{uuid.uuid4().hex[:10]}"  # fifteen letters: ROS carries them as they are
         sent = self._keep(Goal(goal_id, action), goal_id)
         try:
             self._reach.send_goal(action, type_name, goal, goal_id, sent.hear)

@@ -143,7 +143,7 @@ class Reach:
         def take(message: Message) -> None:
             with self._lock:
                 before = newest.get(message.topic)
-                if before is None or not message.at < before.at:
+                if before is None or _instant(message) >= _instant(before):
                     newest[message.topic] = message
             changed.put(message)
 
@@ -206,3 +206,8 @@ class Reach:
     def _heard(self, message: Message, type_name: str) -> Heard:
         age_s = max(0.0, self.now() - message.at) if math.isfinite(message.at) else math.inf
         return Heard(message.topic, type_name, message.data, message.at, age_s)
+
+
+def _instant(message: Message) -> float:
+    """When it was so; a stamp that is no time is older than every other."""
+    return message.at if math.isfinite(message.at) else -math.inf
