@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shipped patrol in the house: what it is, what it does, and what it does where the way is blocked."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.script import ScriptAnswerer
+from rai_missions.check import check
+from rai_missions.journal import read
+from rai_missions.load import dump, load
+from rai_missions.replay import replay
+from rai_missions.robot import load_profile, missing
+from rai_missions.step import Step
+
+ROSBOT = Path(__file__).parents[2] / "missions" / "rosbot"
+PROFILES = ["robot.sim.json", "robot.ros2.json"]
+
+
+def test_the_mission_has_no_fault_and_its_profiles_all_that_it_uses() -> None:
+    mission = load(ROSBOT / "mission.json")
+    assert list(check(mission)) == []
+    for profile in PROFILES:
+        assert missing(mission, load_profile(ROSBOT / profile)) == ()
+
+
+def test_the_twin_in_python_is_equal() -> None:
+    assert load(ROSBOT / "mission.py") == load(ROSBOT / "mission.json")
+    assert dump(load(ROSBOT / "mission.py")) == dump(load(ROSBOT / "mission.json"))
+
+
+def test_over_ros_nothing_is_another_but_the_way_there() -> None:
+    one, other = (load_profile(ROSBOT / name).written() for name in PROFILES)
+    assert {key for key in one if one[key] != other[key]} == {"name", "about", "connector"}
+
+
+def written(path: Path) -> list[Step]:
+    with read(path) as record:
+        return list(record.steps())
+
+
+@pytest.mark.sim
+def test_the_patrol_succeeds_and_its_journal_says_how(patrol: Any, tmp_path: Path) -> None:
+    one = patrol(words={"journal": tmp_path / "one.journal"})
+    result = one.run()
+    assert (result.outcome, result.why) == ("succeeded", "'done' was reached, and supply is one of 1, 4")
+    assert one.entered.count("visited") == 4 and "deciding" not in one.entered
+    assert one.world.is_charging
+    again = replay(tmp_path / "one.journal")
+    assert again.holds and again.outcome == "succeeded", again.difference
+
+
+@pytest.mark.sim
+def test_the_same_seed_gives_the_same_run_to_the_bit(patrol: Any, tmp_path: Path) -> None:
+    seen: list[tuple[list[Step], str]] = []
+    for name in ("one", "two"):
+        one = patrol(words={"journal": tmp_path / f"{name}.journal"}, blocked=["study_pantry"])
+        one.run()
+        seen.append((written(tmp_path / f"{name}.journal"), one.world.fingerprint()))
+        again = replay(tmp_path / f"{name}.journal")
+        assert again.holds, again.difference
+    assert seen[0] == seen[1]
+
+
+@pytest.mark.sim
+def test_a_blocked_door_is_waited_for_tried_again_and_left_out(patrol: Any) -> None:
+    one = patrol(blocked=["study_pantry"])
+    result = one.run()
+    assert (result.outcome, result.state) == ("failed", ("incomplete",))
+    assert one.answers == ["wait", "retry", "skip"]
+    assert one.entered.count("visited") == 3 and one.entered.count("passed_by") == 1
+    assert one.world.is_charging
+
+
+@pytest.mark.sim
+def test_a_door_that_opens_while_it_waits_is_gone_through(patrol: Any) -> None:
+    one = patrol(blocked={"study_pantry": [0, 70]})
+    assert one.run().outcome == "succeeded"
+    assert one.answers == ["wait"] and one.entered.count("visited") == 4
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("agent", "operator", "entered", "outcome"),
+    [
+        (["abort"], [], "giving_up", "aborted"),
+        (["skip"], [], "passed_by", "failed"),
+        (["ask"], ["leave"], "asking", "failed"),
+        (["ask"], ["stop"], "giving_up", "aborted"),
+        (["ask", "skip"], ["go_on"], "asking", "failed"),
+        (["ask"], [], "passed_by", "failed"),
+        (["dance", "dance", "dance"], [], "waiting", "failed"),
+    ],
+)
+def test_each_answer_leads_where_it_says(
+    patrol: Any, agent: list[str], operator: list[str], entered: str, outcome: str
+) -> None:
+    who = {"agent": ScriptAnswerer({"deciding": agent})}
+    if operator:
+        who["operator"] = ScriptAnswerer({"asking": operator})
+    one = patrol(words={"answerers": who}, blocked=["study_pantry"], recoveries=1)
+    result = one.run()
+    assert result.outcome == outcome, result.why
+    assert entered in one.entered
+    assert one.world.is_charging, "however it ends, it ends on the dock"
+
+
+@pytest.mark.sim
+def test_a_low_battery_sends_it_to_its_dock_and_charged_it_goes_on_where_it_was(patrol: Any) -> None:
+    one = patrol(battery={"capacity_wh": 0.9, "charge": 0.6})
+    result = one.run()
+    assert result.outcome == "succeeded"
+    assert "charging" in one.entered
+    assert one.entered.count("visited") == 4, "no waypoint twice, and none left out"
+
+
+@pytest.mark.sim
+def test_an_emergency_stop_stops_it_where_it_is(patrol: Any) -> None:
+    for how in ("kill", "event"):
+        stop = (lambda one: one.runner.kill("the button")) if how == "kill" else (lambda one: one.post("e_stop"))
+        one = patrol(moments={6.0: stop})
+        result = one.run()
+        assert result.outcome == "aborted" and result.duration_s < 7.5
+        for _ in range(20):
+            one.world.step()
+        assert abs(one.world.pose.speed) < 0.05 and not one.world.navigator.is_driving
+
+
+@pytest.mark.sim
+def test_a_pause_stops_it_and_resume_goes_on(patrol: Any) -> None:
+    places: list[tuple[float, float]] = []
+    one = patrol(
+        moments={
+            6.0: lambda one: one.runner.pause(),
+            8.0: lambda one: places.append(one.world.pose[:2]),
+            11.0: lambda one: places.append(one.world.pose[:2]),
+            12.0: lambda one: one.runner.resume(),
+        }
+    )
+    assert one.run().outcome == "succeeded"
+    assert math.dist(*places) < 0.05
+
+
+@pytest.mark.sim
+def test_a_waypoint_off_the_map_is_decided_upon_and_not_driven_to(patrol: Any) -> None:
+    waypoints = [{"x": 30.0, "y": 1.0, "yaw": 0.0, "frame": "map"}]
+    one = patrol(words={"arguments": {"waypoints": waypoints}})
+    result = one.run()
+    assert (result.outcome, result.state) == ("failed", ("incomplete",))
+    assert one.answers == ["wait", "retry", "skip"]
+    assert math.dist(one.world.pose[:2], (0.6, 2.6)) < 0.3
