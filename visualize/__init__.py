@@ -5,7 +5,7 @@ Rule: reads missions, steps and journals only, and changes nothing; Graphviz is 
 """
 
 from visualize.difference import Difference, difference
-from visualize.files import FORMATS, Drawing, draw, draw_difference, drawn, show
+from visualize.files import FORMATS, Drawing, draw, draw_difference, draw_review, drawn, show
 from visualize.picture import picture
 from visualize.shapes import Picture
 
@@ -17,6 +17,7 @@ __all__ = (
     "difference",
     "draw",
     "draw_difference",
+    "draw_review",
     "drawn",
     "picture",
     "show",

@@ -10,6 +10,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
@@ -22,7 +23,10 @@ from visualize.picture import picture
 from visualize.shapes import Picture
 from visualize.table import table
 
-__all__ = ("FORMATS", "Drawing", "draw", "draw_difference", "drawn", "show")
+if TYPE_CHECKING:
+    from visualize.page import Finding
+
+__all__ = ("FORMATS", "PAGE", "Drawing", "draw", "draw_difference", "draw_review", "drawn", "show")
 
 FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
     "svg": lambda given: render(given, "svg"),
@@ -33,6 +37,8 @@ FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
     "md": lambda given: table(given).encode(),
 }
 """A file's ending → the bytes of a picture."""
+PAGE = "html"
+"""The ending of the review page, which is made of more than a picture."""
 
 
 def drawn(given: Picture, form: str) -> bytes:
@@ -58,13 +64,41 @@ def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] =
 
     Args:
         mission: The graph.
-        path: The file; its ending says how it is drawn.
+        path: The file; its ending says how it is drawn. `.html` is the review page.
         steps: Of a run or a journal.
 
     Raises:
         UsageError: The ending is not known, the file cannot be written, or there is no Graphviz for it.
     """
-    return _write(path, lambda: picture(mission, steps))
+    if _ending(path) != PAGE:
+        return _write(path, (*FORMATS, PAGE), lambda form: drawn(picture(mission, steps), form))
+    from visualize.page import review, run_of_steps  # the page's parts, when it is wanted
+
+    steps = tuple(steps)
+    return _write(path, (PAGE,), lambda _: review(mission, runs=(run_of_steps(steps),) if steps else ()))
+
+
+def draw_review(
+    mission: Mission,
+    path: str | os.PathLike[str],
+    journals: Iterable[Path | str] = (),
+    findings: Iterable[Finding] = (),
+) -> Path:
+    """Write the review page of a mission into an `.html` file.
+
+    Args:
+        mission: The graph.
+        path: The file.
+        journals: Of its runs.
+        findings: What a check found.
+
+    Raises:
+        UsageError: The ending is another, the file cannot be written, or a journal is not there.
+        DefinitionError: A journal is of another mission, or none at all.
+    """
+    from visualize.page import review
+
+    return _write(path, (PAGE,), lambda _: review(mission, journals, findings))
 
 
 def draw_difference(given: Difference, path: str | os.PathLike[str]) -> Path:
@@ -73,15 +107,19 @@ def draw_difference(given: Difference, path: str | os.PathLike[str]) -> Path:
     Raises:
         UsageError: As `draw`.
     """
-    return _write(path, lambda: given.picture)
+    return _write(path, tuple(FORMATS), lambda form: drawn(given.picture, form))
 
 
-def _write(path: str | os.PathLike[str], made: Callable[[], Picture]) -> Path:
-    target = Path(path)
-    if target.suffix.removeprefix(".").lower() not in FORMATS:
-        endings = ", ".join(f".{each}" for each in FORMATS)
-        raise UsageError(f"'{target}' does not end in a form of picture; the endings are {endings}")
-    data = drawn(made(), target.suffix)
+def _ending(path: str | os.PathLike[str]) -> str:
+    return Path(path).suffix.removeprefix(".").lower()
+
+
+def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[[str], bytes]) -> Path:
+    target, ending = Path(path), _ending(path)
+    if ending not in endings:
+        listed = ", ".join(f".{each}" for each in endings)
+        raise UsageError(f"'{target}' does not end in a form of picture; the endings are {listed}")
+    data = made(ending)
     beside = None
     try:
         number, beside = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The review page: a mission, what may happen in it and what did, as one HTML file that needs nothing else.
+
+Rule: what is shown is data. It stands in the page as JSON, is put on the screen as text alone, and nothing of it runs.
+"""
+
+from visualize.page.chart_data import chart_data
+from visualize.page.document import document
+from visualize.page.review import Finding, review, review_data
+from visualize.page.runs import Run, read_run, run_data, run_of_steps
+
+__all__ = (
+    "Finding",
+    "Run",
+    "chart_data",
+    "document",
+    "read_run",
+    "review",
+    "review_data",
+    "run_data",
+    "run_of_steps",
+)

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// All that is written of a state or a row: its definition, what leads here and away, its keys and its times.
+
+class Details {
+  /** @param host element  @param model Model  @param more {findings, coverage, runs, go(kind, name)} */
+  constructor(host, model, more) {
+    Object.assign(this, { host, model }, more);
+  }
+
+  link(kind, name, words) {
+    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.go(kind, name); } } }, words || name);
+  }
+
+  nothing() {
+    const { data } = this.model;
+    const kinds = ["decision", "final"].map((kind) => `${data.states.filter((state) => state.kind === kind).length} ${kind}s`);
+    this.host.replaceChildren(
+      make("h2", {}, data.name, " ", make("small", {}, data.compared ? `${data.compared} → ${data.version}` : data.version)),
+      make("p", {}, data.about || ""),
+      data.notes.length ? listed("Note", data.notes.map((note) => make("li", {}, note))) : "",
+      make("p", { class: "muted" }, `${data.states.length} states, ${new Set(data.rows.map((row) => row.place)).size} rows, ${kinds.join(", ")}, ${data.invariants.length} invariants. Choose a state or a row.`),
+      this.faults(this.findings),
+      this.runs.length ? listed("Runs", this.runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.steps.length} steps, ${run.outcome || "not ended"}`, run.why ? ` – ${run.why}` : "",
+        run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault))))) : "",
+      this.own(),
+      this.keyTable(Object.keys(data.keys), "Blackboard"),
+    );
+  }
+
+  faults(found) {
+    return found.length ? listed("Found by the check", found.map((each) => make("li", { class: each.severity === "error" ? "fault" : "warning" },
+      make("b", {}, each.severity === "error" ? "⚠ error " : "△ warning "), make("code", {}, each.place || "/"), " ", each.sentence))) : "";
+  }
+
+  own() {
+    const rows = this.model.away.get("") || [];
+    return rows.length ? this.rowList("From every state", rows) : "";
+  }
+
+  state(name) {
+    const state = this.model.states.get(name);
+    if (!state) return this.nothing();
+    const away = this.model.away.get(name) || [], here = this.model.here.get(name) || [], begins = this.begins(name);
+    const times = sum((this.coverage.states || {})[name]);
+    this.host.replaceChildren(
+      make("h2", {}, marked(state.mark, state.name), " ", make("small", {}, lookOf(state)[0])),
+      make("p", { class: "crumbs" }, this.model.chain(name).slice(0, -1).map((each) => [this.link("state", each), " › "]), name),
+      make("p", { class: "muted" }, make("code", {}, state.place)),
+      state.about ? make("p", {}, state.about) : "",
+      state.title ? make("p", {}, make("b", {}, state.title)) : "",
+      this.faults(this.findings.filter((each) => each.place === state.place || (each.place.startsWith(`${state.place}/`) && !this.inside(name, each.place)))),
+      state.lines ? listed("What holds here", [...state.lines, ...(state.control ? [`control: ${state.control}`] : [])].map((line) => make("li", {}, line))) : "",
+      state.choices ? this.choices("Options", state.choices) : "",
+      ...(state.twigs || []).filter((twig) => twig.choices).map((twig) => this.choices(twig.text, twig.choices)),
+      this.rowList("Leads away, tried in this order", away),
+      this.above(name),
+      this.rowList("Leads here", here),
+      begins.length ? listed("Begins here", begins.map((parent) => make("li", {}, parent ? this.link("state", parent) : "the mission"))) : "",
+      this.times(state),
+      this.keyTable([...new Set([...(state.reads || []), ...(state.writes || [])])], "Keys", state),
+      this.runs.length ? make("p", {}, times ? `entered ${times}× in the runs given` : "never entered in the runs given") : "",
+      defined(state.definition),
+    );
+  }
+
+  inside(name, place) {
+    return this.model.children.get(name).some((child) => place.startsWith(`${this.model.states.get(child).place}/`) || place === this.model.states.get(child).place);
+  }
+
+  begins(name) {
+    return this.model.data.initials.filter(([, target]) => target === name).map(([parent]) => parent);
+  }
+
+  /** Rows of the states around, which are tried after its own. */
+  above(name) {
+    const rows = [...this.model.chain(name).slice(0, -1).reverse(), ""].flatMap((each) => this.model.away.get(each) || []);
+    return this.rowList("Tried after those, from the states around", rows);
+  }
+
+  rowList(title, rows) {
+    if (!rows.length) return "";
+    return listed(title, rows.map((row) => make("li", {},
+      this.link("row", row.place, rowWords(row)), row.target ? [" → ", this.link("state", row.target)] : " (stays)",
+      row.source ? "" : make("span", { class: "muted" }, " from every state"),
+      row.source && title.startsWith("Leads here") ? [" from ", this.link("state", row.source)] : "", this.taken(row.place))));
+  }
+
+  taken(place) {
+    if (!this.runs.length) return "";
+    const times = sum((this.coverage.rows || {})[place]);
+    return make("span", { class: times ? "taken" : "never" }, times ? ` ${times}×` : " never taken");
+  }
+
+  choices(title, choices) {
+    return make("section", {}, make("h3", {}, title), make("table", {}, make("thead", {}, make("tr", {}, ["option", "offered when", "means"].map((each) => make("th", {}, each)))),
+      make("tbody", {}, choices.map((choice) => make("tr", {}, make("td", {}, make("b", {}, marked(choice.mark, choice.name))),
+        make("td", {}, choice.guard || "always", choice.fallback ? make("b", {}, " (fallback)") : ""),
+        make("td", {}, choice.about || "", (choice.parameters || []).length ? ` with ${choice.parameters.join(", ")}` : ""))))));
+  }
+
+  times(state) {
+    const found = [];
+    const look = (value, path) => {
+      if (Array.isArray(value)) value.forEach((each, index) => look(each, `${path}/${index}`));
+      else if (value && typeof value === "object") for (const [word, each] of Object.entries(value)) {
+        if (/(_s|attempts)$/.test(word) && typeof each === "number") found.push([`${path}/${word}`.slice(1), each]);
+        else look(each, `${path}/${word}`);
+      }
+    };
+    look(state.definition || {}, "");
+    return found.length ? listed("Times and limits", found.map(([word, value]) => make("li", {}, make("code", {}, word), ` ${value}${word.endsWith("_s") ? " s" : ""}`))) : "";
+  }
+
+  keyTable(names, title, state) {
+    if (!names.length) return "";
+    const keys = this.model.data.keys;
+    return make("section", {}, make("h3", {}, title), make("table", {}, make("thead", {}, make("tr", {}, ["key", "type", "source", "believed for", state ? "here" : "about"].map((each) => make("th", {}, each)))),
+      make("tbody", {}, names.map((name) => {
+        const key = keys[name] || {};
+        const use = state ? [(state.reads || []).includes(name) ? "read" : "", (state.writes || []).includes(name) ? "written" : ""].filter(Boolean).join(", ") : key.about || "";
+        return make("tr", {}, make("td", {}, make("code", {}, name)), make("td", { class: "short" }, key.type || ""), make("td", { class: "short" }, key.source || "mission", key.optional ? make("div", {}, "optional") : ""),
+          make("td", { class: "short" }, key.max_age_s ? `${key.max_age_s} s` : "ever"), make("td", {}, use));
+      }))));
+  }
+
+  row(place) {
+    const rows = this.model.rows.get(place);
+    if (!rows) return this.nothing();
+    const [row] = rows, source = row.source ? this.model.states.get(row.source) : null;
+    const number = Number(place.split("/").pop());
+    const written = row.source ? ((source || {}).definition || {}).transitions : this.model.data.own;
+    const option = (row.options || []).map((name) => ((source || {}).choices || []).find((choice) => choice.name === name)).filter(Boolean);
+    this.host.replaceChildren(
+      make("h2", {}, rowWords({ ...row, do: [] }), " ", make("small", {}, "row")),
+      make("p", { class: "muted" }, make("code", {}, place)),
+      make("p", {}, row.source ? ["from ", this.link("state", row.source)] : "from every state", rows.some((each) => each.target) ? [" to ", rows.map((each, index) => [index ? ", " : "", this.link("state", each.target)])] : ", which is not left"),
+      row.about ? make("p", {}, row.about) : "",
+      listed("What must hold", [
+        make("li", {}, make("b", {}, "trigger: "), row.trigger || "none: as soon as its guard holds"),
+        make("li", {}, make("b", {}, "guard: "), row.guard || "none"),
+        ...option.map((choice) => make("li", {}, make("b", {}, `option ${choice.name}: `), choice.guard ? `offered when ${choice.guard}` : "always open")),
+        row.internal ? make("li", {}, "internal: the state is neither left nor entered") : "",
+      ]),
+      (row.do || []).length ? listed("On the way", row.do.map((each) => make("li", {}, each))) : "",
+      this.faults(this.findings.filter((each) => each.place === place || each.place.startsWith(`${place}/`))),
+      this.runs.length ? make("p", {}, "In the runs given:", this.taken(place)) : "",
+      defined((written || [])[number]),
+    );
+  }
+
+  /** Several rows that one arrow stands for. */
+  rows(places) {
+    if (places.length === 1) return this.row(places[0]);
+    const rows = places.map((place) => this.model.rows.get(place)[0]);
+    this.host.replaceChildren(make("h2", {}, `${rows.length} rows `, make("small", {}, "one arrow")), this.rowList("Leads here by", rows));
+  }
+}
+
+function listed(title, items) {
+  return make("section", {}, make("h3", {}, title), make("ul", {}, items));
+}
+
+function defined(written) {
+  return written ? make("details", { open: true }, make("summary", {}, "Definition"), make("pre", {}, JSON.stringify(written, null, 2))) : "";
+}
+
+function hashOf(parts) {
+  return "#" + Object.entries(parts).filter(([, value]) => value !== "" && value !== null && value !== undefined).map(([name, value]) => `${name}=${encodeURIComponent(value)}`).join("&");
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Elements, made without ever reading a text as markup.
+// Rule: whatever a mission, a model or a robot said becomes a text node or an attribute's value, and passes `shown`.
+
+const SVG = "http://www.w3.org/2000/svg";
+const UNDRAWN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u202a-\u202e\u2066-\u2069]/g;
+const PICTURE = /^data:image\/(png|jpeg);base64,[A-Za-z0-9+/=]*$/;
+
+/** A text as it may be shown: nothing in it turns the reading direction of what follows. */
+function shown(text) {
+  return String(text).replace(UNDRAWN, "\ufffd");
+}
+
+function filled(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes || {})) {
+    if (name === "on") {
+      for (const [event, act] of Object.entries(value)) element.addEventListener(event, act);
+    } else if (value !== undefined && value !== null && value !== false) {
+      element.setAttribute(name, value === true ? "" : shown(value));
+    }
+  }
+  for (const child of children.flat(Infinity)) {
+    if (child === null || child === undefined || child === "") continue;
+    element.append(child instanceof Node ? child : shown(child));
+  }
+  return element;
+}
+
+function make(tag, attributes, ...children) {
+  return filled(document.createElement(tag), attributes, children);
+}
+
+function draw(tag, attributes, ...children) {
+  return filled(document.createElementNS(SVG, tag), attributes, children);
+}
+
+function byId(id) {
+  return document.getElementById(id);
+}
+
+/** A picture that the page holds; anything but a PNG or JPEG is told in words. */
+function pictured(entry, words) {
+  if (!entry || !PICTURE.test(entry.uri || "")) return make("p", { class: "muted" }, "no picture: ", (entry || {}).why || "it is not in the page");
+  const image = make("img", { alt: words, title: words });
+  image.src = entry.uri;
+  return image;
+}
+
+/** A value in a line, as a person would say it. */
+function said(value, places = 3) {
+  if (value === null || value === undefined) return "unknown";
+  if (typeof value === "number") return Number.isInteger(value) ? String(value) : String(Number(value.toFixed(places)));
+  if (typeof value === "boolean" || typeof value === "string") return String(value);
+  if (Array.isArray(value)) return "[" + value.map((each) => said(each, places)).join(", ") + "]";
+  if (value.picture !== undefined) return `picture ${value.picture}`;
+  return Object.entries(value).map(([name, each]) => `${name} ${said(each, places)}`).join(", ");
+}

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Moving about: pan by drag, zoom by wheel or pinch, fit.
+
+const LEAST = 0.05, MOST = 4;
+
+class Gestures {
+  constructor(svg, layer, size, moved) {
+    Object.assign(this, { svg, layer, size, moved, x: 0, y: 0, scale: 1, pointers: new Map() });
+    svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    svg.addEventListener("pointerdown", (event) => this.down(event));
+    svg.addEventListener("pointermove", (event) => this.move(event));
+    for (const end of ["pointerup", "pointercancel", "pointerleave"]) svg.addEventListener(end, (event) => this.pointers.delete(event.pointerId));
+    svg.addEventListener("click", (event) => { if (this.dragged) event.stopPropagation(); }, true);
+  }
+
+  apply() {
+    this.layer.setAttribute("transform", `translate(${this.x.toFixed(2)},${this.y.toFixed(2)}) scale(${this.scale.toFixed(4)})`);
+  }
+
+  wheel(event) {
+    event.preventDefault();
+    const box = this.svg.getBoundingClientRect();
+    const step = event.deltaMode ? event.deltaY * 24 : event.deltaY;
+    this.zoom(Math.exp(-step * 0.0016), event.clientX - box.left, event.clientY - box.top);
+  }
+
+  down(event) {
+    if (event.button) return;
+    this.dragged = false;
+    this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
+  }
+
+  move(event) {
+    const before = this.pointers.get(event.pointerId);
+    if (!before) return;
+    const now = [event.clientX, event.clientY];
+    if (!this.dragged && Math.hypot(now[0] - before[0], now[1] - before[1]) < 4) return;
+    if (!this.dragged) this.svg.setPointerCapture(event.pointerId);
+    this.dragged = true;
+    const other = [...this.pointers.entries()].find(([id]) => id !== event.pointerId);
+    if (other) {
+      const box = this.svg.getBoundingClientRect(), away = (point) => Math.hypot(point[0] - other[1][0], point[1] - other[1][1]);
+      this.zoom(away(now) / Math.max(1, away(before)), other[1][0] - box.left, other[1][1] - box.top);
+    } else {
+      this.x += now[0] - before[0];
+      this.y += now[1] - before[1];
+      this.apply();
+    }
+    this.pointers.set(event.pointerId, now);
+  }
+
+  /** Nearer or farther, with one point of the window held. */
+  zoom(by, x, y) {
+    const box = this.svg.getBoundingClientRect();
+    const scale = Math.min(MOST, Math.max(LEAST, this.scale * by));
+    const [holdX, holdY] = [x ?? box.width / 2, y ?? box.height / 2];
+    this.x = holdX - ((holdX - this.x) * scale) / this.scale;
+    this.y = holdY - ((holdY - this.y) * scale) / this.scale;
+    this.scale = scale;
+    this.apply();
+  }
+
+  pan(x, y) {
+    this.x += x;
+    this.y += y;
+    this.apply();
+  }
+
+  /** By so much of the chart's own measure. */
+  shift(x, y) {
+    this.pan(x * this.scale, y * this.scale);
+  }
+
+  center(x, y) {
+    const box = this.svg.getBoundingClientRect();
+    if (this.scale < 0.5) this.scale = 0.8;
+    this.x = box.width / 2 - x * this.scale;
+    this.y = box.height / 2 - y * this.scale;
+    this.apply();
+  }
+
+  /** All of it, or at least so large that it can be read. */
+  fit(least = LEAST) {
+    const box = this.svg.getBoundingClientRect(), { w, h } = this.size();
+    const scale = Math.min((box.width - 40) / Math.max(w, 1), (box.height - 40) / Math.max(h, 1), 1.25);
+    this.scale = Math.max(scale, least);
+    this.x = Math.max(w * this.scale > box.width ? 20 : 0, (box.width - w * this.scale) / 2);
+    this.y = Math.max(20, (box.height - h * this.scale) / 2);
+    this.apply();
+  }
+}

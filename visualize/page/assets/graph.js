@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// What of a mission is to be seen: boxes inside boxes, and the arrows between them cut where they cross a border.
+// Rule: an arrow inside one box is laid out with that box alone, so opening a box moves only what is around it.
+
+const HUB = 8;
+
+/** The states of a chart by name, with what is inside and around each. */
+class Model {
+  constructor(data) {
+    this.data = data;
+    this.states = new Map(data.states.map((state) => [state.name, state]));
+    this.children = new Map([["", []]]);
+    for (const state of data.states) this.children.set(state.name, []);
+    for (const state of data.states) this.children.get(state.parent || "").push(state.name);
+    this.away = new Map();
+    this.here = new Map();
+    for (const row of data.rows) {
+      push(this.away, row.source || "", row);
+      if (row.target) push(this.here, row.target, row);
+    }
+    this.rows = new Map();
+    for (const row of data.rows) push(this.rows, row.place, row);
+  }
+
+  /** The states around one, outermost first, itself last. */
+  chain(name) {
+    const found = [];
+    for (let here = name; here; here = (this.states.get(here) || {}).parent || "") found.unshift(here);
+    return found;
+  }
+
+  holds(name) {
+    return this.children.get(name).length > 0;
+  }
+
+  inside(name) {
+    return this.children.get(name).flatMap((child) => [child, ...this.inside(child)]);
+  }
+
+  /** What is inside a closed state, in words. */
+  summary(name) {
+    const all = this.inside(name).map((each) => this.states.get(each));
+    const count = (kind) => all.filter((state) => state.kind === kind).length;
+    const parts = [`${all.length} states inside`];
+    if (count("decision")) parts.push(`${count("decision")} decisions`);
+    if (count("final")) parts.push(`${count("final")} finals`);
+    return parts.join(", ");
+  }
+}
+
+function push(map, key, value) {
+  const found = map.get(key);
+  if (found) found.push(value);
+  else map.set(key, [value]);
+}
+
+/** The boxes and bundles of arrows that are seen when these states are open. */
+class View {
+  constructor(model, open) {
+    this.model = model;
+    this.open = open;
+    this.items = new Map();
+    this.bundles = [];
+    this.root = { owner: null, items: [], segments: [] };
+    this.build("", this.root);
+    this.bundle();
+  }
+
+  build(parent, scope) {
+    for (const name of this.model.children.get(parent)) {
+      const item = this.item(scope, "state", name);
+      item.final = this.model.states.get(name).kind === "final";
+      this.items.set(name, item);
+      if (this.model.holds(name) && this.open.has(name)) {
+        item.inner = { owner: item, items: [], segments: [] };
+        this.build(name, item.inner);
+      }
+    }
+  }
+
+  item(scope, kind, name) {
+    const item = { kind, name, scope, inner: null, w: 0, h: 0, rank: 0, x: 0, y: 0, order: 0 };
+    scope.items.push(item);
+    return item;
+  }
+
+  /** The box in which a state is seen. */
+  seen(name) {
+    let found = null;
+    for (const each of this.model.chain(name)) {
+      found = this.items.get(each) || found;
+    }
+    return found;
+  }
+
+  chain(item) {
+    return item.scope.owner ? [...this.chain(item.scope.owner), item] : [item];
+  }
+
+  bundle() {
+    const found = new Map();
+    const own = this.model.away.get("") || [];
+    if (own.length) this.anywhere = this.item(this.root, "any", "");
+    for (const row of this.model.data.rows) {
+      if (!row.target) continue;
+      const from = row.source ? this.seen(row.source) : this.anywhere;
+      const to = this.seen(row.target);
+      if (!from || !to || from === to) continue;
+      const option = from.name === row.source && (row.options || []).length === 1 ? row.options[0] : "";
+      const key = `${from.kind}${from.name}>${to.name}>${option}`;
+      if (!found.has(key)) found.set(key, { from, to, option, rows: [], quiet: false });
+      found.get(key).rows.push(row);
+    }
+    const into = new Map();
+    for (const bundle of found.values()) into.set(bundle.to, (into.get(bundle.to) || 0) + 1);
+    for (const bundle of found.values()) {
+      bundle.quiet = Boolean(bundle.option);
+      if (into.get(bundle.to) > HUB && bundle.from.kind !== "any") this.stub(bundle);
+    }
+    for (const [parent, target] of this.model.data.initials) {
+      const scope = parent ? (this.items.get(parent) || {}).inner : this.root;
+      const to = this.seen(target);
+      if (scope && to) found.set(`start ${parent}>${target}`, { from: this.start(scope, parent), to, option: "", rows: [], quiet: true, start: true });
+    }
+    this.bundles = [...found.values()];
+    this.bundles.forEach((bundle) => this.cut(bundle));
+  }
+
+  start(scope, parent) {
+    return scope.items.find((item) => item.kind === "start") || this.item(scope, "start", parent);
+  }
+
+  /** Where very many arrows lead, each ends in the name of its target. */
+  stub(bundle) {
+    bundle.target = bundle.to;
+    bundle.to = this.item(bundle.from.scope, "stub", bundle.target.name);
+    bundle.to.bundle = bundle;
+  }
+
+  /** The part of an arrow where both its ends are boxes of one scope. */
+  cut(bundle) {
+    const from = this.chain(bundle.from), to = this.chain(bundle.to);
+    let shared = 0;
+    while (shared < from.length && shared < to.length && from[shared] === to[shared]) shared += 1;
+    const segment = { bundle, from, to, a: from[shared], b: to[shared], atA: shared, atB: shared, up: false };
+    if (!segment.a) segment.a = this.tab(bundle.from);
+    if (!segment.b) segment.b = this.tab(bundle.to);
+    segment.a.scope.segments.push(segment);
+    bundle.segments = [segment];
+  }
+
+  /** The place inside an open box from which its own rows lead into it. */
+  tab(item) {
+    return item.inner.items.find((each) => each.kind === "tab") || this.item(item.inner, "tab", item.name);
+  }
+
+  /** The parts of a scope's arrows inside its boxes, once it is known which way they go. */
+  descend(scope) {
+    for (const segment of scope.segments) {
+      if (segment.a.inner && segment.a !== segment.bundle.from) this.leave(segment);
+      if (segment.b.inner && segment.b !== segment.bundle.to) this.enter(segment);
+    }
+  }
+
+  leave(outer) {
+    const port = this.item(outer.a.inner, "port", "");
+    port.side = outer.up ? "top" : "bottom";
+    outer.portA = port;
+    const at = outer.atA + 1;
+    const segment = { ...outer, a: outer.from[at], b: port, atA: at, atB: -1, up: outer.up, portA: null, portB: null };
+    outer.a.inner.segments.push(segment);
+    outer.bundle.segments.unshift(segment);
+  }
+
+  enter(outer) {
+    const port = this.item(outer.b.inner, "port", "");
+    port.side = outer.up ? "bottom" : "top";
+    outer.portB = port;
+    const at = outer.atB + 1;
+    const segment = { ...outer, a: port, b: outer.to[at], atA: -1, atB: at, up: outer.up, portA: null, portB: null };
+    outer.b.inner.segments.push(segment);
+    outer.bundle.segments.push(segment);
+  }
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The switches: each dims all but what answers one question, and says the answer in words beside the chart.
+
+class Lenses {
+  /** @param bar element  @param host element  @param lenses data  @param told {show(lens), go(kind, name)} */
+  constructor(bar, host, lenses, told) {
+    Object.assign(this, { bar, host, lenses, told, on: "" });
+    this.buttons = new Map(lenses.map((lens) => [lens.name, make("button", {
+      type: "button", "aria-pressed": "false", title: `${lens.title} (${lens.key})`, "data-lens": lens.name, on: { click: () => this.turn(lens.name) },
+    }, lens.title)]));
+    bar.append(...this.buttons.values());
+  }
+
+  /** Turns a switch on, or off where it is on. */
+  turn(name, keep = false) {
+    this.on = this.on === name && !keep ? "" : this.buttons.has(name) ? name : "";
+    for (const [each, button] of this.buttons) button.setAttribute("aria-pressed", String(each === this.on));
+    const lens = this.lenses.find((each) => each.name === this.on);
+    this.host.hidden = !lens;
+    this.host.replaceChildren(...(lens ? this.words(lens) : []));
+    this.told.show(lens ? { states: new Set(lens.states), rows: new Set(lens.rows), options: new Set(lens.options) } : null, lens);
+  }
+
+  byKey(key) {
+    const lens = this.lenses.find((each) => each.key === key);
+    if (lens) this.turn(lens.name);
+    return Boolean(lens);
+  }
+
+  words(lens) {
+    return [make("h2", {}, lens.title), ...lens.sections.map((section) => listed(section.heading, section.items.map((item) => make("li", {},
+      item.row ? this.link("row", item.row, item.text) : item.state ? this.link("state", item.state, item.text) : item.text))))];
+  }
+
+  link(kind, name, words) {
+    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.told.go(kind, name); } } }, words);
+  }
+}

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// The review page put together: what the keys, the search and the address say, and who is told of it.
+
+class Page {
+  constructor(data) {
+    this.data = data;
+    this.at = {};
+    this.findings = data.findings || [];
+    this.chart = new Chart(byId("chart"), data.chart, { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
+    this.model = this.chart.model;
+    this.chart.faults = this.badges();
+    const go = (kind, name) => this.go(kind, name);
+    this.details = new Details(byId("details"), this.model, { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
+    this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), go }) : null;
+    this.coverage = new Coverage(byId("rows"), data, this.model, { go });
+    this.lenses = new Lenses(byId("lenses"), byId("lens"), data.lenses, { show: (lens) => this.lit(lens), go });
+    this.dress();
+    this.listen();
+    this.chart.draw();
+    this.chart.fit(READABLE);
+    this.details.nothing();
+    this.follow();
+  }
+
+  /** Which states carry a fault that the check found. */
+  badges() {
+    const found = new Map();
+    for (const each of this.findings) {
+      const state = [...this.model.states.values()].filter((one) => each.place === one.place || each.place.startsWith(`${one.place}/`)).pop();
+      if (state) push(found, state.name, each.sentence);
+    }
+    return found;
+  }
+
+  dress() {
+    const { chart, runs } = this.data;
+    byId("name").textContent = shown(chart.name);
+    byId("version").textContent = shown(chart.version);
+    byId("player").hidden = !this.player;
+    byId("tab-step").hidden = !this.player;
+    byId("tab-rows").textContent = runs.length ? "Coverage" : "Rows";
+    if (runs.length) this.chart.show({ counts: this.data.coverage });
+    const faults = [...this.findings.filter((each) => each.severity === "error").map((each) => each.sentence), ...runs.flatMap((run) => run.faults.map((fault) => `${run.name}: ${fault}`))];
+    byId("banner").hidden = !faults.length;
+    byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)), faults.length > 3 ? make("div", {}, `and ${faults.length - 3} more; see the details`) : "");
+  }
+
+  listen() {
+    const click = (id, act) => byId(id).addEventListener("click", act);
+    click("fit", () => this.chart.fit());
+    click("nearer", () => this.chart.gestures.zoom(1.25));
+    click("farther", () => this.chart.gestures.zoom(0.8));
+    click("open-all", () => this.chart.openAll());
+    click("close-all", () => this.chart.closeAll());
+    click("theme", () => this.theme());
+    click("help", () => byId("keys").showModal());
+    click("keys-close", () => byId("keys").close());
+    for (const name of ["details", "step", "rows"]) click(`tab-${name}`, () => this.tab(name));
+    this.chart.svg.addEventListener("click", () => this.select("", ""));
+    byId("search").addEventListener("input", () => this.search(byId("search").value));
+    byId("search").addEventListener("keydown", (event) => this.searched(event));
+    document.addEventListener("keydown", (event) => this.key(event));
+    addEventListener("hashchange", () => this.follow());
+    addEventListener("beforeprint", () => this.chart.fit());
+  }
+
+  key(event) {
+    if (event.target.closest("input[type=search], select, dialog") || event.ctrlKey || event.metaKey || event.altKey) return;
+    const pan = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] }[event.key];
+    const acts = {
+      "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.gestures.zoom(1.25), "=": () => this.chart.gestures.zoom(1.25), "-": () => this.chart.gestures.zoom(0.8),
+      a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: () => this.theme(), "?": () => byId("keys").showModal(), Escape: () => this.clear(),
+      ",": () => this.player && this.player.seek(this.player.index - 1), ".": () => this.player && this.player.seek(this.player.index + 1),
+      "<": () => this.player && this.player.jump(-1), ">": () => this.player && this.player.jump(1),
+      n: () => this.walk(1), p: () => this.walk(-1), Enter: () => this.at.state && this.chart.toggle(this.at.state),
+    };
+    if (event.key === "Enter" && event.target.closest("button, a, summary")) return;
+    if (pan && event.target.matches("input")) return;
+    if (pan) this.chart.gestures.pan(...pan);
+    else if (acts[event.key]) acts[event.key]();
+    else if (!this.lenses.byKey(event.key)) return;
+    event.preventDefault();
+  }
+
+  /** To the next state, or the one before, in the order in which they are written. */
+  walk(way) {
+    const names = [...this.model.states.keys()];
+    const next = (names.indexOf(this.at.state) + way + names.length) % names.length;
+    this.go("state", names[this.at.state ? next : way > 0 ? 0 : names.length - 1]);
+  }
+
+  clear() {
+    byId("search").value = "";
+    this.search("");
+    if (this.lenses.on) this.lenses.turn(this.lenses.on);
+    else this.select("", "");
+  }
+
+  theme() {
+    const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
+    document.documentElement.dataset.theme = dark ? "light" : "dark";
+  }
+
+  tab(name) {
+    for (const each of ["details", "step", "rows"]) {
+      byId(each).hidden = each !== name;
+      byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
+    }
+    if (name === "rows" && !this.coverage.seen) this.coverage.draw();
+  }
+
+  lit(lens) {
+    if (lens) for (const name of lens.states) if (this.model.states.size <= OPEN_AT_FIRST) this.chart.reveal(name);
+    this.chart.show({ lens });
+    this.write({ lens: this.lenses ? this.lenses.on : "" });
+  }
+
+  played({ active, taken, index, run }) {
+    this.chart.show({ active, taken });
+    this.write({ run: run || "", step: index });
+  }
+
+  /** What was chosen in the chart. */
+  select(kind, name, places) {
+    if (kind === "state") this.details.state(name);
+    else if (kind === "row") this.details.rows(places || [name]);
+    else this.details.nothing();
+    this.chart.show({ selected: kind === "state" || kind === "row" ? `${kind} ${name}` : null });
+    this.write({ state: kind === "state" ? name : "", row: kind === "row" ? name : "" });
+    if (kind) this.tab("details");
+  }
+
+  /** To a state or row that is named: it is opened, shown and chosen. */
+  go(kind, name) {
+    const row = kind === "row" ? (this.model.rows.get(name) || [])[0] : null;
+    const state = kind === "state" ? name : row ? row.source || row.target : "";
+    if (!this.model.states.has(state)) return;
+    this.chart.reveal(state);
+    this.chart.center(state);
+    this.select(kind, name);
+  }
+
+  search(words) {
+    const wanted = words.trim().toLowerCase();
+    const texts_ = (state) => [state.name, state.title, state.about, state.kind, state.outcome, ...(state.lines || []), ...(state.choices || []).map((each) => each.name), ...(state.twigs || []).map((each) => each.text)];
+    const hits = wanted ? [...this.model.states.values()].filter((state) => texts_(state).some((text) => (text || "").toLowerCase().includes(wanted))) : [];
+    this.hits = hits.map((state) => state.name);
+    this.hit = -1;
+    byId("hits").textContent = wanted ? `${hits.length} found` : "";
+    this.chart.show({ found: new Set(this.hits) });
+  }
+
+  searched(event) {
+    if (event.key === "Escape") {
+      this.clear();
+      byId("search").blur();
+    } else if (event.key === "Enter" && (this.hits || []).length) {
+      this.hit = (this.hit + (event.shiftKey ? -1 : 1) + this.hits.length) % this.hits.length;
+      this.go("state", this.hits[this.hit]);
+      byId("search").focus();
+    }
+  }
+
+  /** Keeps the address such that it leads back here. */
+  write(parts) {
+    Object.assign(this.at, parts);
+    if (this.following) return;
+    const hash = hashOf(this.at);
+    if (location.hash !== hash) history.replaceState(null, "", hash === "#" ? location.pathname + location.search : hash);
+  }
+
+  /** Goes where the address leads. */
+  follow() {
+    const asked = new URLSearchParams(location.hash.slice(1));
+    this.following = true;
+    if (asked.get("lens")) this.lenses.turn(asked.get("lens"), true);
+    if (this.player) this.player.turn(Number(asked.get("run")), Number(asked.get("step")));
+    if (asked.get("row")) this.go("row", asked.get("row"));
+    else if (asked.get("state")) this.go("state", asked.get("state"));
+    else if (this.player) this.tab("step");
+    this.following = false;
+  }
+}
+
+const page = new Page(JSON.parse(byId("data").textContent));
+window.review = page;
+document.documentElement.dataset.ready = "yes";

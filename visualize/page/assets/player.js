@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run played step by step: what happened, what was known and how fresh, what was asked, answered and judged.
+
+const TRUTH = [["✗", "false", "no"], ["✓", "true", "yes"], ["?", "unknown", "maybe"]];
+
+class Player {
+  /** @param bar element  @param host element  @param data the page's data  @param model Model  @param told {step(frame), go(kind, name)} */
+  constructor(bar, host, data, model, told) {
+    Object.assign(this, { bar, host, data, model, told, index: 0, number: 0, due: false });
+    this.replays = new Map();
+    this.choice = make("select", { "aria-label": "run", on: { change: () => this.turn(Number(this.choice.value), 0) } },
+      data.runs.map((run, index) => make("option", { value: String(index) }, `${run.name}${run.outcome ? ` – ${run.outcome}` : ""}`)));
+    this.slider = make("input", { type: "range", min: "0", value: "0", "aria-label": "step", on: { input: () => this.seek(Number(this.slider.value)) } });
+    this.now = make("output", {});
+    const button = (words, title, act) => make("button", { type: "button", title, "aria-label": title, on: { click: act } }, words);
+    bar.append(this.choice,
+      button("⏮", "the change before (shift ,)", () => this.jump(-1)), button("◀", "one step back (,)", () => this.seek(this.index - 1)),
+      button("▶", "one step on (.)", () => this.seek(this.index + 1)), button("⏭", "the next change (shift .)", () => this.jump(1)), this.slider, this.now);
+  }
+
+  get replay() {
+    if (!this.replays.has(this.number)) this.replays.set(this.number, new Replay(this.data.runs[this.number], this.model.data.keys));
+    return this.replays.get(this.number);
+  }
+
+  turn(number, index) {
+    this.number = Math.min(Math.max(0, number || 0), this.data.runs.length - 1);
+    this.choice.value = String(this.number);
+    this.slider.max = String(Math.max(0, this.replay.length - 1));
+    this.seek(index);
+  }
+
+  jump(way) {
+    this.seek(this.replay.moved(this.index, way));
+  }
+
+  /** Goes to a step; drawn once a frame, however fast the slider moves. */
+  seek(index) {
+    this.index = Math.min(Math.max(0, index || 0), Math.max(0, this.replay.length - 1));
+    this.slider.value = String(this.index);
+    if (this.due) return;
+    this.due = true;
+    requestAnimationFrame(() => {
+      this.due = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const run = this.data.runs[this.number];
+    if (!this.replay.length) return this.host.replaceChildren(make("p", { class: "fault" }, "this journal has no steps"), this.faults(run));
+    const step = this.replay.step(this.index), frame = this.replay.at(this.index);
+    this.now.textContent = shown(`step ${step.seq} · ${step.at.toFixed(2)} s · ${this.index + 1} of ${this.replay.length}`);
+    this.slider.setAttribute("aria-valuetext", this.now.textContent);
+    this.host.replaceChildren(this.faults(run), this.event(step), this.asked(step), this.ended(step), this.moves(step), this.guards(step), this.board(step, frame), this.does(step), this.questions(run));
+    this.told.step({ active: frame.active, taken: new Set(step.moves.flatMap(([rows]) => rows)), index: this.index, run: this.number });
+  }
+
+  faults(run) {
+    return make("div", {}, run.faults.map((fault) => make("p", { class: "fault" }, "⚠ ", fault)));
+  }
+
+  event(step) {
+    const { event } = step, said_ = event.data && Object.keys(event.data).length ? `: ${said(event.data)}` : "";
+    return make("section", {}, make("h2", {}, `Step ${step.seq} `, make("small", {}, `${step.at.toFixed(2)} s`)),
+      make("p", {}, make("b", {}, event.kind === "event" ? "event " : event.kind === "tick" ? "" : `${event.kind} `), event.kind === "tick" ? "time has passed" : event.name, event.number ? ` (number ${event.number})` : "", said_));
+  }
+
+  ended(step) {
+    const { more } = step;
+    return make("div", {}, more.outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${more.outcome}: `), more.why || "") : more.why ? make("p", {}, `ignored: ${more.why}`) : "",
+      (more.notes || []).map((note) => make("p", { class: "note" }, note)));
+  }
+
+  moves(step) {
+    if (!step.moves.length) return make("p", { class: "muted" }, "no row was taken");
+    return listed("Taken", step.moves.map(([rows, exited, entered, trigger]) => make("li", {},
+      trigger ? [make("b", {}, trigger), ": "] : "", exited.length ? [exited.join(", "), " → "] : "", entered.map((name, index) => [index ? ", " : "", this.link("state", name)]),
+      rows.map((place) => make("div", { class: "muted" }, this.link("row", place, this.named(place)))))));
+  }
+
+  /** A guard's place in words. */
+  named(place) {
+    const rows = this.model.rows.get(place);
+    if (rows) return `${rows[0].source || "every state"}: ${rowWords({ ...rows[0], do: [] })}`;
+    return place;
+  }
+
+  guards(step) {
+    if (!step.guards.length) return "";
+    return make("section", {}, make("h3", {}, "Guards that were looked at"), make("ul", { class: "guards" }, step.guards.map(([place, value]) =>
+      make("li", { class: TRUTH[value][2] }, make("b", { title: TRUTH[value][1] }, `${TRUTH[value][0]} ${TRUTH[value][1]} `), this.model.rows.has(place) ? this.link("row", place, this.named(place)) : place))));
+  }
+
+  board(step, frame) {
+    const names = Object.keys(this.model.data.keys), written = new Set(step.writes.map(([name]) => name));
+    const rows = names.map((name) => {
+      const entry = frame.board.get(name);
+      if (!entry) return make("tr", { class: "unknown" }, make("td", {}, make("code", {}, name)), make("td", {}, "unknown"), make("td", {}, "never heard"));
+      const [value, stamp] = entry, stale = this.replay.stale(name, stamp, step.at), age = Math.max(0, step.at - stamp);
+      return make("tr", { class: `${stale ? "stale" : "fresh"}${written.has(name) ? " written" : ""}`, "data-key": name }, make("td", {}, make("code", {}, name)),
+        make("td", {}, said(value)), make("td", {}, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
+    });
+    return make("section", {}, make("h3", {}, "Blackboard"), make("table", { class: "board" }, make("tbody", {}, rows)));
+  }
+
+  does(step) {
+    return (step.more.does || []).length ? listed("Had done", step.more.does.map((each) => make("li", {}, each))) : "";
+  }
+
+  /** The question that is open at this step, or was answered in it. */
+  asked(step) {
+    const run = this.data.runs[this.number];
+    const numbers = [...(step.more.answers ? [step.more.answers] : []), ...(step.more.asks || [])];
+    const found = numbers.map((number) => run.questions.find((each) => each.number === number)).filter(Boolean);
+    if (!found.length) {
+      const open = run.questions.filter((each) => each.step < this.index && each.answered !== undefined && each.answered > this.index);
+      found.push(...open.slice(-1));
+    }
+    return make("div", {}, found.map((question) => this.question(question)));
+  }
+
+  question(question) {
+    const judged = question.answered !== undefined && question.answered <= this.index;
+    return make("section", { class: "question" }, make("h3", {}, `Question ${question.number} to ${question.asked}`, question.attempt > 1 ? `, attempt ${question.attempt}` : ""),
+      make("p", {}, this.link("state", question.owner.split("#")[0]), " asks “", question.text || "", "”"),
+      make("table", { class: "board" }, make("tbody", {}, question.evidence.map((each) => make("tr", { class: each.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, each.key)),
+        make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`) : each.fresh ? said(each.value) : "unknown"),
+        make("td", {}, each.age_s === null ? "never heard" : `${Number(each.age_s).toFixed(2)} s old`))))),
+      this.offered(question),
+      (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
+      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.asked} said: `), this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${said(question.until, 2)} s`));
+  }
+
+  offered(question) {
+    const state = this.model.states.get(question.owner.split("#")[0]) || {};
+    const path = question.owner.split("#")[1];
+    const all = path === undefined ? state.choices || [] : ((state.twigs || []).find((twig) => twig.path === path) || {}).choices || [];
+    const offers = new Set(question.options.map((offer) => offer.name));
+    const listed_ = all.length ? all : question.options;
+    return make("ul", { class: "guards" }, listed_.map((choice) => make("li", { class: offers.has(choice.name) ? "yes" : "no" },
+      make("b", {}, offers.has(choice.name) ? "✓ offered " : "✗ not offered "), choice.name, choice.guard ? ` – when ${choice.guard}` : " – always open")));
+  }
+
+  proposal(given) {
+    const { option, why, parameters } = given || {};
+    if (option === undefined) return said(given || {});
+    return `${said(option)}${parameters && Object.keys(parameters).length ? ` (${said(parameters)})` : ""}${why ? ` – “${said(why)}”` : ""}`;
+  }
+
+  questions(run) {
+    if (!run.questions.length) return "";
+    return make("details", {}, make("summary", {}, `All ${run.questions.length} questions of this run`), make("ol", {}, run.questions.map((each) => make("li", {},
+      make("a", { href: hashOf({ run: this.number, step: each.answered ?? each.step }), on: { click: (event) => { event.preventDefault(); this.seek(each.answered ?? each.step); } } },
+        `${each.number} to ${each.asked}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
+  }
+
+  link(kind, name, words) {
+    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.told.go(kind, name); } } }, words || name);
+  }
+}

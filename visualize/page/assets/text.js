@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// How wide a text is, and where it is broken so that it stays in its box in every script.
+
+const FONTS = 'Helvetica, Arial, "Liberation Sans", "DejaVu Sans", "Noto Sans", sans-serif';
+const PEN = document.createElement("canvas").getContext("2d");
+const WIDTHS = new Map();
+const LETTERS = typeof Intl.Segmenter === "function" ? new Intl.Segmenter(undefined, { granularity: "grapheme" }) : null;
+const LONGEST = 600;
+
+function width(text, size, bold) {
+  const key = `${bold ? "b" : ""}${size}|${text}`;
+  let found = WIDTHS.get(key);
+  if (found === undefined) {
+    PEN.font = `${bold ? "bold " : ""}${size}px ${FONTS}`;
+    found = PEN.measureText(text).width;
+    if (WIDTHS.size > 50000) WIDTHS.clear();
+    WIDTHS.set(key, found);
+  }
+  return found;
+}
+
+function letters(text) {
+  return LETTERS ? Array.from(LETTERS.segment(text), (each) => each.segment) : Array.from(text);
+}
+
+/** The pieces of a word that is wider than a line; cut behind `_`, `.` or `/` where there is one. */
+function pieces(word, size, bold, limit) {
+  const found = [];
+  let piece = "";
+  for (const letter of letters(word)) {
+    if (piece && width(piece + letter, size, bold) > limit) {
+      const cut = Math.max(piece.lastIndexOf("_"), piece.lastIndexOf("."), piece.lastIndexOf("/")) + 1;
+      const at = cut > piece.length / 2 ? cut : piece.length;
+      found.push(piece.slice(0, at));
+      piece = piece.slice(at);
+    }
+    piece += letter;
+  }
+  found.push(piece);
+  return found;
+}
+
+/** A text in at most so many lines of at most `limit` pixels: {lines, width, cut}. */
+function wrapped(given, size, { bold = false, limit = 200, most = 3 } = {}) {
+  const text = shown(given).replace(/\s+/g, " ").trim();
+  const lines = [];
+  let line = "";
+  let cut = text.length > LONGEST;
+  for (const word of letters(text.slice(0, LONGEST)).join("").split(" ")) {
+    const parts = width(word, size, bold) > limit ? pieces(word, size, bold, limit) : [word];
+    parts.forEach((part, index) => {
+      const joined = line && index === 0 ? `${line} ${part}` : line + part;
+      if (line && width(joined, size, bold) > limit) {
+        lines.push(line);
+        line = part;
+      } else {
+        line = joined;
+      }
+    });
+    if (lines.length > most) break;
+  }
+  if (line) lines.push(line);
+  if (lines.length > most) {
+    lines.length = most;
+    cut = true;
+  }
+  if (cut && lines.length) lines[lines.length - 1] = ended(lines[lines.length - 1], size, bold, limit);
+  return { lines, width: Math.max(0, ...lines.map((each) => width(each, size, bold))), cut };
+}
+
+/** A line that ends in `…` and still fits. */
+function ended(line, size, bold, limit) {
+  const all = letters(line);
+  while (all.length && width(all.join("") + "…", size, bold) > limit) all.pop();
+  return all.join("").trimEnd() + "…";
+}

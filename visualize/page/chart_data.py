@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the page's chart draws: the states, rows and beginnings of a picture, with all that is written of them.
+
+Rule: every state and every row of the picture is in the data exactly once; only what is empty is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rai_missions.errors import UsageError
+from rai_missions.mission import Mission
+from rai_missions.states import Decision, State
+from visualize.page.plain import Json, plain, without_empty
+from visualize.shapes import Edge, Node, Picture
+
+__all__ = ("chart_data",)
+
+READING, WRITING = ("key", "fresh", "near", "from", "evidence", "each"), ("set", "as")
+"""The words of the format under which a key is read or written."""
+
+
+def chart_data(picture: Picture, mission: Mission, old: Mission | None = None) -> Json:
+    """A picture as the page's chart takes it.
+
+    Args:
+        picture: What is drawn; its marks are kept.
+        mission: Whose picture it is.
+        old: The mission it is compared with, for what is gone.
+    """
+    written = dict(_definitions(old)) if old is not None else {}
+    written |= dict(_definitions(mission))
+    states = {name: state for each in (old, mission) if each is not None for _, name, state in each.walk()}
+    return {
+        "name": picture.name,
+        "version": picture.version,
+        "about": picture.about,
+        "compared": picture.compared,
+        "notes": list(picture.notes),
+        "states": [_state(node, written.get(node.name, {}), mission) for node in picture.nodes],
+        "rows": [_row(edge, states.get(edge.source)) for edge in picture.edges],
+        "initials": [[initial.parent, initial.target] for initial in picture.initials],
+        "own": [plain(row.written()) for row in mission.transitions],
+        "keys": {name: plain(key.written()) for name, key in mission.blackboard.items()},
+        "events": {name: plain(event.written()) for name, event in mission.events.items()},
+        "invariants": [
+            {"name": name, "guard": guard.words(), "definition": plain(guard.written())}
+            for name, guard in mission.invariants.items()
+        ],
+    }
+
+
+def _definitions(mission: Mission) -> Iterator[tuple[str, Json]]:
+    """Each state as it is written, without the states inside it."""
+    for _, name, state in mission.walk():
+        try:
+            written = state.written()
+        except UsageError:
+            yield name, {"behaviour": state.program(), "transitions": [row.written() for row in state.transitions]}
+            continue
+        inside = {word: list(written[word]) for word in ("states", "parallel") if isinstance(written.get(word), dict)}
+        yield name, plain({**written, **inside})
+
+
+def _state(node: Node, written: Json, mission: Mission) -> Json:
+    reads, writes = keys_of(written, mission.blackboard)
+    fields = node._asdict()
+    fields["choices"] = [without_empty(choice._asdict()) for choice in node.choices]
+    fields["twigs"] = [
+        {**without_empty(twig._asdict()), "path": twig.path, "parent": twig.parent}
+        | ({"choices": [without_empty(choice._asdict()) for choice in twig.choices]} if twig.choices else {})
+        for twig in node.twigs
+    ]
+    fields.pop("entered")
+    fields.pop("ended_here")
+    return without_empty({**fields, "definition": written, "reads": reads, "writes": writes})
+
+
+def _row(edge: Edge, source: State | None) -> Json:
+    fields = edge._asdict()
+    fields.pop("taken")
+    fields.pop("option")
+    return without_empty({**fields, "when": edge.when, "options": options_of(source, edge.place)})
+
+
+def options_of(source: State | None, place: str) -> list[str]:
+    """The options of a state's own decision that fire its row."""
+    if not isinstance(source, Decision):
+        return []
+    row = source.transitions[int(place.rpartition("/")[2])]
+    return [name for name in row.on if name in source.options and row.of is None]
+
+
+def keys_of(written: Any, keys: Mapping[str, Any]) -> tuple[list[str], list[str]]:
+    """The keys that a definition reads and those that it writes, in the order of the blackboard."""
+    reads: set[str] = set()
+    writes: set[str] = set()
+
+    def note(value: Any, found: set[str]) -> None:
+        for item in value if isinstance(value, list) else [value]:
+            if isinstance(item, str) and item.partition(".")[0] in keys:
+                found.add(item.partition(".")[0])
+
+    def look(value: Any) -> None:
+        if isinstance(value, dict):
+            for word, item in value.items():
+                if word in READING:
+                    note(item, reads)
+                elif word in WRITING:
+                    note(item, writes)
+                elif word == "result" and isinstance(item, dict):
+                    note(list(item), writes)
+                look(item)
+        elif isinstance(value, list):
+            for item in value:
+                look(item)
+
+    look(written)
+    return [name for name in keys if name in reads], [name for name in keys if name in writes]

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Journals as the page plays them: a row a step, each with what it changed alone.
+
+Rule: nothing is worked out anew. What the page shows of a step stood in the journal, and what cannot be read is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rai_missions.errors import DefinitionError
+from rai_missions.event import Event, Image
+from rai_missions.journal import Note, StepRow, verify
+from rai_missions.journal.record import Record
+from rai_missions.step import Ask, Step
+from rai_missions.verdict import Question
+from visualize.page.effect_words import effect_words
+from visualize.page.images import Gallery
+from visualize.page.plain import Json, Pool, plain, without_empty
+
+__all__ = ("Run", "read_run", "run_data", "run_of_steps")
+
+MOST_FAULTS = 20
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run as far as it can be told."""
+
+    name: str
+    """What the reader knows it by: its file."""
+    mission: str = ""
+    """The mission that ran, as row 0 has it."""
+    head: Json | None = None
+    """Id, start time, arguments and versions."""
+    entries: tuple[StepRow, ...] = ()
+    notes: tuple[Note, ...] = ()
+    faults: tuple[str, ...] = ()
+    """What is wrong with the journal, or keeps it from fitting the mission."""
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """What the run did, in order."""
+        return tuple(entry.step for entry in self.entries)
+
+
+def run_of_steps(steps: Iterable[Step], name: str = "the run") -> Run:
+    """A run of steps that no journal holds."""
+    steps = tuple(steps)
+    return Run(name, entries=tuple(StepRow(number, step, step.at) for number, step in enumerate(steps, 1)))
+
+
+def read_run(path: Path | str, gallery: Gallery) -> Run:
+    """A journal up to where it can be read, with all that is wrong with it; its questions' pictures go to the gallery.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal.
+    """
+    faults = [f"{fault.place}: {fault.sentence}".lstrip(": ") for fault in verify(path)]
+    entries: list[StepRow] = []
+    notes: list[Note] = []
+    head: Json = {}
+    mission = ""
+    with closing(Record(path)) as record:
+        try:
+            header = record.header
+            mission = header.mission
+            head = {name: plain(item) for name, item in header._asdict().items() if name not in ("mission", "profile")}
+            for row in record.rows():
+                if isinstance(row, StepRow):
+                    entries.append(row)
+                    for image in _images(row.step):
+                        gallery.add(image)
+                elif isinstance(row, Note):
+                    notes.append(row)
+        except DefinitionError as error:
+            if not entries and not faults:
+                raise
+            faults += [str(fault) for fault in error.faults if str(fault) not in faults]
+    return Run(Path(path).name, mission, head, tuple(entries), tuple(notes), tuple(faults[:MOST_FAULTS]))
+
+
+def _images(step: Step) -> Iterator[Image]:
+    for effect in step.effects:
+        if isinstance(effect, Ask):
+            yield from (shown.value for shown in effect.question.evidence if isinstance(shown.value, Image))
+
+
+def run_data(run: Run, gallery: Gallery) -> Json:
+    """A run as the page plays it.
+
+    A step is `[number, time, event, moves, guards, writes, more]`; from the event on, numbers of values in `pool`.
+    """
+    pool = Pool()
+    questions: dict[int, Json] = {}
+    steps = []
+    for index, entry in enumerate(run.entries):
+        steps.append(_row(index, entry, pool, questions, gallery))
+    return {
+        "name": run.name, "head": run.head or {}, "faults": list(run.faults), "pool": pool.values, "steps": steps,
+        "questions": list(questions.values()), "notes": [[note.row, note.text, plain(note.data)] for note in run.notes],
+        "outcome": next((step.outcome for step in run.steps if step.outcome), ""),
+        "why": next((step.why for step in run.steps if step.outcome), ""),
+    }  # fmt: skip
+
+
+def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gallery: Gallery) -> list[Any]:
+    step = entry.step
+    writes = [[key, plain(value), round(stamp, 6)] for key, value, stamp in entry.before]
+    writes += [[key, plain(value), round(_stamp(step.event, key, step.at), 6)] for key, value in step.writes]
+    guards = list({place: {True: 1, False: 0, None: 2}[value] for place, value in step.guards}.items())
+    moves = [[list(move.taken), list(move.exited), list(move.entered), move.trigger] for move in step.moves]
+    for effect in step.effects:
+        if isinstance(effect, Ask):
+            questions[effect.question.number] = _question(effect.question, index, gallery)
+    if step.event.kind == "proposal" and step.event.number in questions:
+        questions[step.event.number] |= _answer(step, index)
+    more = {
+        "does": [effect_words(effect) for effect in step.effects],
+        "notes": list(step.notes),
+        "why": step.why,
+        "outcome": step.outcome,
+        "asks": [effect.question.number for effect in step.effects if isinstance(effect, Ask)],
+        "answers": step.event.number if step.event.kind == "proposal" else 0,
+    }
+    event = without_empty(
+        {
+            "name": step.event.name,
+            "kind": step.event.kind,
+            "number": step.event.number,
+            "data": plain(step.event.data),
+        }
+    )
+    parts = (event, moves, [[place, value] for place, value in guards], writes, without_empty(more))
+    return [step.seq, round(step.at, 6), *(pool.add(part) for part in parts)]
+
+
+def _stamp(event: Event, key: str, at: float) -> float:
+    """When a written value was so: a robot's says it, the mission's own is of its step."""
+    if event.kind == "write" and event.name == key:
+        return min(float(event.data.get("stamp", event.at)), at)
+    return at
+
+
+def _question(question: Question, index: int, gallery: Gallery) -> Json:
+    shown = []
+    for each in question.evidence:
+        picture = gallery.add(each.value) if isinstance(each.value, Image) else ""
+        shown.append(
+            without_empty({"key": each.key, "fresh": each.fresh, "picture": picture})
+            | {"value": plain(each.value), "age_s": plain(each.age_s)}
+        )
+    return without_empty(
+        {
+            "owner": question.owner,
+            "asked": question.asked,
+            "text": question.text,
+            "options": [
+                without_empty({"name": offer.name, "about": offer.about, "parameters": plain(offer.parameters)})
+                for offer in question.options
+            ],
+            "attempt": question.attempt,
+            "refused": list(question.refused),
+            "tools": list(question.tools),
+        }
+    ) | {"number": question.number, "step": index, "at": question.at, "until": plain(question.until), "evidence": shown}
+
+
+def _answer(step: Step, index: int) -> Json:
+    """What was proposed, and what the rules said of it."""
+    said = [note for note in step.notes if note.startswith((f"question {step.event.number}:", "fallback "))]
+    return {
+        "answered": index,
+        "proposal": plain(step.event.data),
+        "verdict": said or [step.why or "it changed nothing"],
+    }

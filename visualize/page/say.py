@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where a model has a say: the decisions that ask it, what each of its answers can lead to, and what bounds it.
+
+Rule: the bounds are told with the options, never without; an end that no answer can lead to is told as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rai_missions.mission import Mission
+from rai_missions.states import Asked, Decision, Final, Tree
+from rai_missions.states.tree import DecisionLeaf, tree_paths
+from visualize.page.lens import item, lens
+from visualize.page.plain import Json
+from visualize.page.reach import Reached, Roads
+from visualize.shapes import Edge, Picture
+from visualize.words import child_pointer
+
+__all__ = ("AskedHere", "asked_of", "say_lens")
+
+
+class AskedHere(NamedTuple):
+    """A question where it stands."""
+
+    state: str
+    place: str
+    """JSON pointer of what holds the question."""
+    asked: Asked
+    in_tree: bool
+
+    def options(self) -> list[str]:
+        """The JSON pointers of its options."""
+        return [child_pointer(f"{self.place}/decision", "options", name) for name in self.asked.options]
+
+
+def asked_of(mission: Mission, who: str) -> list[AskedHere]:
+    """The questions that somebody is asked, in document order."""
+    return [each for each in _questions(mission) if who in each.asked.ask]
+
+
+def _questions(mission: Mission) -> Iterator[AskedHere]:
+    for place, name, state in mission.walk():
+        if isinstance(state, Decision):
+            yield AskedHere(name, place, state.decision, in_tree=False)
+        if isinstance(state, Tree):
+            for path, node in tree_paths(state.tree):
+                if isinstance(node, DecisionLeaf):
+                    yield AskedHere(name, f"{place}/tree/{path}".rstrip("/"), node.decision, in_tree=True)
+
+
+def say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
+    """The switch that dims all that no model decides."""
+    asked = asked_of(mission, "agent")
+    sections, rows, direct = [], set[str](), set[str]()
+    for each in asked:
+        edges = [edge for edge in picture.edges if edge.source == each.state and (edge.option or each.in_tree)]
+        rows |= {edge.place for edge in edges}
+        direct |= {edge.target for edge in edges if edge.target}
+        sections.append((f"{each.state}: “{each.asked.question}”", list(_told(each, edges, roads))))
+    after = roads.onward(direct)
+    finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
+    ends = [item(_end_words(name, state, direct, after), state=name) for name, state in finals]
+    sections.append(("Ends", [*ends, item("no answer sets the state, and none alone makes a mission succeed")]))
+    none = [("Decisions", [item("none: no model is asked anything in this mission")])]
+    states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
+    return lens(
+        "say", "Where does the model have a say?", "m", states=states if asked else (), rows=rows,
+        options=[place for each in asked for place in each.options()], sections=sections if asked else none,
+    )  # fmt: skip
+
+
+def _told(each: AskedHere, edges: list[Edge], roads: Roads) -> Iterator[Json]:
+    asked = each.asked
+    within = f"at most {asked.deadline_s:g} s" if asked.deadline_s is not None else "no deadline"
+    often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
+    yield item(f"bounded: asks {', then '.join(asked.ask)}, {often} each, {within}", state=each.state)
+    yield item(f"fallback: {asked.fallback}" if asked.fallback else "no fallback: without an answer it has failed")
+    for name, option in asked.options.items():
+        bound = f"only when {option.when.words()}" if option.when is not None else "always open"
+        fired = [edge for edge in edges if edge.option == name]
+        to = [edge.target for edge in fired if edge.target]
+        leads = f"leads to {', '.join(to)}" if to else "goes on in its tree" if each.in_tree else "does not leave"
+        yield (
+            item(f"{name}: {bound}; {leads}{_ends_after(to, roads)}", row=fired[0].place)
+            if fired
+            else item(f"{name}: {bound}; {leads}", state=each.state)
+        )
+
+
+def _ends_after(targets: list[str], roads: Roads) -> str:
+    after = roads.onward(targets).states
+    finals = [name for name, state in roads.mission.states.items() if isinstance(state, Final)]
+    missed = [name for name in finals if name not in after]
+    if not targets or not missed:
+        return ""
+    return f"; from there never {', '.join(missed)}"
+
+
+def _end_words(name: str, state: Final, direct: set[str], after: Reached) -> str:
+    facts = f", and only if {state.requires.words()}" if state.requires is not None else ""
+    if name in direct:
+        return f"{name} ({state.final}): an answer leads there at once{facts}"
+    if name in after.states:
+        return (
+            f"{name} ({state.final}): not by an answer alone: an event or what the robot reports must lead there{facts}"
+        )
+    return f"{name} ({state.final}): out of reach of every answer"
