@@ -83,9 +83,15 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     draw = commands.add_parser("draw", help="draw a mission, with the path of a journal in bold", epilog=EXIT)
     draw.add_argument("mission", metavar="MISSION")
     draw.add_argument(
-        "-o", "--output", metavar="FILE", help="by its ending: .svg .png .dot .mmd .md (default: NAME.svg)"
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="by its ending: .html, the review page; .svg .png .dot .mmd .md (default: NAME.svg)",
     )
-    draw.add_argument("--journal", metavar="FILE", help="the path that this run took, in bold")
+    draw.add_argument(
+        "--journal", metavar="FILE", action="append", default=[],
+        help="the path that this run took, in bold; may be repeated",
+    )  # fmt: skip
     draw.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     diff = commands.add_parser("diff", help="what changed between two missions, by meaning", epilog=DIFF_EXIT)
     diff.add_argument("old", metavar="OLD")

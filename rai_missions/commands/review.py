@@ -39,12 +39,18 @@ def check_mission(given: argparse.Namespace) -> int:
 
 
 def draw(given: argparse.Namespace) -> int:
-    """Draw a mission."""
-    from visualize import draw as draw_picture
-
+    """Draw a mission; as a page for review where the file ends so."""
     mission = load(given.mission, python=not given.no_python)
     output = given.output or f"{mission.name.replace('/', '_')}.svg"
-    draw_picture(mission, output, steps=steps_of(given.journal, mission))
+    if output.lower().endswith(".html"):
+        from visualize import draw_review
+
+        draw_review(mission, output, given.journal, check(mission))
+    else:
+        from visualize import draw as draw_picture
+
+        steps = [step for journal in given.journal for step in steps_of(journal, mission)]
+        draw_picture(mission, output, steps=steps)
     print(output)
     return 0
 
