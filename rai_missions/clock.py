@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol
 
 from rai_missions.event import Event
 
-__all__ = ("Clock", "HeardClock", "Mailbox", "SimulatedClock", "Steppable", "WallClock")
+__all__ = ("Clock", "ContinuedClock", "HeardClock", "Mailbox", "SimulatedClock", "Steppable", "WallClock")
 
 LONGEST_WAIT_S = 86_400.0
 """A wait for longer ends early and begins again: threads cannot wait for centuries."""
@@ -103,6 +103,24 @@ class WallClock:
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         mailbox.wait(None if until == math.inf else max(0.0, until - self.now()))
+
+
+class ContinuedClock:
+    """Another clock's time, counted on from an instant: that of a run which was cut short.
+
+    Args:
+        clock: Whose time goes on.
+        start: What its present is, in seconds on the run's clock.
+    """
+
+    def __init__(self, clock: Clock, start: float) -> None:
+        self._clock, self._ahead = clock, start - clock.now()
+
+    def now(self) -> float:
+        return self._clock.now() + self._ahead
+
+    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
+        self._clock.wait(mailbox, until - self._ahead, paced=paced)
 
 
 class Steppable(Protocol):

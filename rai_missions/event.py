@@ -15,6 +15,7 @@ __all__ = ("KINDS", "Event", "Image", "Tick")
 NOTHING: Mapping[str, Any] = {}
 KINDS = (
     "event", "tick", "write", "accepted", "feedback", "result", "proposal", "control", "behaviour", "command",
+    "doubt",
 )  # fmt: skip
 """What sort of happening an event can be; `Event.kind` says what each means."""
 
@@ -43,6 +44,7 @@ class Event(NamedTuple):
     | `control`    | who holds control now                             | –                 |
     | `behaviour`  | `behaviour`; its end stands in `data["status"]`   | number of start   |
     | `command`    | `pause`, `resume`, `cancel`, `kill`               | –                 |
+    | `doubt`      | `uncertain`: whether it was done (`data["name"]`) nobody can say | – |
     """
     number: int = 0
     """The number of the start or question that this answers; a late one is known by it."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from rai_missions.behaviours import Behaviours
@@ -16,6 +17,7 @@ from rai_missions.errors import MissionError
 from rai_missions.event import Event
 from rai_missions.goals import Goals, told
 from rai_missions.handovers import Handovers
+from rai_missions.journal.underway import Underway
 from rai_missions.robot import Robot, plain
 from rai_missions.senses import Senses
 from rai_missions.states.tree import BehaviourLeaf
@@ -108,12 +110,15 @@ class Performer:
     def perform(self, effects: tuple[Effect, ...]) -> None:
         """Carry out the effects of a step, in order; what fails comes back as an event and does not stop the rest."""
         for effect in effects:
-            try:
-                self._perform[type(effect)](effect)
-            except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
-                why = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
-                log.warning("not carried out: %.200s: %s", effect, why)
-                self._failed(effect, why)
+            self._guarded(effect, partial(self._perform[type(effect)], effect))
+
+    def _guarded(self, effect: Effect, do: Callable[[], None]) -> None:
+        try:
+            do()
+        except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
+            why = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
+            log.warning("not carried out: %.200s: %s", effect, why)
+            self._failed(effect, why)
 
     def _failed(self, effect: Effect, why: str) -> None:
         if isinstance(effect, StartGoal):
@@ -126,6 +131,56 @@ class Performer:
     def stop_everything(self) -> None:
         """The run breaks off: end every goal that may still run, heard of or not."""
         self.perform(self._goals.cut_off())
+
+    def take_up(self, under: Underway, awaited: frozenset[int]) -> None:
+        """Go on with what an earlier process had under way.
+
+        What nobody can tell the fate of, and may not be done twice, the mission hears of by the event `uncertain`.
+
+        Args:
+            under: What its journal leaves open.
+            awaited: The numbers that the mission still waits for.
+        """
+        for number, effect in under.open.items():
+            if number in awaited:
+                self._guarded(effect, partial(self._go_on, effect, under))
+        for unsure in under.unsure:
+            if isinstance(unsure, PublishMessage):
+                self._guarded(unsure, partial(self._publish_again, unsure))
+            elif isinstance(unsure, SayAloud):
+                self.perform((unsure,))
+        for number in under.canceled & awaited:
+            if isinstance(start := under.open.get(number), StartGoal):
+                self.perform((CancelGoal(number, start.action),))
+        if under.handover is not None:
+            self.perform((under.handover,))
+
+    def _go_on(self, effect: Effect, under: Underway) -> None:
+        if isinstance(effect, StartGoal):
+            sent, accepted = effect not in under.unsure, effect.number in under.accepted
+            if not self._goals.take_up(effect, sent=sent, accepted=accepted):
+                self._doubt("action", effect.action, effect.number, "rejected")
+        elif isinstance(effect, CallService) and not self._may_repeat(effect):
+            self._doubt("call", effect.service, effect.number, "failed")
+        else:
+            self._perform[type(effect)](effect)
+
+    def _may_repeat(self, effect: CallService) -> bool:
+        entry = self._robot.services.get(effect.service) if self._robot is not None else None
+        return entry is None or entry.repeat
+
+    def _publish_again(self, effect: PublishMessage) -> None:
+        entry = self._robot.topics.get(effect.topic) if self._robot is not None else None
+        if entry is None or entry.repeat:
+            self._publish(effect)
+        else:
+            self._event("doubt", "uncertain", 0, {"what": "publish", "name": effect.topic})
+
+    def _doubt(self, what: str, name: str, number: int, outcome: str) -> None:
+        """Nobody can say whether it was done."""
+        self._event("doubt", "uncertain", 0, {"what": what, "name": name})
+        why = f"the run was killed, and nobody can say whether '{name}' was done"
+        self._event("result", outcome, number, {"why": why})
 
     def answered(self, number: int) -> None:
         """A question has its answer, from whomever: nobody else need think about it."""

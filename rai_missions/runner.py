@@ -15,24 +15,25 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol, TypeVar
 
+from rai_missions.arguments import accepted
 from rai_missions.behaviours import behaviour_leaves
-from rai_missions.blackboard import fits
 from rai_missions.chart import Chart, Named
 from rai_missions.clock import Clock, Mailbox, WallClock
 from rai_missions.connectors.connector import Connector
-from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event, Tick
 from rai_missions.journal.scribe import Book, Scribe
 from rai_missions.lifecycle import Lifecycle, Status
 from rai_missions.mission import Mission
 from rai_missions.performer import Performer
 from rai_missions.rebuild import default_ticker
+from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, missing, terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import Step
 from rai_missions.verdict import Answerer
 
-__all__ = ("Commands", "Result", "Runner", "accepted")
+__all__ = ("Commands", "Result", "Runner")
 
 log = logging.getLogger(__name__)
 
@@ -97,6 +98,7 @@ class Runner:
         run: The run's identity; made up by default.
         on_step: Told of each step after its effects, on the runner's thread.
         on_status: Told of each change of mode, control or active states.
+        resumed: Where a run stood that was cut short, to go on from there; its clock must not be behind it.
 
     Raises:
         DefinitionError: The profile lacks what the mission uses.
@@ -108,7 +110,7 @@ class Runner:
         answerers: Mapping[str, Answerer] | None = None, clock: Clock | None = None, journal: Book | None = None,
         arguments: Mapping[str, Any] | None = None, ticker: Trees | None = None, named: Named | None = None,
         run: str | None = None, on_step: Callable[[Step], None] | None = None,
-        on_status: Callable[[Status], None] | None = None,
+        on_status: Callable[[Status], None] | None = None, resumed: Resumption | None = None,
     ) -> None:  # fmt: skip
         if robot is not None and (faults := missing(mission, robot)):
             raise DefinitionError(faults, robot.name)
@@ -116,9 +118,10 @@ class Runner:
         self.clock: Clock = clock if clock is not None else WallClock()
         self.mailbox = Mailbox()
         self.lifecycle = Lifecycle()
-        self.chart = Chart(
+        self._resumed = resumed
+        self.chart = resumed.chart if resumed is not None else Chart(
             mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None, named=named
-        )
+        )  # fmt: skip
         self.performer = Performer(
             run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}), post=self.post,
             later=self.later, now=self.clock.now, allow=lambda to: self.lifecycle.control.request(to, "mission"),
@@ -131,7 +134,7 @@ class Runner:
         self._later: list[tuple[float, int, Callable[[], None]]] = []
         self._order = itertools.count()
         self._requests: deque[Callable[[], None]] = deque()
-        self._decisions = 0
+        self._decisions = resumed.decisions if resumed is not None else 0
 
     # -- commands -------------------------------------------------------------------------------------------------
 
@@ -183,14 +186,17 @@ class Runner:
             ConnectorError: The robot cannot be reached.
             UsageError: The robot did not say what the mission needs to know before it starts; the names stand in it.
         """
-        began = self.clock.now()
+        began = self.clock.now() if self._resumed is None else self._resumed.began
         ours = self._connector is not None and not self._connector.running
         try:
             if self._connector is not None and ours:
                 self._connector.start()
             self.performer.open()
-            self._get_ready()
-            if self.chart.outcome is None:
+            if self._resumed is not None:
+                self._take_up(self._resumed)
+            if self.chart.mode == "ready":
+                self._get_ready()
+            if self.chart.mode == "ready" and self.chart.outcome is None:
                 self.performer.begin()
                 self._step(lambda: self.chart.start(self.clock.now()))
             self._loop(lambda: self.chart.outcome is not None)
@@ -211,11 +217,20 @@ class Runner:
         except Exception:
             log.exception("the connector could not be stopped")
 
+    def _take_up(self, resumed: Resumption) -> None:
+        """Go on where a run was cut short, with what it had under way."""
+        self._scribe.go_on(resumed.at)
+        if resumed.last is not None:
+            self._tell(resumed.last)
+        self.lifecycle.control.kept = self.chart.holder == "operator" and resumed.under.holder_by != "mission"
+        self.performer.take_up(resumed.under, self.chart.awaited)
+
     def _get_ready(self) -> None:
         """Hear every robot key once before the start."""
         chart = self.chart
         for key, value in self._arguments.items():
-            self._step(lambda key=key, value=value: chart.write(key, value, self.clock.now()))  # type: ignore[misc]
+            if key not in chart.view.board or chart.view.board[key].value != value:
+                self._step(lambda key=key, value=value: chart.write(key, value, self.clock.now()))  # type: ignore[misc]
         until = self.clock.now() + self.mission.ready_s
         self._loop(lambda: chart.outcome is not None or not self._unheard or self.clock.now() >= until, until)
         if self._unheard and chart.outcome is None:
@@ -246,7 +261,7 @@ class Runner:
         now = self.clock.now()
         while self._later and self._later[0][0] <= now:
             heapq.heappop(self._later)[2]()
-        if now >= self._scribe.due:
+        if now >= self._due:
             self._write_carried()
 
     def _idle(self, until: float) -> None:
@@ -255,7 +270,7 @@ class Runner:
             return
         wake = self.chart.wake_at
         due = min(until, math.inf if wake is None else wake, self._later[0][0] if self._later else math.inf)
-        self.clock.wait(self.mailbox, min(due, self._scribe.due), paced=self.performer.thinking)
+        self.clock.wait(self.mailbox, min(due, self._due), paced=self.performer.thinking)
         now = self.clock.now()
         if wake is not None and wake <= now and self.mailbox.empty:
             self._step(lambda: self.chart.send(Tick(now)))
@@ -279,7 +294,14 @@ class Runner:
         elif not self._write(step, since):
             return
         self.performer.perform(step.effects)
+        self._confirm(step)
         self._tell(step)
+
+    def _confirm(self, step: Step) -> None:
+        try:
+            self._scribe.confirm(step)
+        except Exception as error:  # noqa: BLE001 - as in `_write`
+            self._lose_journal(error)
 
     def _kill(self, event: Event) -> None:
         """The emergency stop: the actuators first, the journal after."""
@@ -329,9 +351,15 @@ class Runner:
             return False
         return True
 
+    @property
+    def _due(self) -> float:
+        """When a row must be written: what travels must not travel for long, nor time that a timer is running."""
+        timed = self.chart.wake_at is not None and self.chart.mode != "ready"
+        return min(self._scribe.due, self._scribe.silent_from) if timed else self._scribe.due
+
     def _write_carried(self) -> None:
         """Have what travels written down: with a step in which only time passes."""
-        if self._scribe.due < math.inf:
+        if self._due < math.inf:
             self._step(lambda: self.chart.send(Tick(max(self.clock.now(), self.chart.at))), quiet=False)
 
     def _lose_journal(self, error: Exception) -> None:
@@ -348,29 +376,3 @@ class Runner:
             chart.outcome or "failed", chart.why, chart.seq, self._scribe.path, self.run_id,
             tuple(sorted(chart.active)), self._decisions, self.clock.now() - began,
         )  # fmt: skip
-
-
-def accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The arguments of a run, if the mission takes them.
-
-    Raises:
-        DefinitionError: One that it does not take, does not fit, or is missing.
-    """
-    takes = {name for name, key in mission.blackboard.items() if key.source == "argument"}
-    faults = [
-        Fault(
-            f"/blackboard/{name}",
-            f"the mission takes no argument '{name}'; it takes: {', '.join(sorted(takes)) or 'none'}",
-        )
-        for name in arguments
-        if name not in takes
-    ]
-    for name in takes:
-        key = mission.blackboard[name]
-        if name in arguments and (why := fits(key, arguments[name])):
-            faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}"))
-        if name not in arguments and key.initial is None and not key.optional:
-            faults.append(Fault(f"/blackboard/{name}", f"the mission needs the argument '{name}'; give --set {name}=…"))
-    if faults:
-        raise DefinitionError(faults, mission.name)
-    return arguments

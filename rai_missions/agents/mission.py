@@ -13,20 +13,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.agents.resuming import TakenUp, take_up
+from rai_missions.arguments import accepted
 from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Named
 from rai_missions.check import check
-from rai_missions.clock import Clock, HeardClock, SimulatedClock, WallClock
+from rai_missions.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.embodiment import Identity
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.journal import Header, Journal
+from rai_missions.journal import Header, Journal, versions
 from rai_missions.lifecycle import Status
 from rai_missions.load import dump, load
 from rai_missions.mission import Mission
+from rai_missions.recording import Recording, observers, recorded
 from rai_missions.robot import Robot, dump_profile, identity_folder, load_profile, missing
-from rai_missions.runner import Result, Runner, accepted
+from rai_missions.runner import Result, Runner
 from rai_missions.step import Step
 from rai_missions.verdict import Answerer
 from rai_missions.worlds.world import World, open_world
@@ -44,7 +47,8 @@ __all__ = ("MissionAgent", "Setting", "prepare", "run")
 class Setting:
     """Everything that a run is made of, as a person names it."""
 
-    mission: Mission | str | Path
+    mission: Mission | str | Path | None
+    """Left out where `resume` names a run."""
     robot: Robot | str | Path | None = None
     arguments: Mapping[str, Any] = field(default_factory=dict)
     model: BaseChatModel | str | None = None
@@ -54,6 +58,10 @@ class Setting:
     answerers: Mapping[str, Answerer] = field(default_factory=dict)
     """Others who answer, by the name that `ask` calls them."""
     journal: str | Path | None = None
+    record: str | Path | None = None
+    """Where an MCAP file of the run goes; its journal is written beside it where `journal` names none."""
+    resume: str | Path | None = None
+    """The journal of a run that was cut short: it goes on, and is written on there. Arguments are in it."""
     named: Named | None = None
     speed: float = math.inf
     """Simulated seconds to one of the wall."""
@@ -75,24 +83,41 @@ class Prepared:
 
     def __init__(self, setting: Setting) -> None:
         self.setting = setting
-        self.mission = setting.mission if isinstance(setting.mission, Mission) else load(setting.mission)
         self._closes: list[Callable[[], None]] = []
+        given = load(setting.mission) if isinstance(setting.mission, str | Path) else setting.mission
+        self._taken: TakenUp | None = None
+        if setting.resume is not None:
+            self._taken = take_up(setting.resume, mission=given, robot=_profile(setting.robot)[0], named=setting.named)
+            self._closes.append(self._taken.record.close)
+            given = self._taken.mission
+        if given is None:
+            raise UsageError("no mission was named, and no run to go on with")
+        self.mission = given
         findings = [each.fault for each in check(self.mission) if each.severity == "error"]
         if findings:
             raise DefinitionError(findings, str(setting.mission) if not isinstance(setting.mission, Mission) else "")
         self.robot, self._folder = _profile(setting.robot)
-        accepted(self.mission, setting.arguments)
+        if self._taken is not None:
+            self.robot = self.robot or self._taken.robot
+        else:
+            accepted(self.mission, setting.arguments)
         if self.robot is not None and (faults := missing(self.mission, self.robot)):
             raise DefinitionError(faults, str(setting.robot))
         self._runner: Runner | None = None
+        self.journal: Journal | None = None
         try:
             self.world, connector, clock = self._surroundings()
+            self._header = self._head()
+            self.recording = self._record(clock)
             self.answerers = self._answerers()
             self.journal = self._journal()
+            on_step, on_status = observers(self.recording, setting.on_step, setting.on_status)
             self._runner = Runner(
-                self.mission, robot=self.robot, connector=connector, answerers=self.answerers, clock=clock,
-                journal=self.journal, arguments=setting.arguments, named=setting.named, on_step=setting.on_step,
-                on_status=setting.on_status, run=self._header.run or None,
+                self.mission, robot=self.robot, connector=recorded(connector, self.recording), clock=clock,
+                answerers=self.answerers, journal=self.journal, arguments=self._header.arguments, named=setting.named,
+                on_step=on_step, on_status=on_status,
+                run=self._header.run or None,
+                resumed=self._taken.resumption if self._taken is not None else None,
             )  # fmt: skip
         except BaseException:
             self.close()
@@ -107,12 +132,12 @@ class Prepared:
         """The world, how it is reached, and whose time counts."""
         setting = self.setting
         if setting.connector is not None or self.robot is None:
-            return None, setting.connector, setting.clock or WallClock()
+            return None, setting.connector, self._continued(setting.clock or WallClock())
         options = dict(self.robot.connector)
         kind, world_name = options.pop("kind"), options.pop("world", None)
         if kind in REMOTE:
             heard = HeardClock() if setting.clock is None and options.get("sim_time") is True else None
-            clock = heard or setting.clock or WallClock()
+            clock = self._continued(heard or setting.clock or WallClock())
             opened: Connector = importlib.import_module(REMOTE[kind]).open_connector(options, now=clock.now)
             if heard is not None:
                 self._follow(heard, opened)
@@ -120,7 +145,8 @@ class Prepared:
         if kind != "local":
             raise UsageError(f"no connector of kind '{kind}'{suggestion(str(kind), ('local', *REMOTE))}")
         if world_name is None:
-            return None, LocalConnector(), setting.clock or WallClock()
+            clock = self._continued(setting.clock or WallClock())
+            return None, LocalConnector(now=clock.now), clock
         if setting.seed is not None:
             options["seed"] = setting.seed
         world = open_world(str(world_name), **options)
@@ -128,6 +154,10 @@ class Prepared:
         connector = LocalConnector(now=lambda: world.at)
         world.open(connector)
         return world, connector, setting.clock or SimulatedClock(world, setting.speed)
+
+    def _continued(self, clock: Clock) -> Clock:
+        """A run that goes on has the time that it had left."""
+        return clock if self._taken is None else ContinuedClock(clock, self._taken.resumption.at)
 
     def _follow(self, clock: HeardClock, connector: Connector) -> None:
         """Live by the time that a simulation tells, from now on."""
@@ -158,19 +188,46 @@ class Prepared:
         self._closes.append(agent.stop)
         return agent
 
-    def _journal(self) -> Journal | None:
-        profile = dump_profile(self.robot) if self.robot is not None else ""
-        self._header = Header("", profile, dict(self.setting.arguments))
-        if self.setting.journal is None:
-            return None
+    def _head(self) -> Header:
+        """What is needed to run it all again, where it is written down."""
+        if self._taken is not None:
+            return self._taken.record.header
+        header = Header("", dump_profile(self.robot) if self.robot is not None else "", dict(self.setting.arguments))
+        if self.setting.journal is None and self.setting.record is None:
+            return header
         if not behaviour_leaves(self.mission):  # one with behaviours in Python has no JSON; a replay is given its file
-            self._header = self._header._replace(mission=dump(self.mission))
-        self._header = self._header._replace(run=uuid.uuid4().hex[:12])
-        path = Path(self.setting.journal)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        journal = Journal.create(path, self._header)
+            header = header._replace(mission=dump(self.mission))
+        return header._replace(run=uuid.uuid4().hex[:12])
+
+    def _record(self, clock: Clock) -> Recording | None:
+        """Closed after the journal, whose last rows it still takes, and before the world, whose pictures it renders."""
+        if self.setting.record is None:
+            return None
+        about = {"robot": self.robot.name if self.robot else "", "run": self._header.run, "versions": versions()}
+        recording = Recording.create(self.setting.record, mission=self.mission, about=about, now=clock.now)
+        self._closes.append(lambda: recording.end(self.journal))
+        for raw in self._taken.record.raw() if self._taken is not None else ():
+            recording.row(raw, ())
+        return recording
+
+    def _journal(self) -> Journal | None:
+        witness = self.recording.row if self.recording is not None else None
+        if self._taken is not None:
+            journal = Journal.open(self._taken.record.path, witness=witness)
+        elif (path := self._journal_path()) is None:
+            return None
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            journal = Journal.create(path, self._header, witness=witness)
         self._closes.append(journal.close)
         return journal
+
+    def _journal_path(self) -> Path | None:
+        """A run that is recorded is journaled: the recording holds the journal's rows."""
+        journal, record = self.setting.journal, self.setting.record
+        if journal is not None:
+            return Path(journal)
+        return None if record is None else Path(record).with_suffix(".journal")
 
     def close(self) -> None:
         while self._closes:

@@ -100,5 +100,7 @@ class Modes(Microsteps):
                 self._refused = f"stale: question {event.number} is no longer asked"
         elif event.kind == "result":
             self._report(event)
+        elif event.kind == "doubt":
+            self._heard(Trigger(event.name, event.data))
         else:
             self._refused = f"there is no event of kind '{event.kind}'{suggestion(event.kind, KINDS)}"

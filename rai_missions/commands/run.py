@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import math
 import signal
@@ -17,7 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.check import check
 from rai_missions.commands.given import named_in, steps_of
-from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.commands.node import beside, managed
+from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
 from rai_missions.progress import Lines
@@ -33,24 +35,26 @@ def run(given: argparse.Namespace) -> int:
     """Run a mission and print it as it goes."""
     from rai_missions.agents.mission import prepare
 
-    mission = load(given.mission, python=not given.no_python)
+    if given.managed:
+        return _managed(given)
+    mission = _mission(given)
     named = named_in(given.guards)
     faults = [each.fault for each in check(mission, named=set(named or ())) if each.severity == "error"]
     if faults:
-        raise DefinitionError(faults, given.mission)
+        raise DefinitionError(faults, given.mission or given.resume)
     heard = [name for name, key in mission.blackboard.items() if key.source == "robot" and not key.optional]
-    if heard and not given.robot:
+    if heard and not given.robot and not given.resume:
         raise UsageError(f"the mission must hear {', '.join(heard)} from a robot; give its profile: --robot PROFILE")
     lines = _lines(mission, given)
     setting = replace(_setting(given, mission, lines), named=named)
     try:
-        with prepare(setting) as prepared:
+        with beside(given, setting) as stand, prepare(stand.setting) as prepared:
             robot = prepared.robot.name if prepared.robot is not None else ""
             if not given.json:
                 lines.begin(robot, ", ".join(sorted(prepared.answerers)), str(setting.journal), model=given.model)
                 lines.watch(prepared.runner.chart)
             with _interruptible(prepared.runner):
-                result = prepared.runner.run()
+                result = stand.run(prepared.runner)
     finally:
         lines.close()
     if given.picture:
@@ -73,23 +77,68 @@ def run(given: argparse.Namespace) -> int:
     return 0 if result.outcome == "succeeded" else 1
 
 
+def _managed(given: argparse.Namespace) -> int:
+    """Serve the mission on a node of its own, run by run."""
+    from rai_missions.agents.mission import Setting
+
+    mission = _mission(given)
+    base = Path(given.journal or _journal_of(mission))
+    numbers = itertools.count(1)
+    setting = Setting(
+        Path(given.mission), given.robot, _arguments(given.set, mission), model=given.model, seed=given.seed,
+        named=named_in(given.guards), speed=1.0 if given.speed == "1" else math.inf, journal=base,
+    )  # fmt: skip
+    return managed(given, setting, lambda: _fresh(base.with_stem(f"{base.stem}-{next(numbers)}")))
+
+
 def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setting:
     """What the words of the command line make a run of."""
     from rai_missions.agents.mission import Setting
 
-    journal = f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
+    if given.resume:
+        if given.set or given.journal:
+            word = "--set" if given.set else "--journal"
+            raise UsageError(f"{word} cannot be said with --resume: the run goes on in its journal as it began")
+        journal = Path(given.resume)
+    else:
+        journal = _fresh(Path(given.journal or _journal_of(mission)))
     return Setting(
         mission,
         given.robot,
-        _arguments(given.set, mission),
+        {} if given.resume else _arguments(given.set, mission),
         model=given.model,
         operator=_operator(given, lines),
-        journal=_fresh(Path(given.journal or journal)),
+        journal=journal,
+        resume=given.resume,
         seed=given.seed,
         speed=1.0 if given.speed == "1" else math.inf,
         on_step=None if given.json else lines.step,
         on_status=None if given.json else lines.status,
     )
+
+
+def _journal_of(mission: Mission) -> str:
+    return f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
+
+
+def _mission(given: argparse.Namespace) -> Mission:
+    """The mission that is named, or that of the run which goes on."""
+    if not given.resume:
+        if not given.mission:
+            raise UsageError("name a mission (rai-missions run MISSION), or a run to go on with: --resume JOURNAL")
+        return load(given.mission, python=not given.no_python)
+    from rai_missions.journal import read
+    from rai_missions.rebuild import mission_of
+
+    now = load(given.mission, python=not given.no_python) if given.mission else None
+    with read(given.resume) as record:
+        was = mission_of(record) if record.header.mission or now is None else now
+    if now is not None and now != was:
+        from visualize import difference
+
+        faults = [Fault("", line) for line in difference(was, now).lines()]
+        raise DefinitionError([*faults, Fault("", "the run goes on with its own mission only")], given.mission)
+    return was
 
 
 def _lines(mission: Mission, given: argparse.Namespace) -> Lines:

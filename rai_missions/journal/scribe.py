@@ -17,7 +17,7 @@ from rai_missions.step import Step
 __all__ = ("Book", "Scribe")
 
 QUIET_S = 1.0
-"""How long a write that enabled nothing may travel before it is written down."""
+"""How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
 
 
 class Book(Protocol):
@@ -42,13 +42,19 @@ class Scribe:
     def __init__(self, book: Book | None) -> None:
         self._book = book
         self._carried: dict[str, tuple[str, Any, float]] = {}
-        self._since = math.inf
+        self._since = self.silent_from = math.inf
+        """`silent_from`: the instant from which nothing says any more how far the run's clock had come."""
         self.path = str(book.path) if book is not None else None
 
     @property
     def due(self) -> float:
         """The instant at which what travels must be written down; infinity if nothing does."""
         return self._since + QUIET_S
+
+    def go_on(self, at: float) -> None:
+        """The run was cut short, and goes on at this instant of its clock; raises as `write` does."""
+        self.note("taken up again")
+        self.silent_from = at + QUIET_S if self._book is not None else math.inf
 
     def carry(self, step: Step, board: Blackboard) -> None:
         """A step that only wrote the blackboard."""
@@ -63,6 +69,7 @@ class Scribe:
         """Write a step with what travels; raises what the journal raises."""
         if self._book is not None:
             self._book.write(step, since=since, quiet=tuple(self._carried.values()))
+            self.silent_from = step.at + QUIET_S
         self._clear()
 
     def confirm(self, step: Step) -> None:
@@ -77,7 +84,7 @@ class Scribe:
 
     def give_up(self) -> None:
         """The journal is lost: nothing more is written."""
-        self._book = None
+        self._book, self.silent_from = None, math.inf
         self._clear()
 
     def _clear(self) -> None:

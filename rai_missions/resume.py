@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run that was cut short needs to go on: its chart where it stood, and what it had under way.
+
+Rule: a journal whose steps this program would not do in the same way is not gone on with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from rai_missions.chart import Chart
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.guards.guard import Truth
+from rai_missions.journal import Record, StepRow, difference
+from rai_missions.journal.underway import Underway
+from rai_missions.mission import Mission
+from rai_missions.rebuild import Rebuilding
+from rai_missions.states.ticker import Trees
+from rai_missions.step import Step
+
+__all__ = ("Resumption", "resumption")
+
+
+class Resumption(NamedTuple):
+    """Where a run stood when its journal ends."""
+
+    chart: Chart
+    under: Underway
+    last: Step | None
+    """The last step that was written down."""
+    began: float
+    """When the run began, on its own clock."""
+    decisions: int
+    """Questions asked so far."""
+
+    @property
+    def at(self) -> float:
+        """The instant on the run's clock from which it goes on."""
+        return self.chart.at
+
+
+def resumption(
+    record: Record, mission: Mission, ticker: Trees | None = None,
+    named: Mapping[str, Callable[..., Truth]] | None = None,
+) -> Resumption:  # fmt: skip
+    """Do the steps of a journal again, to go on after the last.
+
+    Args:
+        record: The journal of the run that was cut short.
+        mission: The mission of its run.
+        ticker: Who ticks trees; py_trees by default.
+        named: The predicates that guards name.
+
+    Raises:
+        DefinitionError: A step comes out differently: the program or a predicate has changed.
+        UsageError: The run has ended.
+    """
+    rebuilding, under = Rebuilding(record, mission, ticker, named), Underway()
+    chart, last, began, decisions = rebuilding.chart, None, 0.0, 0
+    for row in record.rows():
+        under.follow(row)
+        if not isinstance(row, StepRow):
+            continue
+        if found := difference(row.step, rebuilding.again(row)):
+            sentence = f"the run cannot go on, because this program does not do what was done: {found}"
+            raise DefinitionError([Fault(f"row {row.row}", sentence)], str(record.path))
+        began = row.since if last is None else began
+        last = row.step
+        decisions += last.question is not None
+    if chart.outcome is not None and not chart.open_goals:
+        raise UsageError(f"the run of {record.path} has ended, {chart.outcome}: {chart.why}; start a new one")
+    rebuilding.go_live()
+    return Resumption(chart, under, last, began, decisions)

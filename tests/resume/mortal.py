@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot that lives on while the runs which drive it die at chosen instants and go on.
+
+Rule: whoever is dead does nothing more: no row, no goal, no call, no answer heard.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from rai_missions.agents.resuming import take_up
+from rai_missions.clock import Clock, ContinuedClock, Mailbox, SimulatedClock
+from rai_missions.connectors.connector import Report
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.event import Event
+from rai_missions.journal import Header, Journal
+from rai_missions.load import dump
+from rai_missions.mission import Mission
+from rai_missions.robot import Robot, dump_profile
+from rai_missions.runner import Result, Runner
+from rai_missions.verdict import Question
+
+__all__ = ("Dead", "Fate", "Land", "live")
+
+TOLD = ("write", "confirm", "note", "send_goal", "find_goal", "cancel_goal", "call", "publish", "ask", "wait")
+
+
+class Dead(BaseException):
+    """`kill -9`, as it looks from inside."""
+
+
+class Fate:
+    """When a process dies.
+
+    Args:
+        at: At which of the things it does, counted from 0; None: never.
+        is_done: It dies right after that has taken effect, rather than right before.
+    """
+
+    def __init__(self, at: int | None = None, *, is_done: bool = False) -> None:
+        self._at, self._is_done, self.count, self.is_dead = at, is_done, 0, False
+
+    def around(self, do: Callable[[], Any]) -> Any:
+        """Do something, unless death comes first."""
+        if self.is_dead:
+            raise Dead
+        is_last = self.count == self._at
+        self.count += 1
+        self.is_dead = is_last and not self._is_done
+        made = None if self.is_dead else do()
+        self.is_dead = self.is_dead or is_last
+        if self.is_dead:
+            raise Dead
+        return made
+
+
+class Mortal:
+    """Something that a process uses, as long as it lives."""
+
+    def __init__(self, what: Any, fate: Fate) -> None:
+        self._what, self._fate = what, fate
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self._what, name)
+        if name not in TOLD:
+            return found
+
+        def used(*given: Any, **words: Any) -> Any:
+            given = tuple(self._while_alive(each) for each in given)
+            words = {word: self._while_alive(each) for word, each in words.items()}
+            return self._fate.around(lambda: found(*given, **words))
+
+        return used
+
+    def subscribe(self, topic: str, type_name: str, hear: Callable[[Any], None]) -> Callable[[], None]:
+        close: Callable[[], None] = self._what.subscribe(topic, type_name, self._while_alive(hear))
+        return close
+
+    def _while_alive(self, given: Any) -> Any:
+        """A callback that the dead do not hear."""
+        if not callable(given):
+            return given
+
+        def heard(*data: Any) -> None:
+            if not self._fate.is_dead:
+                given(*data)
+
+        return heard
+
+
+class Land:
+    """The robot and its surroundings: goals that take time, services, and moments, on a time of its own.
+
+    Args:
+        moments: When → what happens then.
+        lasts_s: Action → how long a goal takes.
+        ends: Action → how its goals end.
+    """
+
+    period_s = 0.5
+
+    def __init__(
+        self, moments: Mapping[float, Callable[[Land], object]], lasts_s: Mapping[str, float], ends: Mapping[str, str]
+    ) -> None:
+        self._moments = sorted(moments.items(), key=lambda moment: moment[0])
+        self._ticks = 0
+        self.runner: Runner | None = None
+        self.connector = LocalConnector(now=lambda: self.at)
+        self.connector.start()
+        self.started: list[tuple[str, str]] = []
+        self.ended: list[tuple[str, str]] = []
+        self.called: Counter[str] = Counter()
+        self.heard: Counter[str] = Counter()
+        self._goals: dict[str, tuple[str, float, Callable[[Report], None]]] = {}
+        self.most_at_once = 0
+        for action, seconds in lasts_s.items():
+            self.connector.offer(
+                f"/{action}", "x/action/X", Worker(self, action, seconds, ends.get(action, "succeeded"))
+            )
+        for service in ("/horn", "/lamp"):
+            self.connector.serve(service, "std_srvs/srv/Trigger", lambda _, name=service: self._serve(name))
+        self.connector.subscribe(
+            "/lamp_topic", "std_msgs/msg/Bool", lambda said: self.heard.update([str(said.data["data"])])
+        )
+
+    @property
+    def at(self) -> float:
+        return self._ticks * self.period_s
+
+    @property
+    def running(self) -> list[str]:
+        """The goals that run now."""
+        return list(self._goals)
+
+    def step(self) -> None:
+        self._ticks += 1
+        for goal_id, (_, due, _) in list(self._goals.items()):
+            if due <= self.at and goal_id in self._goals:
+                self._end(goal_id)
+        while self._moments and self._moments[0][0] <= self.at:
+            self._moments.pop(0)[1](self)
+
+    def post(self, name: str) -> None:
+        """Something happens outside; nobody hears it while nobody lives."""
+        if self.runner is not None:
+            self.runner.post(Event(name, self.runner.clock.now()))
+
+    def _serve(self, name: str) -> Mapping[str, Any]:
+        self.called[name] += 1
+        return {"success": True, "message": ""}
+
+    def accept(self, action: str, goal_id: str, seconds: float, end: str, report: Callable[[Report], None]) -> None:
+        self.started.append((action, goal_id))
+        self._goals[goal_id] = (end, self.at + seconds, report)
+        self.most_at_once = max(self.most_at_once, len(self._goals))
+        report(Report(goal_id, "accepted", {}))
+
+    def cancel(self, goal_id: str) -> None:
+        self._end(goal_id, "canceled")
+
+    def _end(self, goal_id: str, said: str = "") -> None:
+        end, _, report = self._goals.pop(goal_id)
+        self.ended.append((goal_id, said or end))
+        report(Report(goal_id, said or end, {}))  # type: ignore[arg-type]
+
+
+class Worker:
+    """One action of a land."""
+
+    def __init__(self, land: Land, action: str, seconds: float, end: str) -> None:
+        self._land, self._action, self._seconds, self._end = land, action, seconds, end
+
+    def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Report], None]) -> None:
+        self._land.accept(self._action, goal_id, self._seconds, self._end, report)
+
+    def cancel(self, goal_id: str) -> None:
+        self._land.cancel(goal_id)
+
+
+class MortalClock:
+    """A clock at which a process can die while it waits."""
+
+    def __init__(self, clock: Clock, fate: Fate) -> None:
+        self._clock, self._fate = clock, fate
+        self.now = clock.now
+
+    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
+        self._fate.around(lambda: self._clock.wait(mailbox, until, paced=paced))
+
+
+class Choosing:
+    """Answers every question with the same option.
+
+    Args:
+        option: Its name.
+    """
+
+    def __init__(self, option: str) -> None:
+        self._option = option
+        self.asked: list[Question] = []
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        self.asked.append(question)
+        answer({"option": self._option})
+
+    def withdraw(self, number: int) -> None:
+        """Nothing is thought about for long."""
+
+
+def live(
+    path: Path, land: Land, mission: Mission, robot: Robot, answerers: Mapping[str, Any], fate: Fate
+) -> Result | None:
+    """One process: begins the run, or goes on with the one that the journal holds; None if it died."""
+    clock: Clock = SimulatedClock(land)
+    taken = take_up(path) if path.exists() else None
+    if taken is None:
+        journal = Journal.create(path, Header(dump(mission), dump_profile(robot), run="run"))
+    else:
+        journal, clock = Journal.open(path), ContinuedClock(clock, taken.resumption.at)
+    connector: Any = Mortal(land.connector, fate)
+    try:
+        runner = land.runner = Runner(
+            mission, robot=robot, connector=connector, clock=MortalClock(clock, fate), run="run",
+            answerers={name: Mortal(each, fate) for name, each in answerers.items()},
+            journal=Mortal(journal, fate), resumed=taken.resumption if taken is not None else None,
+        )  # fmt: skip
+        return runner.run()
+    except Dead:
+        return None
+    finally:
+        land.runner = None
+        journal.close()
+        if taken is not None:
+            taken.record.close()
