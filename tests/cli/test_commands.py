@@ -208,7 +208,7 @@ def test_schemas_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
         assert json.loads(capsys.readouterr().out)["$schema"].startswith("https://json-schema.org/")
 
 
-@pytest.mark.parametrize("template", ["minimal", "tractor"])
+@pytest.mark.parametrize("template", ["minimal", "rosbot", "tractor"])
 def test_a_new_mission_passes_its_check(folder: Path, template: str) -> None:
     assert main(["new", "mine", "--template", template]) == 0
     assert main(["check", "mine/mission.json"]) == 0
