@@ -6,6 +6,7 @@ Rule: nothing here changes anything on the robot; what cannot be measured is unk
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +22,8 @@ from rai_missions.tools.said import Said
 from rai_missions.tools.transforms import Found, Frames, Transform
 
 __all__ = ("Measuring",)
+
+log = logging.getLogger(__name__)
 
 TF_TYPE = "tf2_msgs/msg/TFMessage"
 TOPICS = (("/tf", False), ("/tf_static", True))
@@ -140,9 +143,10 @@ class Measuring:
         def hear(message: Message) -> None:
             try:
                 self._frames.hear(message.data, is_static=is_static, heard_at=self._reach.now())
-            finally:
-                self._count += 1
-                self._news.put(self._count)
+            except ConnectorError as fault:
+                log.info("a transform is not taken in: %s", fault)
+            self._count += 1
+            self._news.put(self._count)
 
         return hear
 

@@ -36,7 +36,7 @@ def image_of(message: Any, ref: str) -> Image:
         return data
     found: Any = None
     if isinstance(message, Mapping):
-        fields = {**message, "data": bytes(data) if isinstance(data, bytes | bytearray | memoryview) else b""}
+        fields = {**message, "data": _bytes(data)}
         kind = "CompressedImage" if isinstance(message.get("format"), str) else "Image"
         words = ("width", "height", "step")
         if kind == "CompressedImage" or all(isinstance(message.get(word), int) for word in words):
@@ -47,6 +47,14 @@ def image_of(message: Any, ref: str) -> Image:
             f"no picture that can be shown was sent (encoding: {said!r:.40}); depth has tools of its own"
         )
     return found
+
+
+def _bytes(data: Any) -> bytes:
+    """Bytes, or a list of their numbers, as other programs write JSON; nothing where it is something else."""
+    try:
+        return bytes(data) if isinstance(data, bytes | bytearray | memoryview | list | tuple) else b""
+    except (TypeError, ValueError):
+        return b""
 
 
 def block(image: Image) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from rai_missions.tools import RobotTool, Said, Toolbox
 from rai_missions.tools.pictures import LARGEST, block
 from rai_missions.tools.said import LONGEST, at_path
 from rai_missions.tools.tool import robot_tool
-from tests.tools.conftest import PATIENCE_S, Tried
+from tests.tools.conftest import PATIENCE_S, Saying, Tried
 
 
 class Latched(LocalConnector):
@@ -162,6 +162,17 @@ def test_a_picture_is_a_block_for_the_model_and_an_image_for_programs(local: Tri
     assert (shown["type"], shown["mime_type"]) == ("image", "image/png")
     assert size_of(base64.b64decode(shown["base64"])) == (4, 2)
     assert message.artifact["image"] is picture
+
+
+def test_a_picture_comes_over_any_connector(tried: Tried) -> None:
+    rgb = bytes(range(24))
+    data: Any = rgb if "actions" in tried.connector.modes else list(rgb)  # JSON has no bytes
+    message = {"width": 4, "height": 2, "encoding": "rgb8", "step": 12, "data": data}
+    with Saying(tried.connector, "/tools/camera", "sensor_msgs/msg/Image", lambda: message):
+        said = tried.box().looking.get_image("/tools/camera", timeout_s=PATIENCE_S)
+    assert said.data["image"].data == rgb
+    assert said.picture is not None
+    assert size_of(base64.b64decode(said.picture["base64"])) == (4, 2)
 
 
 @given(st.integers(1, 60), st.integers(1, 60))
