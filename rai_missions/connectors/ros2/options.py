@@ -51,10 +51,12 @@ class Options:
 
     def quality(self, topic: str) -> Quality:
         """How messages of a topic travel."""
-        return self.qos.get(topic, DEFAULT)
+        return self.qos.get(topic) or (STATIC if topic.rpartition("/")[2] == "tf_static" else DEFAULT)
 
 
 DEFAULT = Quality()
+STATIC = Quality(durability="latched", depth=100)
+"""tf2 says once what does not change, to whoever comes later as well."""
 
 
 def read_options(given: Mapping[str, Any]) -> Options:
