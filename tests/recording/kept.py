@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What stands in a recording, as any program that knows MCAP reads it."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mcap.reader import make_reader
+
+from rai_missions.journal import Raw, Record
+from rai_missions.mission import Mission
+
+__all__ = ("LAMP", "Kept", "kept", "rows_of")
+
+LAMP = Mission.model_validate(
+    {
+        "name": "lamp",
+        "blackboard": {
+            "battery": {"type": "number", "source": "robot"},
+            "camera": {"type": "image", "source": "robot", "optional": True},
+            "said": {"type": "object", "source": "robot", "optional": True},
+            "count": {"type": "integer", "source": "mission", "initial": 0},
+        },
+        "initial": "on",
+        "states": {
+            "on": {
+                "transitions": [
+                    {"when": {"key": "battery", "<": 0.2}, "to": "off"},
+                    {"when": {"key": "battery", "<": 0.5}, "do": [{"set": "count", "add": 1}], "to": "dim"},
+                ]
+            },
+            "dim": {"transitions": [{"when": {"key": "battery", "<": 0.2}, "to": "off"}]},
+            "off": {"final": "aborted"},
+        },
+    }
+)
+"""A mission that goes on as long as its battery does."""
+
+
+class Kept(NamedTuple):
+    """A recording that has been read."""
+
+    messages: dict[str, list[Any]]
+    """Topic → its messages, those in JSON as values."""
+    schemas: dict[str, list[tuple[str, str, str]]]
+    """Topic → name, encoding and text of the schema of each of its messages."""
+    metadata: dict[str, dict[str, str]]
+    attachments: dict[str, bytes]
+    times: dict[str, list[tuple[int, int]]]
+    """Topic → log time and publish time of each."""
+
+
+def kept(path: Path) -> Kept:
+    messages, schemas, times = defaultdict(list), defaultdict(list), defaultdict(list)
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        for schema, channel, message in reader.iter_messages():
+            assert schema is not None
+            is_json = channel.message_encoding == "json"
+            messages[channel.topic].append(json.loads(message.data) if is_json else message.data)
+            times[channel.topic].append((message.log_time, message.publish_time))
+            schemas[channel.topic].append((schema.name, schema.encoding, schema.data.decode()))
+        metadata = {each.name: each.metadata for each in reader.iter_metadata()}
+        attachments = {each.name: each.data for each in reader.iter_attachments()}
+    return Kept(dict(messages), dict(schemas), metadata, attachments, dict(times))
+
+
+def rows_of(journal: Path) -> list[Raw]:
+    with Record(journal) as record:
+        return list(record.raw())

@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording as a file: refused, full, killed, altered, and what there was no room for."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.clock import SimulatedClock
+from rai_missions.connectors.connector import Message
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.event import Event, Image
+from rai_missions.journal import Header, Journal, read
+from rai_missions.load import dump
+from rai_missions.mission import Mission
+from rai_missions.recording import Recording, check_name, journal_of
+from rai_missions.recording import room as rooms
+from rai_missions.recording.room import Waiting, WaitingRoom
+from rai_missions.runner import Runner
+from rai_missions.step import Step
+from tests.recording.kept import LAMP, kept, rows_of
+
+mcap = pytest.importorskip("mcap")
+PATIENCE_S = 30.0
+
+
+def recording(path: Path, **words: Any) -> Recording:
+    return Recording.create(path, **{"mission": LAMP, "about": {}, "now": lambda: 0.0, **words})
+
+
+def run_of(count: int) -> list[Step]:
+    return [Step(seq, seq / 2, Event("anomaly", seq / 2, {"n": seq})) for seq in range(1, count + 1)]
+
+
+def journaled(folder: Path, made: Recording, count: int) -> Journal:
+    with Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.row) as journal:
+        for step in run_of(count):
+            journal.write(step, since=0.0)
+    return journal
+
+
+def until(is_so: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert time.monotonic() < end, "it did not come to be so"
+        time.sleep(0.01)
+
+
+# -- refused -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "better"), [("run.bag", "run.mcap"), ("run", "run.mcap"), ("a.b.db3", "a.b.mcap")])
+def test_a_recording_is_called_what_it_is(name: str, better: str) -> None:
+    with pytest.raises(UsageError, match=f"'{name}' does not end so; name it '{better}'"):
+        check_name(Path(name))
+
+
+def test_without_the_library_one_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mcap", None)
+    with pytest.raises(UsageError, match=r"needs the package mcap .*: pip install 'rai_missions\[record\]'"):
+        check_name(Path("run.mcap"))
+
+
+def test_the_library_is_loaded_by_no_run_that_is_not_recorded() -> None:
+    said = "import rai_missions.agents.mission, rai_missions.recording, sys; print('mcap' in sys.modules)"
+    assert subprocess.check_output([sys.executable, "-c", said], text=True) == "False\n"
+
+
+def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_text("mine")
+    with pytest.raises(UsageError, match="is there already, and a recording is never overwritten"):
+        recording(path)
+    assert path.read_text() == "mine"
+
+
+def test_where_none_can_be_written_it_is_told(tmp_path: Path) -> None:
+    (tmp_path / "run.mcap").mkdir()
+    with pytest.raises(UsageError, match="is there already"):
+        recording(tmp_path / "run.mcap")
+
+
+# -- no recording of ours ----------------------------------------------------------------------------------------------
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(DefinitionError) as told, journal_of(path):
+        pass
+    assert told.value.source == str(path)
+    return str(told.value)
+
+
+def test_what_is_no_recording_of_a_run_is_told_so(tmp_path: Path) -> None:
+    from mcap.writer import Writer
+
+    other, text, old = tmp_path / "other.mcap", tmp_path / "text.mcap", tmp_path / "old.mcap"
+    for path, words in ((other, None), (old, {"format": "9"})):
+        with path.open("wb") as file:
+            writer = Writer(file)
+            writer.start()
+            if words:
+                writer.add_metadata("rai_missions", words)
+            writer.finish()
+    text.write_text("notes of mine")
+    assert "an MCAP file, but no recording of a mission; give one that `rai-missions run --record`" in refused(other)
+    assert "no MCAP file" in refused(text)
+    assert "a recording of format 9; this program reads format 1" in refused(old)
+
+
+def test_whatever_is_no_recording_is_left_to_whoever_reads_journals(tmp_path: Path) -> None:
+    with journal_of(tmp_path / "missing.mcap") as replayed:
+        assert replayed.path == tmp_path / "missing.mcap"
+    with journal_of(tmp_path / "run.journal") as replayed:
+        assert replayed.path == tmp_path / "run.journal"
+
+
+def rewritten(path: Path, change: Callable[[dict[str, Any]], dict[str, Any] | None]) -> None:
+    """A recording with other rows, of which every checksum holds."""
+    from mcap.writer import Writer
+
+    whole = kept(path)
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        writer.add_metadata("rai_missions", whole.metadata["rai_missions"])
+        schema = writer.register_schema("row", "jsonschema", b"{}")
+        channel = writer.register_channel("/rai_missions/journal", "json", schema)
+        for row in whole.messages["/rai_missions/journal"]:
+            changed = change(row)
+            if changed is not None:
+                writer.add_message(channel, 0, json.dumps(changed).encode(), 0)
+        writer.finish()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda row: row | {"content": row["content"].replace('"n":3', '"n":4')}, "row 3: its hash"),
+        (lambda row: None if row["row"] == 2 else row, "row 2: missing: row 3 comes next"),
+        (lambda row: row | {"row": min(row["row"], 4)}, "row 4: no journal has such a row: UNIQUE"),
+        (lambda row: row | {"row": "2"}, "is damaged before byte"),
+        (lambda row: {"row": row["row"]}, "is damaged before byte"),
+        (lambda row: None, "row 0: missing: the journal is empty"),
+    ],
+    ids=["content", "removed", "twice", "number", "nothing", "all"],
+)
+def test_rows_that_were_altered_are_told_with_their_place(tmp_path: Path, change: Any, told: str) -> None:
+    path = tmp_path / "run.mcap"
+    made = recording(path)
+    made.end(journaled(tmp_path, made, 5))
+    rewritten(path, change)
+    with pytest.raises(DefinitionError) as error, journal_of(path) as replayed, read(replayed.path):
+        pass
+    assert told in str(error.value)
+    assert str(error.value).startswith(str(path))
+
+
+# -- full, slow, killed ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full here")
+def test_a_full_disk_ends_the_recording_and_not_the_mission(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = Recording(open("/dev/full", "wb"), Path("run.mcap"), mission=LAMP, about={}, now=lambda: 0.0)  # noqa: SIM115
+    mission = Mission.model_validate(
+        {
+            "name": "lamp",
+            "initial": "on",
+            "states": {"on": {"transitions": [{"after_s": 1, "to": "off"}]}, "off": {"final": "aborted"}},
+        }
+    )
+    with Journal.create(tmp_path / "run.journal", Header(dump(mission)), witness=made.row) as journal:
+        runner = Runner(mission, clock=SimulatedClock(), journal=journal, on_step=made.step)
+        made.heard(Message("/battery", {"percentage": 1.0}, 0.0), "")
+        until(lambda: "the mission goes on" in caplog.text)
+        assert runner.run().outcome == "aborted"
+    made.end(journal)
+    assert made.summary is not None and "No space left on device" in made.summary.why
+    assert "broken off" in str(made.summary)
+    assert len(rows_of(tmp_path / "run.journal")) == 3
+
+
+def test_a_room_holds_so_many_and_counts_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(rooms.MOST, "message", 2)
+    monkeypatch.setitem(rooms.MOST_BYTES, "picture", 100)
+    room, done = WaitingRoom(), []
+    for number in range(5):
+        room.put(Waiting("message", "/a", 1, lambda number=number: done.append(number)))  # type: ignore[misc]
+    assert not room.put(Waiting("picture", "/big", 101, lambda: None))
+    assert room.put(Waiting("picture", "/small", 100, lambda: None))
+    assert room.dropped == {"/a": 3, "/big": 1}
+    while (waiting := room.take()) is not None:
+        waiting.write()
+    assert done == [0, 1]
+    assert room.put(Waiting("picture", "/small", 100, lambda: None)), "there is room again"
+    room.close()
+    assert not room.put(Waiting("message", "/a", 1, lambda: None)) and room.take() is not None
+
+
+def test_a_picture_that_takes_long_holds_up_nobody_and_what_is_dropped_is_said(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    made, rendered = recording(tmp_path / "run.mcap"), threading.Event()
+
+    def render() -> bytes:
+        assert rendered.wait(PATIENCE_S)
+        return bytes(12)
+
+    for number in range(50):
+        made.heard(Message("/camera", {"data": Image(f"c@{number}", 2, 2, "rgb8", render)}, 0.0), "")
+    rendered.set()
+    summary = made.close()
+    count = len(kept(tmp_path / "run.mcap").messages["/camera"])
+    assert count >= rooms.MOST["picture"] and summary.dropped == {"/camera": 50 - count}
+    assert f"/camera {50 - count}" in caplog.text and f"{50 - count} dropped" in str(summary)
+
+
+def test_rows_for_which_there_was_no_room_are_read_from_the_journal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(rooms.MOST, "row", 3)
+    made, held = recording(tmp_path / "run.mcap"), threading.Event()
+    made.heard(
+        Message("/camera", {"data": Image("c", 1, 1, "rgb8", lambda: b"abc" if held.wait(PATIENCE_S) else b"")}, 0.0),
+        "",
+    )
+    journal = journaled(tmp_path, made, 20)
+    held.set()
+    made.end(journal)
+    assert made.summary is not None and made.summary.dropped == {}
+    with journal_of(tmp_path / "run.mcap") as replayed:
+        assert rows_of(replayed.path) == rows_of(tmp_path / "run.journal") and len(rows_of(replayed.path)) == 21
+
+
+def test_a_message_that_cannot_be_written_is_counted_and_the_others_are_kept(tmp_path: Path) -> None:
+    made = recording(tmp_path / "run.mcap")
+
+    def broken() -> bytes:
+        raise ValueError("no picture today")
+
+    made.heard(Message("/camera", {"data": Image("c", 1, 1, "rgb8", broken)}, 0.0), "")
+    made.heard(Message("/battery", {"percentage": 0.5}, 0.0), "")
+    assert made.close().dropped == {"/camera": 1}
+    assert made.close().messages == 1, "closing twice changes nothing"
+    assert list(kept(tmp_path / "run.mcap").messages) == ["/battery"]
+
+
+WRITER = """
+import sys, time
+from pathlib import Path
+from rai_missions.event import Event
+from rai_missions.journal import Header, Journal
+from rai_missions.load import dump
+from rai_missions.recording import Recording
+from rai_missions.step import Step
+from tests.recording.kept import LAMP
+folder = Path(sys.argv[1])
+made = Recording.create(folder / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0)
+journal = Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.row)
+for seq in range(1, 1_000_000):
+    journal.write(Step(seq, float(seq), Event("anomaly", float(seq), {"text": "x" * 300})), since=0.0)
+    time.sleep(0.001)
+"""
+
+
+def test_what_was_flushed_is_read_when_the_process_was_killed(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    with subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path)], cwd=Path(__file__).parents[2]) as process:
+        try:
+            until(lambda: path.exists() and path.stat().st_size > 10_000)
+        finally:
+            process.send_signal(signal.SIGKILL)
+    with journal_of(path) as replayed, read(replayed.path) as record:
+        rows = list(record.raw())
+        assert len(rows) > 10 and rows == rows_of(tmp_path / "run.journal")[: len(rows)]
+        assert f"{path} is cut off" in replayed.warning and f"up to row {len(rows) - 1}" in replayed.warning

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What holds for every run that is recorded: its rows are the journal's, and it is replayed as the journal is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.clock import SimulatedClock
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import DefinitionError
+from rai_missions.event import Event
+from rai_missions.journal import Header, Journal, Record, read
+from rai_missions.load import dump
+from rai_missions.recording import Recording, journal_of
+from rai_missions.replay import replay
+from rai_missions.runner import Runner
+from rai_missions.step import Step
+from tests.journal.generated import blackboard_writes, steps
+from tests.recording.kept import LAMP, kept, rows_of
+from tests.strategies import EVENTS, missions
+
+pytest.importorskip("mcap")
+
+
+def recording(path: Path, **words: Any) -> Recording:
+    return Recording.create(path, **{"mission": LAMP, "about": {}, "now": lambda: 0.0, **words})
+
+
+def written(folder: Path, run: list[tuple[Step, Any]]) -> tuple[Path, Path]:
+    """The journal of a run, and its recording."""
+    made = recording(folder / "run.mcap")
+    with Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.row) as journal:
+        for step, quiet in run:
+            journal.write(step, since=1.25, quiet=quiet)
+        journal.confirm(3, "succeeded")
+        journal.note("it is over", {"after": 3})
+    made.end(journal)
+    return folder / "run.journal", folder / "run.mcap"
+
+
+@given(st.lists(st.tuples(steps, blackboard_writes), max_size=4))
+def test_the_rows_that_were_recorded_are_the_journals(
+    tmp_path_factory: pytest.TempPathFactory, run: list[tuple[Step, Any]]
+) -> None:
+    journal, path = written(tmp_path_factory.mktemp("run"), run)
+    with journal_of(path) as replayed, read(replayed.path) as again, Record(journal) as before:
+        assert replayed.warning == ""
+        assert rows_of(replayed.path) == rows_of(journal)
+        assert list(again.steps()) == [step for step, _ in run]
+        assert {each: again.blob(each) for each in again.blobs()} == {
+            each: before.blob(each) for each in before.blobs()
+        }
+
+
+@given(st.data())
+def test_a_recording_is_replayed_as_its_journal_is(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    mission, folder = data.draw(missions()), tmp_path_factory.mktemp("run")
+    clock = SimulatedClock()
+    made = recording(folder / "run.mcap", mission=mission, now=clock.now)
+    with Journal.create(folder / "run.journal", Header(dump(mission)), witness=made.row) as journal:
+        runner = Runner(mission, connector=LocalConnector(now=clock.now), clock=clock, journal=journal,
+                        on_step=made.step, on_status=made.status)  # fmt: skip
+        for name in data.draw(st.lists(st.sampled_from(EVENTS), max_size=6)):
+            runner.post(Event(name))
+        runner.kill()
+        runner.run()
+    made.end(journal)
+    with journal_of(folder / "run.mcap") as replayed:
+        assert replay(replayed.path) == replay(folder / "run.journal")
+    assert len(kept(folder / "run.mcap").messages["/rai_missions/journal"]) == len(rows_of(folder / "run.journal"))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    run = [(Step(seq, seq / 2, Event("anomaly", seq / 2)), ()) for seq in range(1, 30)]
+    return written(tmp_path_factory.mktemp("whole"), run)[1].read_bytes()
+
+
+@given(st.data())
+def test_a_recording_that_was_cut_off_anywhere_gives_its_first_rows_or_says_why_not(
+    tmp_path_factory: pytest.TempPathFactory, whole: bytes, data: st.DataObject
+) -> None:
+    path = tmp_path_factory.mktemp("cut") / "run.mcap"
+    path.write_bytes(whole[: data.draw(st.integers(8, len(whole) - 1))])
+    numbers, said = read_as_far(path)
+    assert numbers == list(range(len(numbers)))
+    is_whole = numbers == list(range(32))  # only the index is cut off, which nobody needs
+    assert is_whole or any(words in said for words in ("is cut off", "no recording of a mission"))
+
+
+@given(st.data())
+def test_no_byte_of_a_recording_can_be_changed_and_its_run_with_it(
+    tmp_path_factory: pytest.TempPathFactory, whole: bytes, data: st.DataObject
+) -> None:
+    """Either the change is told, or it is outside of the journal's rows, which are what they were."""
+    path, altered = tmp_path_factory.mktemp("altered") / "run.mcap", bytearray(whole)
+    altered[data.draw(st.integers(8, len(whole) - 1))] ^= data.draw(st.integers(1, 255))
+    path.write_bytes(altered)
+    numbers, said = read_as_far(path)
+    assert numbers == list(range(32)) or said
+
+
+def read_as_far(path: Path) -> tuple[list[int], str]:
+    """The rows of a recording as far as it can be read, and what is said of it."""
+    try:
+        with journal_of(path) as replayed, read(replayed.path) as record:
+            return [raw[0] for raw in record.raw()], replayed.warning
+    except DefinitionError as error:
+        return [], str(error)
