@@ -77,11 +77,11 @@ clean: ## Remove what was made
 	@touch $@ .venv/.ready-run
 
 .venv/.ready-dev: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,dev
+	@scripts/setup.sh sim,draw,local,browser,dev
 	@touch $@ .venv/.ready-run .venv/.ready-local
 
 .venv/.ready-middleware: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,mqtt$(ROS),dev
+	@scripts/setup.sh sim,draw,local,browser,mqtt$(ROS),dev
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
 
 .venv/.ready-bench: $(RECIPE)

@@ -105,4 +105,7 @@ if wanted sim; then make_pictures_possible; fi
 if wanted mqtt && wanted dev && ! command -v mosquitto >/dev/null && [ ! -x /usr/sbin/mosquitto ]; then
     install_packages mosquitto || say "no MQTT broker is here, so the tests that need one are skipped (on Debian: apt-get install mosquitto)"
 fi
+if wanted browser && ! command -v chromium >/dev/null && ! command -v chromium-browser >/dev/null && ! command -v google-chrome >/dev/null; then
+    install_packages chromium || say "no browser is here, so the tests that need one are skipped (on Debian: apt-get install chromium)"
+fi
 say "ready"
