@@ -40,6 +40,11 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     run.add_argument(
         "--journal", metavar="FILE", help="where the run is written down (default: journals/NAME-TIME.journal)"
     )
+    run.add_argument(
+        "--record",
+        metavar="FILE.mcap",
+        help="record messages, pictures, steps and the journal as MCAP, for Foxglove and replay (extra 'record')",
+    )
     run.add_argument("--picture", metavar="FILE", help="draw the path taken when it ends: .svg, .png, .dot, .mmd, .md")
     run.add_argument(
         "--speed",
@@ -98,8 +103,10 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     diff.add_argument("new", metavar="NEW")
     diff.add_argument("-o", "--output", metavar="FILE", help="draw both in one picture: .svg .png .dot")
     diff.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
-    replay = commands.add_parser("replay", help="do a journal's run again and compare every step", epilog=EXIT)
-    replay.add_argument("journal", metavar="JOURNAL")
+    replay = commands.add_parser(
+        "replay", help="do the run of a journal or a recording again and compare every step", epilog=EXIT
+    )
+    replay.add_argument("journal", metavar="JOURNAL", help="a journal, or a recording (.mcap)")
     replay.add_argument("--mission", metavar="FILE.py", help="the mission, where it has behaviours in Python; executed")
     replay.add_argument("--json", action="store_true", help="print one object at the end")
     replay.add_argument("--verbose", action="store_true", help="print the steps")

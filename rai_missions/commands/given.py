@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,13 @@ from typing import Any
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission import Mission
 
-__all__ = ("named_in", "steps_of")
+__all__ = ("named_in", "steps_of", "warn")
+
+
+def warn(sentence: str) -> None:
+    """Say something on stderr, if there is something to say."""
+    if sentence:
+        print(sentence, file=sys.stderr)
 
 
 def named_in(path: str | None) -> dict[str, Callable[..., bool | None]] | None:
@@ -30,7 +37,7 @@ def named_in(path: str | None) -> dict[str, Callable[..., bool | None]] | None:
 
 
 def steps_of(journal: str | None, mission: Mission | None = None) -> tuple[Any, ...]:
-    """The steps of a journal.
+    """The steps of a journal, or of the one in a recording.
 
     Raises:
         DefinitionError: The journal is damaged, or is of another mission.
@@ -39,8 +46,10 @@ def steps_of(journal: str | None, mission: Mission | None = None) -> tuple[Any, 
         return ()
     from rai_missions.journal import read
     from rai_missions.rebuild import mission_of
+    from rai_missions.recording import journal_of
 
-    with read(journal) as record:
+    with journal_of(journal) as found, read(found.path) as record:
+        warn(found.warning)
         if mission is not None and record.header.mission and mission_of(record) != mission:
             sentence = "this is the journal of another mission, or of another version of it"
             raise DefinitionError(

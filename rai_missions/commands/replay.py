@@ -7,6 +7,7 @@ import argparse
 import json
 import sys
 
+from rai_missions.commands.given import warn
 from rai_missions.load import load
 from rai_missions.progress import Lines
 
@@ -17,12 +18,15 @@ def replay(given: argparse.Namespace) -> int:
     """Do a run again."""
     from rai_missions.journal import read
     from rai_missions.rebuild import mission_of
+    from rai_missions.recording import journal_of
     from rai_missions.replay import replay as again
 
-    with read(given.journal) as record:
-        mission = load(given.mission) if given.mission else mission_of(record)
-    lines = Lines(mission, sys.stdout)
-    result = again(given.journal, on_step=lines.step if given.verbose and not given.json else None, mission=mission)
+    with journal_of(given.journal) as found:
+        warn(found.warning)
+        with read(found.path) as record:
+            mission = load(given.mission) if given.mission else mission_of(record)
+        lines = Lines(mission, sys.stdout)
+        result = again(found.path, on_step=lines.step if given.verbose and not given.json else None, mission=mission)
     if given.json:
         print(
             json.dumps(

@@ -10,7 +10,7 @@ import math
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +23,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
 from rai_missions.progress import Lines
+from rai_missions.recording import check_name, is_mcap
 from rai_missions.verdict import Answerer
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ def run(given: argparse.Namespace) -> int:
     """Run a mission and print it as it goes."""
     from rai_missions.agents.mission import prepare
 
+    if given.record:
+        check_name(Path(given.record))
     if given.managed:
         return _managed(given)
     mission = _mission(given)
@@ -71,15 +74,21 @@ def run(given: argparse.Namespace) -> int:
             "why": result.why,
         }
         told |= {"state": ", ".join(innermost), "steps": result.steps, "decisions": result.decisions}
-        print(json.dumps(told | {"duration_s": result.duration_s, "journal": result.journal}))
+        told |= {"duration_s": result.duration_s, "journal": result.journal}
+        print(json.dumps(told | ({"recording": given.record} if given.record else {})))
     else:
         lines.end(result, given.picture or "")
+        if prepared.recording is not None:
+            print(f"recording: {prepared.recording.close()}")
     return 0 if result.outcome == "succeeded" else 1
 
 
 def _managed(given: argparse.Namespace) -> int:
     """Serve the mission on a node of its own, run by run."""
     from rai_missions.agents.mission import Setting
+
+    if given.record:
+        raise UsageError("--record cannot be said with --managed: it is one file for one run")
 
     mission = _mission(given)
     base = Path(given.journal or _journal_of(mission))
@@ -95,6 +104,7 @@ def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setti
     """What the words of the command line make a run of."""
     from rai_missions.agents.mission import Setting
 
+    record = _fresh(Path(given.record), is_ours=_is_recording) if given.record else None
     if given.resume:
         if given.set or given.journal:
             word = "--set" if given.set else "--journal"
@@ -109,6 +119,7 @@ def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setti
         model=given.model,
         operator=_operator(given, lines),
         journal=journal,
+        record=record,
         resume=given.resume,
         seed=given.seed,
         speed=1.0 if given.speed == "1" else math.inf,
@@ -150,15 +161,24 @@ def _lines(mission: Mission, given: argparse.Namespace) -> Lines:
     return Lines(mission, sys.stdout, verbose=given.verbose)
 
 
-def _fresh(journal: Path) -> Path:
-    """A journal is never written over: an older one of the same name is moved aside."""
-    if journal.exists() and journal.is_file():
-        from rai_missions.journal import read
+def _is_journal(path: Path) -> None:
+    from rai_missions.journal import read
 
-        read(journal).close()  # what is no journal is not ours to move
-        number = next(n for n in range(1, 10_000) if not journal.with_suffix(f".{n}{journal.suffix}").exists())
-        journal.rename(journal.with_suffix(f".{number}{journal.suffix}"))
-    return journal
+    read(path).close()
+
+
+def _is_recording(path: Path) -> None:
+    if not is_mcap(path):
+        raise UsageError(f"{path} is there already, and is no recording; name another file")
+
+
+def _fresh(path: Path, is_ours: Callable[[Path], None] = _is_journal) -> Path:
+    """What a run has written is never written over: an older file of the same name is moved aside."""
+    if path.exists() and path.is_file():
+        is_ours(path)  # what no run has written is not ours to move
+        number = next(n for n in range(1, 10_000) if not path.with_suffix(f".{n}{path.suffix}").exists())
+        path.rename(path.with_suffix(f".{number}{path.suffix}"))
+    return path
 
 
 def _arguments(given: list[str], mission: Mission) -> dict[str, Any]:

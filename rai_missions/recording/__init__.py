@@ -10,6 +10,16 @@ from __future__ import annotations
 from rai_missions.recording.connector import RecordedConnector, recorded
 from rai_missions.recording.observers import observers
 from rai_missions.recording.recording import Recording, Summary, check_name
-from rai_missions.recording.replayed import Replayed, journal_of
+from rai_missions.recording.replayed import Replayed, is_mcap, journal_of
 
-__all__ = ("RecordedConnector", "Recording", "Replayed", "Summary", "check_name", "journal_of", "observers", "recorded")
+__all__ = (
+    "RecordedConnector",
+    "Recording",
+    "Replayed",
+    "Summary",
+    "check_name",
+    "is_mcap",
+    "journal_of",
+    "observers",
+    "recorded",
+)
