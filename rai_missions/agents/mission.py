@@ -28,7 +28,7 @@ from rai_missions.lifecycle import Status
 from rai_missions.load import dump, load
 from rai_missions.mission import Mission
 from rai_missions.recording import Recording, observers, recorded
-from rai_missions.robot import Robot, dump_profile, identity_folder, load_profile, missing
+from rai_missions.robot import Robot, dump_profile, identity_folder, lacking, load_profile, missing
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Step
 from rai_missions.verdict import Answerer
@@ -108,8 +108,8 @@ class Prepared:
         try:
             self.world, connector, clock = self._surroundings()
             self._header = self._head()
-            self.recording = self._record(clock)
             self.answerers = self._answerers()
+            self.recording = self._record(clock)
             self.journal = self._journal()
             on_step, on_status = observers(self.recording, setting.on_step, setting.on_status)
             self._runner = Runner(
@@ -138,7 +138,10 @@ class Prepared:
         if kind in REMOTE:
             heard = HeardClock() if setting.clock is None and options.get("sim_time") is True else None
             clock = self._continued(heard or setting.clock or WallClock())
-            opened: Connector = importlib.import_module(REMOTE[kind]).open_connector(options, now=clock.now)
+            room = importlib.import_module(REMOTE[kind])
+            opened: Connector = room.open_connector(options, now=clock.now)
+            if hasattr(room, "why_absent") and (faults := lacking(self.mission, self.robot, room.why_absent)):
+                raise DefinitionError(faults, str(setting.robot))
             if heard is not None:
                 self._follow(heard, opened)
             return None, opened, clock
