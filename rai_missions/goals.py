@@ -7,6 +7,7 @@ Rule: a goal's id follows from run, owner and start, so that a run that goes on 
 from __future__ import annotations
 
 import logging
+import threading
 import uuid
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -20,6 +21,8 @@ __all__ = ("Goals", "told")
 
 log = logging.getLogger(__name__)
 
+CANCELED_S = 5.0
+"""How long other calls wait for the reply of the service that ends a composed action."""
 ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
 
 
@@ -44,6 +47,9 @@ class Goals:
         self._entries: dict[int, ActionEntry] = {}
         self._unwanted: set[int] = set()
         """Goals whose end was asked for: while one is looked for, its server may know nothing of it yet."""
+        self._lock = threading.Lock()
+        self._ending: set[int] = set()
+        self._behind: list[Callable[[], None]] = []
 
     def goal_id(self, number: int, owner: str) -> str:
         """The id under which a start's goal goes to its server."""
@@ -125,10 +131,35 @@ class Goals:
         elif entry.cancel is None:
             self._end(effect.number, "canceled", {})
         else:
-            self._connector.call(
-                entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}),
-                answered=lambda reply: self._canceled(entry, effect.number, reply),
-            )  # fmt: skip
+            with self._lock:
+                self._ending.add(effect.number)
+            try:
+                self._connector.call(
+                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), timeout_s=CANCELED_S,
+                    answered=lambda reply: self._canceled(entry, effect.number, reply),
+                )  # fmt: skip
+            except Exception:
+                self._let_others_call(effect.number)
+                raise
+
+    def behind_cancels(self, call: Callable[[], None]) -> None:
+        """Call a service once every composed action that was canceled has had its reply.
+
+        A robot need not serve two services in the order in which they are called: one that stops it would end what the
+        other has just begun.
+        """
+        with self._lock:
+            if self._ending:
+                self._behind.append(call)
+                return
+        call()
+
+    def _let_others_call(self, number: int) -> None:
+        with self._lock:
+            self._ending.discard(number)
+            behind, self._behind = (self._behind, []) if not self._ending else ([], self._behind)
+        for call in behind:
+            call()
 
     def give_up(self, number: int, why: str) -> None:
         """A start could not be carried out; it may have arrived before the connector failed."""
@@ -171,8 +202,11 @@ class Goals:
 
     def _canceled(self, entry: ActionEntry, number: int, reply: Reply) -> None:
         assert entry.cancel is not None
-        if entry.cancel.succeeded(reply.outcome, reply.data):
-            self._end(number, "canceled", {})
+        try:
+            if entry.cancel.succeeded(reply.outcome, reply.data):
+                self._end(number, "canceled", {})
+        finally:
+            self._let_others_call(number)
 
     def _reported(self, number: int, report: Report) -> None:
         if report.said in ("accepted", "feedback"):

@@ -205,7 +205,10 @@ class Performer:
             self._event("result", outcome, effect.number, {**told(reply.data), **({"why": why} if why else {})})
 
         request = entry.request_of(effect.request)
-        self._connector.call(entry.service, entry.type, request, answered=answered, timeout_s=effect.timeout_s)
+        call = partial(
+            self._connector.call, entry.service, entry.type, request, answered=answered, timeout_s=effect.timeout_s
+        )
+        self._goals.behind_cancels(lambda: self._guarded(effect, call))
 
     def _publish(self, effect: PublishMessage) -> None:
         entry = self._robot.topics.get(effect.topic) if self._robot is not None else None
