@@ -129,6 +129,7 @@ class Runner:
         )  # fmt: skip
         self._connector, self._scribe = connector, Scribe(journal)
         self._puzzled: set[str] = set()
+        self._about = robot.about if robot is not None else ""
         self._on_step, self._on_status = on_step, on_status
         self._arguments = accepted(mission, arguments or {})
         self._later: list[tuple[float, int, Callable[[], None]]] = []
@@ -235,7 +236,8 @@ class Runner:
         self._loop(lambda: chart.outcome is not None or not self._unheard or self.clock.now() >= until, until)
         if self._unheard and chart.outcome is None:
             names = ", ".join(self._unheard)
-            raise UsageError(f"the robot has not said within {self.mission.ready_s:g} s: {names}; is it running?")
+            sentence = f"the robot has not said within {self.mission.ready_s:g} s: {names}; is it running?"
+            raise UsageError(f"{sentence} Its profile says: {self._about}" if self._about else sentence)
         holder = self.performer.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self.clock.now(), {"by": "robot"}, "control")))
