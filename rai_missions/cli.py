@@ -169,7 +169,7 @@ def _add_gate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         help="let only the holder of control command a robot's actuators",
         description="Stands where the actuators are: of autonomy, agent and operator, each on topics of its own"
         " (/gate/agent/cmd_vel → /cmd_vel), only the holder of control is let through.",
-        epilog="exit status: 0 it was ended (Ctrl-C, SIGTERM), 2 the input is at fault",
+        epilog="exit status: 0 it was ended (Ctrl-C, SIGTERM), 1 another gate stands there, 2 the input is at fault",
     )
     gate.add_argument("--ros", action="store_true", help="on the ROS 2 graph (the default)")
     gate.add_argument("--file", metavar="FILE.json", help="all of this in a file, and what stops each topic")

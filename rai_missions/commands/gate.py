@@ -43,7 +43,11 @@ def gate(given: argparse.Namespace) -> int:
             ", ".join(f"{who} {each.get(who, 0)}" for who in COMMANDERS) for each in (counts.passed, counts.refused)
         )
         print(f"ended; commands passed: {passed}; refused: {refused}; handovers: {counts.revision}")
-    return 0
+    if agent.gives_way:
+        print(
+            f"rai-missions gate: another gate stands at {words.name} already; give this one a --name", file=sys.stderr
+        )
+    return int(agent.gives_way)
 
 
 def _words(given: argparse.Namespace) -> GateWords:

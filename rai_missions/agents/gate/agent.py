@@ -11,6 +11,8 @@ import json
 import logging
 import math
 import threading
+import time
+import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -76,8 +78,11 @@ class GateAgent:
         self._is_closed = True
         self._closes: list[Close] = []
         self._thread: threading.Thread | None = None
+        self._identity = [time.time(), uuid.uuid4().hex[:8]]
         self.gate = Gate(holder=words.safe, since=self._clock.now())
         """What it knows now."""
+        self.gives_way = False
+        """Another gate of this name stood here before, so this one has ended: two would make two holders."""
 
     # -- its life --------------------------------------------------------------------------------------------------
 
@@ -130,6 +135,7 @@ class GateAgent:
             for to in CONTROLLERS:
                 service = f"{below}/hand_to_{to}"
                 self._closes.append(self._connector.serve(service, TRIGGER, partial(self._serve, to, who)))
+        self._hear(f"{name}/status", STRING, self._look_at_gate)
         self.tick()
 
     def close(self) -> None:
@@ -172,6 +178,18 @@ class GateAgent:
         if by != who:
             log.warning("%s asked for control in the name of %.60s; it speaks for itself alone", who, by)
         self.ask(str(to)[:60], who if by == who else f"{who} as {by}"[:60])
+
+    def _look_at_gate(self, heard: Message) -> None:
+        """A status of this name: our own, or another gate's."""
+        try:
+            began, identity = json.loads(heard.data["data"])["gate"]
+            is_older = [float(began), str(identity)] < self._identity
+        except (KeyError, TypeError, ValueError, RecursionError):
+            return
+        if is_older and not self.gives_way:
+            self.gives_way = True
+            log.critical("another gate stands at %s already; this one ends", self._words.name)
+            self.end()
 
     def _command(self, who: str, topic: str, heard: Message) -> None:
         made = heard.at if stamp_of(heard.data) is not None else math.inf
@@ -229,6 +247,6 @@ class GateAgent:
                 self._connector.publish(topic.topic, topic.type, topic.stop_message)
 
     def _tell(self, gate: Gate) -> None:
-        status = status_of(gate, self._terms) | {"commands": [each.topic for each in self._words.commands]}
+        status = {"gate": self._identity, **status_of(gate, self._terms), "commands": list(self._topics)}
         self._connector.publish(f"{self._words.name}/status", STRING, {"data": json.dumps(status)})
         self._connector.publish(f"{self._words.name}/holder", STRING, {"data": gate.holder})

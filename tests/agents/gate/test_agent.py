@@ -15,7 +15,7 @@ from rai_missions.agents.gate import GateAgent, GateWords, gate_words
 from rai_missions.agents.gate.agent import EMPTY, STRING, TRIGGER
 from rai_missions.agents.gate.values import Deed, Pass, Refuse
 from rai_missions.clock import Mailbox, WallClock
-from rai_missions.connectors.connector import Reply
+from rai_missions.connectors.connector import Message, Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
 from rai_missions.testing import Heard, check_agent
@@ -49,12 +49,14 @@ class Rig:
         self.status: list[dict[str, Any]] = []
         self.holders: list[str] = []
         self.connector.subscribe("/cmd_vel", TWIST, lambda heard: self.base.append(speed(heard.data)))
-        self.connector.subscribe(
-            "/gate/status", STRING, lambda heard: self.status.append(json.loads(heard.data["data"]))
-        )
+        self.connector.subscribe("/gate/status", STRING, self._told)
         self.connector.subscribe("/gate/holder", STRING, lambda heard: self.holders.append(heard.data["data"]))
         self.agent = GateAgent(words or GateWords(), self.connector, clock=self.clock, observe=self.deeds.append)
         self.agent.open()
+
+    def _told(self, heard: Message) -> None:
+        if heard.data["data"].startswith('{"gate"'):
+            self.status.append(json.loads(heard.data["data"]))
 
     def command(self, who: str, x: float, **fields: Any) -> None:
         self.connector.publish(f"/gate/{who}/cmd_vel", TWIST, {"linear": {"x": x}, **fields})
@@ -185,6 +187,20 @@ def test_a_gate_that_ends_leaves_a_stop_and_lets_nothing_through(rig: Rig) -> No
     rig.command("autonomy", 1.0)
     assert rig.base == [0.0, 1.0, 0.0]
     assert rig.agent.ask("agent", "agent") == {"success": False, "message": "the gate has ended"}
+
+
+def test_of_two_gates_the_later_one_ends(rig: Rig) -> None:
+    def hear_of(began: float) -> bool:
+        other = {**rig.status[-1], "gate": [began, "another"]}
+        rig.connector.publish("/gate/status", STRING, {"data": json.dumps(other)})
+        return rig.agent.gives_way
+
+    ours = rig.status[-1]["gate"][0]
+    assert not hear_of(ours + 1.0)
+    for text in ("", "[]", "{}", '{ "gate": 3}', '{ "gate": ["x", "y"]}'):
+        rig.connector.publish("/gate/status", STRING, {"data": text})
+    assert not rig.agent.gives_way
+    assert hear_of(ours - 1.0)
 
 
 def test_a_stop_that_cannot_be_published_is_told_as_the_gate_begins() -> None:
