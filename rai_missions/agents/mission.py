@@ -108,7 +108,7 @@ class Prepared:
         try:
             self.world, connector, clock = self._surroundings()
             self._header = self._head()
-            self.answerers = self._answerers()
+            self.answerers = self._answerers(connector, clock)
             self.recording = self._record(clock)
             self.journal = self._journal()
             on_step, on_status = observers(self.recording, setting.on_step, setting.on_status)
@@ -168,11 +168,11 @@ class Prepared:
         self._closes.append(connector.stop)
         connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", lambda said: clock.hear(_seconds(said.data["clock"])))
 
-    def _answerers(self) -> dict[str, Answerer]:
+    def _answerers(self, connector: Connector | None, clock: Clock) -> dict[str, Answerer]:
         """Who answers, in the words of `ask`."""
         setting, who = self.setting, dict(self.setting.answerers)
         if setting.model is not None:
-            who["agent"] = self._model(setting.model)
+            who["agent"] = self._model(setting.model, connector, clock)
         if setting.operator is not None:
             who["operator"] = setting.operator
         if self.robot is not None and self.robot.rules:
@@ -182,12 +182,17 @@ class Prepared:
             who["rules"] = RulesAnswerer(rules, lambda: self.runner.chart.view, keys=self.mission.blackboard)
         return who
 
-    def _model(self, model: BaseChatModel | str) -> Answerer:
+    def _model(self, model: BaseChatModel | str, connector: Connector | None, clock: Clock) -> Answerer:
         from rai_missions.agents.decision import DecisionAgent
         from rai_missions.agents.models import open_model
+        from rai_missions.agents.toolset import open_toolbox
 
         identity = Identity.read(self._folder) if self._folder is not None else None
-        agent = DecisionAgent(open_model(model) if isinstance(model, str) else model, identity)
+        box = open_toolbox(self.mission, self.robot, connector, clock.now)
+        if box is not None:
+            self._closes.append(box.close)
+        opened = open_model(model) if isinstance(model, str) else model
+        agent = DecisionAgent(opened, identity, box.read_only if box is not None else ())
         self._closes.append(agent.stop)
         return agent
 

@@ -53,6 +53,10 @@ class Toolbox:
         self._reach.stop()
         return left
 
+    def close(self) -> None:
+        """Stop, for whoever asks nothing."""
+        self.stop()
+
 
 def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
     look, measure = box.looking, box.measuring
