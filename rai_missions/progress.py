@@ -41,6 +41,16 @@ def _plain(value: Any) -> str:
     return str(value)
 
 
+def _reasons(mission: Mission) -> dict[str, str]:
+    """JSON pointer of a row → what its guard says."""
+    found = {}
+    for place, rows in (("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk())):
+        for index, row in enumerate(rows):
+            if row.when is not None:
+                found[f"{place}/transitions/{index}"] = row.when.words()
+    return found
+
+
 class Person(Answerer, Protocol):
     """Somebody at the terminal."""
 
@@ -63,6 +73,7 @@ class Lines:
         self._persons: list[Person] = []
         self._shown: tuple[str, ...] = ()
         self._answered: dict[str, int] = {}
+        self._reasons = _reasons(mission)
 
     def begin(self, robot: str, answerers: str, journal: str, *, model: str | None) -> None:
         """The head of a run: what runs on what, who answers, where it is written down."""
@@ -101,7 +112,7 @@ class Lines:
         notes = [note for note in step.notes if not note.startswith(("question ", "fallback ", "control: "))]
         if text or notes:
             self._print(f"{step.at:9.2f} s  {trimmed(self._event(step.event), 28):<28}  {text or '; '.join(notes)}")
-            for note in notes if text else ():
+            for note in (*self._because(step), *notes) if text else ():
                 self._print(f"{'':13}{trimmed(note)}")
         self._verdict(step)
         if step.moves:
@@ -138,6 +149,11 @@ class Lines:
         left = [name for name in step.exited if name not in step.entered]
         entered = list(step.entered)
         return f"{', '.join(reversed(left))} → {', '.join(entered)}".strip() if entered else ""
+
+    def _because(self, step: Step) -> list[str]:
+        """What was so that moved the mission without an event or outcome."""
+        rows = [row for move in step.moves if not move.trigger for row in move.taken]
+        return [f"because {self._reasons[row]}" for row in rows if row in self._reasons]
 
     def _does(self, step: Step) -> list[str]:
         said = []
