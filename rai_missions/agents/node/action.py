@@ -6,6 +6,7 @@ Rule: the goal is the run's. Canceling the goal cancels the mission, and the goa
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -32,6 +33,10 @@ class RunServer:
         self._report: Callable[[Report], None] | None = None
         self._course: Course | None = None
         self._is_unwanted = False
+        self._lock = threading.Lock()
+        self._latest: Bulletin | None = None
+        self._fed = 0
+        """The revision that was fed back last."""
 
     def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
         """Start the mission for a goal."""
@@ -44,9 +49,11 @@ class RunServer:
             self._refused(receipt)
             report(Report(goal_id, "rejected", {}, receipt.why))
             return
-        self._goal_id, self._report, self._course = goal_id, report, self._desk.course
-        self._is_unwanted = False
         report(Report(goal_id, "accepted", {}))
+        with self._lock:
+            self._goal_id, self._report, self._course = goal_id, report, self._desk.course
+            self._is_unwanted = False
+            self._feed()  # the run may have been quicker than this thread
         self._desk.when_idle(lambda: self._end(goal_id))
 
     def cancel(self, goal_id: str) -> None:
@@ -56,11 +63,20 @@ class RunServer:
             self._desk.submit(Order("cancel", "operator (~/run)", goal_id), lambda _receipt: None)
 
     def tell(self, bulletin: Bulletin) -> None:
-        """Feedback for the goal that runs."""
-        report, course = self._report, self._course
-        if report is None or course is None or course.is_over or bulletin.run != course.runner.run_id:
+        """What the mission is doing now."""
+        with self._lock:
+            self._latest = bulletin
+            self._feed()
+
+    def _feed(self) -> None:
+        """Feedback for the goal that runs, if there is news."""
+        report, course, latest = self._report, self._course, self._latest
+        if report is None or course is None or latest is None or latest.revision <= self._fed:
             return
-        fields: dict[str, Any] = bulletin.fields()
+        if course.is_over or latest.run != course.runner.run_id:
+            return
+        self._fed = latest.revision
+        fields: dict[str, Any] = latest.fields()
         told = {word: fields[word] for word in ("revision", "mode", "questions")}
         report(Report(self._goal_id, "feedback", told | {"state": fields["active"]}))
 
@@ -68,7 +84,8 @@ class RunServer:
         report, course = self._report, self._course
         if report is None or course is None or goal_id != self._goal_id:
             return
-        self._report = None
+        with self._lock:
+            self._report = None
         result = course.result
         data = {
             "outcome": course.mode, "why": result.why if result is not None else course.error,

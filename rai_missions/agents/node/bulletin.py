@@ -66,6 +66,7 @@ class Bulletin(NamedTuple):
     active: tuple[str, ...] = ()
     questions: tuple[Open, ...] = ()
     outcome: str = ""
+    """Said once the run is over, every goal's end included: another may be begun."""
     why: str = ""
     fault: str = ""
     """Why the node's last transition failed."""

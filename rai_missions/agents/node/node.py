@@ -115,6 +115,11 @@ class MissionNode:
             self._carrier.connector.stop()
         self._is_open = False
 
+    @property
+    def fault(self) -> str:
+        """Why the last transition of its lifecycle failed; empty once one has succeeded."""
+        return self._lifecycle.fault
+
     def wait(self, within_s: float | None = None) -> bool:
         """Until the node was shut down; whether it was."""
         return self._finalized.wait(within_s)

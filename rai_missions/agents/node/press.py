@@ -87,7 +87,7 @@ class Press:
             run=course.runner.run_id, mode=course.mode, questions=course.questions(),
             control=status.control if status is not None else last.control,
             active=status.active if status is not None else (),
-            outcome=course.mode if course.is_over else (status.outcome or "" if status is not None else ""),
+            outcome=course.mode if course.is_over else "",
             why=course.error or (result.why if result is not None else status.why if status is not None else ""),
         )  # fmt: skip
 

@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a client may do to a mission through its node, and what it is told; over a connector in this process."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.agents.mission import Setting
+from rai_missions.agents.node import MissionNode
+from rai_missions.agents.node.carrier import Carrier
+from rai_missions.agents.node.order import LONGEST
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import UsageError
+from rai_missions.journal import read
+from rai_missions.testing import check_agent
+from tests.agents.node.conftest import Scene
+from tests.agents.node.scenes import Client, mission, robot
+
+ORDERS = ("start", "pause", "resume", "cancel", "e_stop")
+ALLOWED = {
+    "idle": {"start": "running"},
+    "running": {"pause": "paused", "cancel": "idle", "e_stop": "idle"},
+    "paused": {"resume": "running", "cancel": "idle", "e_stop": "idle"},
+}
+"""Mode → the orders that make sense in it, and what it is then."""
+
+
+def obeys(client: Client, orders: list[str]) -> None:
+    """Give the orders one after the other; each is taken where the lifecycle allows it, and nowhere else."""
+    mode = "idle"
+    for order in orders:
+        told = client.call(order)
+        assert told["success"] is (order in ALLOWED[mode]), (mode, order, told)
+        assert told["success"] or told["message"], f"a refused '{order}' says why"
+        mode = ALLOWED[mode].get(order, mode)
+        if told["success"] and mode == "idle":
+            outcome = "canceled" if order == "cancel" else "aborted"
+            client.await_status("it is over", outcome=outcome)
+        elif told["success"]:
+            client.await_status(f"it is {mode}", mode=mode)
+    if mode != "idle":
+        client.call("e_stop")
+        client.await_status("it is over", outcome="aborted")
+
+
+def revisions_rise(client: Client) -> None:
+    revisions = [status["revision"] for status in client.statuses.all]
+    assert revisions == sorted(set(revisions)), "every status has a higher revision than the one before"
+
+
+@given(orders=st.lists(st.sampled_from(ORDERS), max_size=7))
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_orders_are_taken_where_the_lifecycle_allows_them_and_refused_elsewhere(
+    active: Client, orders: list[str]
+) -> None:
+    obeys(active, orders)
+    revisions_rise(active)
+
+
+@pytest.fixture(scope="module")
+def active() -> Any:
+    connector = LocalConnector()
+    connector.start()
+    node = MissionNode(Setting(mission(), robot({"kind": "local"})), carrier=Carrier(connector, True, False))
+    client = Client(connector, node.name.path)
+    node.run()
+    client.activate()
+    yield client
+    node.stop()
+    connector.stop()
+
+
+def test_a_node_does_nothing_before_it_is_configured_and_activated(scene: Scene) -> None:
+    told = scene.client.call("start")
+    assert told == {"success": False, "message": "the node is unconfigured; configure and activate it first"}
+    assert scene.client.change("configure")
+    assert scene.client.call("start")["message"] == "the node is inactive; activate it first"
+    assert scene.client.change("activate")
+    assert scene.client.call("start")["success"]
+
+
+def test_a_run_goes_from_start_to_its_end_and_again(scene: Scene) -> None:
+    scene.client.activate()
+    for count in (1, 2):
+        scene.client.start()
+        assert scene.client.command(command="post", event="go")["success"]
+        scene.robot.asked.wait(lambda asked, n=count: asked.count("move") == n, "the robot moves")  # type: ignore[misc]
+        scene.robot.arrive()
+        status = scene.client.await_status("it is over", outcome="succeeded")
+        assert status["why"] == "'done' was reached, and there is true"
+    assert len({status["run"] for status in scene.client.statuses.all} - {""}) == 2
+    revisions_rise(scene.client)
+
+
+def test_deactivating_pauses_the_mission_and_activating_goes_on_with_it(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    scene.client.command(command="post", event="go")
+    scene.robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+    assert scene.client.change("deactivate") and scene.client.state() == "inactive"
+    scene.robot.asked.wait(lambda asked: asked == ["move", "halt"], "the robot halts")
+    assert scene.client.call("resume")["message"] == "the node is inactive; activate it first"
+    assert scene.client.change("activate")
+    scene.robot.asked.wait(lambda asked: asked == ["move", "halt", "move"], "the robot moves again")
+
+
+def test_a_mission_that_a_person_has_paused_stays_so_when_the_node_is_activated(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    assert scene.client.call("pause")["success"]
+    assert scene.client.change("deactivate") and scene.client.change("activate")
+    scene.client.await_status("the node is active", lifecycle="active", mode="paused")
+
+
+def test_cleaning_up_cancels_the_mission_and_ends_when_that_has_ended(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    assert scene.client.change("deactivate") and scene.client.change("cleanup")
+    scene.client.await_status("it is unconfigured", lifecycle="unconfigured", outcome="canceled")
+    assert scene.client.change("configure")
+
+
+def test_an_inactive_node_can_still_be_stopped(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    assert scene.client.change("deactivate")
+    assert scene.client.call("e_stop")["success"]
+    scene.client.await_status("it is over", outcome="aborted", control="nobody")
+
+
+def test_shutting_down_cancels_the_mission_and_finalizes_the_node(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    assert scene.client.change("shutdown")
+    scene.client.await_status("it is finalized", lifecycle="finalized", outcome="canceled")
+    assert scene.node.wait(30) and not scene.client.change("configure")
+    labels = [label for label, _ in scene.client.moves.wait(lambda all_: len(all_) == 6, "every move is told")]
+    assert labels == [
+        "configure",
+        "transition_success",
+        "activate",
+        "transition_success",
+        "shutdown",
+        "transition_success",
+    ]
+
+
+def test_what_is_at_fault_leaves_the_node_unconfigured_until_it_is_mended(
+    open_scene: Callable[..., Scene], tmp_path: Path
+) -> None:
+    file = tmp_path / "errand.json"
+    file.write_text('{"format": 1, "name": "errand", "initial": "nowhere", "states": {"over": {"final": "aborted"}}}')
+    scene = open_scene(mission=file)
+    assert not scene.client.change("configure")
+    status = scene.client.await_status("it is unconfigured", lifecycle="unconfigured", fault=scene.node.fault)
+    assert "/initial: no state 'nowhere'" in status["fault"]
+    file.write_text(json.dumps({"format": 1, **mission().written()}))
+    assert scene.client.change("configure")
+    scene.client.await_status("it is inactive", lifecycle="inactive", fault="", mission="errand", version="1.2.3")
+
+
+def test_an_error_that_nobody_foresaw_goes_through_errorprocessing(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.CRITICAL + 1)
+    monkeypatch.setattr("rai_missions.agents.node.node.readied", lambda _setting: 1 / 0)
+    assert not scene.client.change("configure")
+    ways = scene.client.moves.wait(lambda all_: len(all_) == 3, "every move is told")
+    assert ways == [
+        ("configure", "configuring"), ("transition_error", "errorprocessing"), ("transition_success", "unconfigured"),
+    ]  # fmt: skip
+    assert (
+        scene.client.await_status("why", lifecycle="unconfigured")["fault"]
+        == "configure: ZeroDivisionError: division by zero"
+    )
+
+
+def test_a_question_stands_in_the_status_until_it_is_answered(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    scene.client.command(command="post", event="ask")
+    asked = scene.client.await_status("a question", active=["asking"])["question"]
+    assert (asked["text"], asked["asked"], asked["state"]) == ("Which way?", "operator", "asking")
+    assert [option["name"] for option in asked["options"]] == ["left", "right"] and 0 < asked["left_s"] <= 600
+    told = scene.client.command(command="answer", question=asked["number"], option="left", by="Ann")
+    assert told["success"]
+    scene.client.await_status("it is over", outcome="aborted", question=None)
+
+
+def test_an_answer_that_does_not_count_says_why(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    told = scene.client.command(command="answer", question=7, option="left")
+    assert told["why"] == "question 7 is not open; open: none"
+    scene.client.command(command="post", event="ask")
+    number = scene.client.await_status("a question", active=["asking"])["question"]["number"]
+    told = scene.client.command(command="answer", question=number, option="fly")
+    assert not told["success"] and "'fly' was not offered; offered: left, right" in told["why"]
+
+
+def test_a_client_answers_no_question_that_the_mission_does_not_ask_the_operator(
+    open_scene: Callable[..., Scene],
+) -> None:
+    class Patient:
+        def ask(self, question: Any, answer: Any) -> None: ...
+
+        def withdraw(self, number: int) -> None: ...
+
+    scene = open_scene(answerers={"agent": Patient()})
+    scene.client.activate()
+    scene.client.start()
+    scene.client.command(command="post", event="guess")
+    number = scene.client.await_status("a question", active=["guessing"])["question"]["number"]
+    told = scene.client.command(command="answer", question=number, option="left")
+    assert told["why"] == f"question {number} is not for the operator; it is asked of agent"
+    scene.client.await_status("nothing has moved", active=["guessing"])
+
+
+def test_an_event_that_the_profile_does_not_list_as_posted_is_refused(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    told = scene.client.command(command="post", event="unlisted")
+    assert told["why"] == "the robot profile lists no posted event 'unlisted'; there is: ask, go, guess"
+    assert scene.client.command(command="post", event="go", data={"by": "x", "request": "y"})["success"]
+    told = scene.client.command(command="post", event="ask")
+    assert (told["success"], told["why"]) == (True, "nothing in the mission reacts to it now")
+
+
+def test_control_is_asked_for_by_its_rules(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    assert scene.client.command(command="control", to="operator")["success"]
+    scene.client.holders.wait(lambda all_: all_[-1] == "operator", "the operator holds control")
+    told = scene.client.command(command="control", to="autonomy", by="autonomy")
+    assert told["why"] == "the operator has control and has not given it back"
+    told = scene.client.command(command="control", to="pilot")
+    assert told["why"] == "nobody called 'pilot' can hold control; there is: agent, autonomy, nobody, operator"
+    assert scene.client.command(command="control", to="autonomy", by="Ann")["success"]
+    scene.client.holders.wait(lambda all_: all_[-1] == "autonomy", "it is given back")
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("{", "an order is not understood"), ("[]", "an order is a JSON object"), ("", "command: null is none"),
+        ('{"command": "paus"}', "command: 'paus' is none; did you mean 'pause'?"),
+        ('{"command": "start", "arguments": [1]}', "arguments: [1] is not an object"),
+        ('{"command": "answer", "question": true, "option": "a"}', "question: true is not a whole number"),
+        ('{"command": "answer", "question": 1}', "'answer' needs the word 'option'"),
+        ('{"command": "pause", "too": 1}', "'pause' has no word 'too'"),
+        ('{"command": "start", "arguments": {"a": NaN}}', "an order is not understood"),
+        ("x" * (LONGEST + 1), f"an order of {LONGEST + 1} characters is not read; {LONGEST} are the most"),
+    ],
+)  # fmt: skip
+def test_what_is_no_order_is_answered_with_why(active: Client, text: str, why: str) -> None:
+    told = active.command(text)
+    assert not told["success"] and told["why"].startswith(why), told
+
+
+def test_arguments_come_with_the_start_and_are_checked(scene: Scene) -> None:
+    scene.client.activate()
+    told = scene.client.command(command="start", arguments={"sped": 2})
+    assert "the mission takes no argument 'sped'; it takes: speed" in told["why"]
+    assert "does not fit" in scene.client.command(command="start", arguments={"speed": "fast"})["why"]
+    assert scene.client.command(command="start", arguments={"speed": 2})["success"]
+
+
+def test_who_did_what_stands_in_the_journal(open_scene: Callable[..., Scene], tmp_path: Path) -> None:
+    file = tmp_path / "run.journal"
+    scene = open_scene(journals=lambda: file)
+    scene.client.activate()
+    scene.client.command(command="start", by="Ann")
+    scene.client.await_status("it runs", mode="running")
+    scene.client.call("pause")
+    scene.client.command(command="resume", by="Ben\n\x1b[2J")
+    scene.client.call("cancel")
+    scene.client.await_status("it is over", outcome="canceled")
+    with read(file) as record:
+        commands = [step.event for step in record.steps() if step.event.kind == "command"]
+        notes = [note.text for note in record.notes()]
+    done = [(event.name, event.data["by"]) for event in commands if event.data]
+    assert done == [("pause", "operator (~/pause)"), ("resume", "Ben  [2J"), ("cancel", "operator (~/cancel)")]
+    assert notes == ["started by Ann"]
+
+
+def test_each_step_that_did_something_is_published(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    scene.client.command(command="post", event="go")
+    told = scene.client.steps.wait(
+        lambda all_: any(step["event"]["name"] == "accepted" for step in all_) or len(all_) >= 2, "steps"
+    )
+    assert told[0]["moves"][0]["entered"] == ["waiting"] and {step["run"] for step in told} == {told[0]["run"]}
+
+
+def test_a_second_node_of_the_same_name_is_refused(scene: Scene) -> None:
+    carrier = Carrier(scene.client.connector, True, False)
+    with pytest.raises(
+        UsageError, match="another node is called /errand already; give this one a name with --node NAME"
+    ):
+        MissionNode(Setting(mission(), robot({"kind": "local"})), carrier=carrier).run()
+    assert scene.client.state() == "unconfigured", "the first is left as it was"
+
+
+def test_a_stranger_under_the_same_name_is_warned_of_once(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
+    for text in ('{"instance": "stranger"}', '{"instance": "stranger"}'):
+        scene.client.connector.publish("/errand/status", "std_msgs/msg/String", {"data": text})
+    said = [record.message for record in caplog.records if "another node" in record.message]
+    assert said == ["another node is called /errand too; give one of them another name with --node"]
+
+
+def test_the_node_runs_and_stops_as_agents_do() -> None:
+    def make() -> MissionNode:
+        return MissionNode(Setting(mission(), robot({"kind": "local"})), carrier=Carrier(LocalConnector(), True, False))
+
+    check_agent(make)
+
+
+def test_stopping_the_node_cancels_what_runs(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    scene.node.stop()
+    assert scene.client.statuses.all[-1]["outcome"] == "canceled"
+    assert scene.client.statuses.all[-1]["why"] == "canceled by stop"
