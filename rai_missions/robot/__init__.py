@@ -7,8 +7,9 @@ from rai_missions.robot.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.robot.load import dump_profile, identity_folder, load_profile, parse_profile
 from rai_missions.robot.profile import Robot, Rule, terms
 from rai_missions.robot.source import EventSource, Source
+from rai_missions.robot.types import lacking
 
 __all__ = (
     "ActionEntry", "EventSource", "Robot", "Rule", "ServiceEntry", "Source", "TopicEntry", "dump_profile",
-    "identity_folder", "load_profile", "missing", "parse_profile", "plain", "terms",
+    "identity_folder", "lacking", "load_profile", "missing", "parse_profile", "plain", "terms",
 )  # fmt: skip

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Literal
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError
 
-__all__ = ("open_connector",)
+__all__ = ("open_connector", "why_absent")
 
 REMEDY = (
     "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "
@@ -38,3 +38,10 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
     from rai_missions.connectors.ros2.connector import Ros2Connector
 
     return Ros2Connector(options, now=now)
+
+
+def why_absent(type_name: str, kind: Literal["msg", "srv", "action"]) -> str:
+    """Why a type of messages is not to be had on this machine, in a sentence; empty if it is."""
+    from rai_missions.connectors.ros2 import names
+
+    return names.why_absent(type_name, kind)

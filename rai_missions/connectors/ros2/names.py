@@ -5,17 +5,20 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import sys
 from functools import cache
 from typing import Any, Literal
 
 from rai_missions.errors import ConnectorError
 from rai_missions.wording import suggestion
 
-__all__ = ("Kind", "find_type")
+__all__ = ("Kind", "find_type", "why_absent")
 
 Kind = Literal["msg", "srv", "action"]
 WHAT = {"msg": "message", "srv": "service", "action": "action"}
 EXAMPLE = {"msg": "std_msgs/msg/String", "srv": "std_srvs/srv/Trigger", "action": "nav2_msgs/action/NavigateToPose"}
+OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_missions_msgs": "", "tf2_msgs": ""}
+"""Packages that no wheel brings and whose definitions we have, and what brings them along on a robot."""
 
 
 @cache
@@ -41,12 +44,23 @@ def find_type(name: str, kind: Kind) -> Any:
     return found
 
 
+def why_absent(name: str, kind: Kind) -> str:
+    """Why a type is not to be had here, in a sentence; empty if it is."""
+    try:
+        find_type(name, kind)
+    except ConnectorError as fault:
+        return str(fault)
+    return ""
+
+
 def _missing(fault: ModuleNotFoundError, package: str, kind: Kind) -> str:
-    if fault.name == f"{package}.{kind}":
+    if fault.name == f"{package}.{kind}" and sys.modules.get(package) is not None:
         return f"the package {package!r} has no {WHAT[kind]} types"
-    if fault.name != package:
+    if fault.name not in (package, f"{package}.{kind}"):
         return f"the types of {package!r} do not load: {fault}"
     known = [each.name for each in pkgutil.iter_modules() if each.name.endswith(("_msgs", "_srvs", "_interfaces"))]
     near = suggestion(package, known)
     remedy = near if "did you mean" in near else "; source the workspace that has it, or install it"
+    if package in OURS_TO_BUILD:
+        remedy = f"; source a ROS 2 that has it{OURS_TO_BUILD[package]}, or build it in a checkout: make ros-interfaces"
     return f"no ROS package {package!r} on this machine{remedy}"
