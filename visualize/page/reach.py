@@ -52,7 +52,7 @@ class Roads:
         waiting = list(targets)
         while waiting:
             name = waiting.pop()
-            if name in entered:
+            if name in entered or name not in self.states:
                 continue
             entered.add(name)
             waiting += self._inside(name)

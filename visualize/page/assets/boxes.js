@@ -58,7 +58,8 @@ function headed(column, state) {
 
 function footed(column, state, staying) {
   if (state.control) column.add(`control: ${state.control}`, 10, { tone: "muted" });
-  staying.slice(0, 3).forEach((row) => column.add(`↻ ${rowWords(row)}`, 10, { most: 2 }));
+  const lost = (row) => (row.target && row.target !== state.name ? ` → ${row.target}, which is not there` : "");
+  staying.slice(0, 3).forEach((row) => column.add(`↻ ${rowWords(row)}${lost(row)}`, 10, { most: 2 }));
   if (staying.length > 3) column.add(`↻ ${staying.length - 3} more that stay`, 10);
 }
 

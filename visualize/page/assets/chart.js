@@ -82,7 +82,7 @@ class Chart {
   }
 
   staying(name) {
-    return (this.model.away.get(name) || []).filter((row) => !row.target || row.target === name);
+    return (this.model.away.get(name) || []).filter((row) => !row.target || row.target === name || !this.model.states.has(row.target));
   }
 
   // What the layout asks for: the boxes of what is seen.

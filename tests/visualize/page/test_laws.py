@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Laws of the page's data: it is the mission, all of it, once; what it plays is the run; what a lens says is so."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.chart import Chart
+from rai_missions.event import Event, Tick
+from rai_missions.mission import Mission
+from rai_missions.states import Final
+from rai_missions.step import Step
+from rai_missions.trees import PyTrees
+from tests.strategies import EVENTS, missions
+from tests.visualize.page.reading import answered, data_of, folded, journal_of
+from tests.visualize.runs import hostile, run, tractor
+from visualize.page import review, review_data, run_of_steps
+from visualize.page.plain import plain
+from visualize.page.reach import Roads
+from visualize.page.say import asked_of
+
+LENSES = ("say", "operator", "stops", "invariants")
+
+
+@given(missions())
+def test_every_state_and_every_row_is_in_the_data_once(mission: Mission) -> None:
+    chart = data_of(review(mission))["chart"]
+    rows = Counter(
+        (place, source, target)
+        for place, source, written in [
+            *((f"{place}/transitions", name, state.transitions) for place, name, state in mission.walk()),
+            ("/transitions", "", mission.transitions),
+        ]
+        for place, source, targets in [(f"{place}/{index}", source, row.to) for index, row in enumerate(written)]
+        for target in targets or ("",)
+    )
+    assert Counter(state["name"] for state in chart["states"]) == Counter(name for _, name, _ in mission.walk())
+    assert Counter((row["place"], row.get("source", ""), row.get("target", "")) for row in chart["rows"]) == rows
+
+
+@given(missions())
+def test_a_states_definition_is_what_is_written_of_it_and_not_of_those_inside(mission: Mission) -> None:
+    for state in data_of(review(mission))["chart"]["states"]:
+        written = mission.state(state["name"]).written()
+        inside = {word: list(written[word]) for word in ("states", "parallel") if isinstance(written.get(word), dict)}
+        assert state.get("definition", {}) == plain({**written, **inside})
+
+
+def active_after(
+    mission: Mission, events: list[str]
+) -> tuple[list[Step], list[frozenset[str]], list[dict[str, list[Any]]]]:
+    chart = Chart(mission, ticker=PyTrees())
+    steps, active, boards = [], [], []
+    happened = [
+        each for number, name in enumerate(events, 1) for each in (Event(name, 3.0 * number), Tick(3.0 * number + 1))
+    ]
+    for event in (None, *happened):
+        if steps and steps[-1].outcome:
+            break
+        steps.append(chart.start(at=0.0) if event is None else chart.send(event))
+        active.append(chart.active)
+        boards.append({name: [plain(entry.value), entry.at] for name, entry in chart.view.board.items()})
+    return steps, active, boards
+
+
+@given(missions(), st.lists(st.sampled_from(EVENTS), max_size=5))
+def test_what_is_played_is_what_the_chart_was_at_every_step(mission: Mission, events: list[str]) -> None:
+    steps, active, boards = active_after(mission, events)
+    data = data_of(review(mission, runs=[run_of_steps(steps)]))
+    played = folded(data["runs"][0], data["chart"]["keys"])
+    for (states, board), truly, known, step in zip(played, active, boards, steps, strict=True):
+        assert states == truly
+        assert {name: entry[0] for name, entry in board.items()} == {name: entry[0] for name, entry in known.items()}
+        assert all(known[name][1] <= entry[1] <= step.at for name, entry in board.items())
+
+
+@given(missions(), st.lists(st.sampled_from(EVENTS), max_size=5))
+def test_coverage_counts_each_row_that_a_journal_took(mission: Mission, events: list[str]) -> None:
+    steps = run(mission, events)
+    with TemporaryDirectory() as folder:
+        path = journal_of(Path(folder) / "a.journal", mission, steps)
+        data = data_of(review(mission, [path, path]))
+    taken = Counter(place for step in steps for move in step.moves for place in move.taken)
+    entered = Counter(name for step in steps for name in step.entered)
+    assert data["coverage"] == {
+        "rows": {place: [times, times] for place, times in taken.items()},
+        "states": {name: [times, times] for name, times in entered.items()},
+    }
+
+
+@given(missions(), st.lists(st.sampled_from(EVENTS), max_size=5))
+def test_a_run_enters_nothing_that_is_out_of_reach(mission: Mission, events: list[str]) -> None:
+    roads = Roads(mission)
+    entered: list[str] = []
+    for step in run(mission, events):
+        for move in step.moves:
+            if entered:
+                reached = roads.onward(entered).states
+                around = {above for name in reached for above in roads.above(name)}
+                assert set(move.entered) <= reached | around
+            entered += move.entered
+
+
+@given(missions())
+def test_a_lens_names_what_there_is(mission: Mission) -> None:
+    data = review_data(mission)
+    states = {state["name"] for state in data["chart"]["states"]}
+    rows = {row["place"] for row in data["chart"]["rows"]}
+    options = {place for who in ("agent", "operator") for each in asked_of(mission, who) for place in each.options()}
+    assert tuple(lens["name"] for lens in data["lenses"]) == LENSES
+    for lens in data["lenses"]:
+        assert set(lens["states"]) <= states
+        assert set(lens["rows"]) <= rows
+        assert set(lens["options"]) <= options
+        items = [item for section in lens["sections"] for item in section["items"]]
+        assert {item["state"] for item in items if "state" in item} <= states
+        assert {item["row"] for item in items if "row" in item} <= rows
+
+
+@given(missions())
+def test_the_say_of_a_model_lights_its_decisions_with_every_option_and_every_bound(mission: Mission) -> None:
+    lens = review_data(mission)["lenses"][0]
+    said = " ".join(item["text"] for section in lens["sections"] for item in section["items"])
+    for each in asked_of(mission, "agent"):
+        assert each.state in lens["states"]
+        assert set(each.options()) <= set(lens["options"])
+        assert f"at most {each.asked.deadline_s:g} s" in said if each.asked.deadline_s else "no deadline" in said
+        assert f"fallback: {each.asked.fallback}" in said if each.asked.fallback else "no fallback" in said
+    for name, state in mission.states.items():
+        if isinstance(state, Final) and lens["states"]:
+            assert f"{name} ({state.final}): " in said
+
+
+@pytest.mark.parametrize("mission", [tractor(), hostile()], ids=["tractor", "hostile"])
+def test_the_page_is_the_same_bytes_for_the_same_mission(mission: Mission) -> None:
+    assert review(mission) == review(mission)
+
+
+def test_no_answer_of_the_tractors_model_leads_to_success_at_once() -> None:
+    lens = review_data(tractor())["lenses"][0]
+    ends = next(section for section in lens["sections"] if section["heading"] == "Ends")
+    said = {item["state"]: item["text"] for item in ends["items"] if "state" in item}
+    assert "not by an answer alone" in said["done"]
+    assert "and only if alleys_driven ≥ alleys" in said["done"]
+    assert "an answer leads there at once" in said["aborted"]
+
+
+def test_a_question_has_its_evidence_its_picture_its_answers_and_the_verdicts() -> None:
+    steps = answered(tractor())
+    with TemporaryDirectory() as folder:
+        data = data_of(review(tractor(), [journal_of(Path(folder) / "a.journal", tractor(), steps)]))
+    first, second, *_ = data["runs"][0]["questions"]
+    shown = {each["key"]: each for each in first["evidence"]}
+    assert data["images"][shown["camera"]["picture"]]["uri"].startswith("data:image/png;base64,")
+    assert shown["obstacle"]["value"]["height_m"] == 0.5
+    assert [offer["name"] for offer in first["options"]] == ["replan", "signal", "abort"]
+    assert first["proposal"]["option"] == "drive_over"
+    assert "'drive_over' was not offered" in first["verdict"][0]
+    assert "'drive_over' was not offered" in second["refused"][0]
