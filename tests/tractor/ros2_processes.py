@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A world in one process and its mission in another, both by the real command line, on a ROS domain of their own."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rai_missions.connectors.contract import Heard
+from rai_missions.journal import read
+from tests.connectors.ros2.conftest import HERE, lock_free_domain
+
+ROOT = Path(__file__).parents[2]
+TRACTOR = ROOT / "missions" / "tractor"
+CLI = [sys.executable, "-W", "ignore", "-m", "rai_missions.cli"]
+PATIENCE_S = 120.0
+
+
+@contextmanager
+def ros_domain(logs: Path) -> Iterator[dict[str, str]]:
+    """The environment of processes that find each other and nobody else."""
+    domain, lock = lock_free_domain()
+    with lock:
+        yield {
+            **os.environ,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "ROS_DOMAIN_ID": str(domain),
+            "FASTRTPS_DEFAULT_PROFILES_FILE": str(HERE / "quick_discovery.xml"),
+            "ROS_LOG_DIR": str(logs),
+        }
+
+
+class Process:
+    """A command of ours that runs, and the lines that it has said.
+
+    Args:
+        words: The command line after `rai-missions`.
+        environment: Of `ros_domain`.
+    """
+
+    def __init__(self, words: list[str], environment: Mapping[str, str]) -> None:
+        self.said: Heard[str] = Heard(PATIENCE_S)
+        self._process = subprocess.Popen(
+            [*CLI, *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            cwd=ROOT, env=dict(environment),
+        )  # fmt: skip
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self.said(line.rstrip("\n"))
+
+    def says(self, pattern: str) -> str:
+        """Wait for a line; returns it."""
+        found = self.said.wait(lambda lines: any(re.search(pattern, line) for line in lines), f"a line {pattern!r}")
+        return next(line for line in found if re.search(pattern, line))
+
+    def ends(self) -> int:
+        """Wait for its end; its exit status."""
+        status = self._process.wait(PATIENCE_S)
+        self._reader.join()
+        return status
+
+    def signal(self, number: signal.Signals) -> None:
+        self._process.send_signal(number)
+
+    @property
+    def text(self) -> str:
+        return "\n".join(self.said.all)
+
+    def close(self) -> None:
+        if self._process.poll() is None:
+            self._process.kill()
+        self.ends()
+        assert self._process.stdout is not None
+        self._process.stdout.close()
+
+
+class Graph:
+    """Processes on one domain; all are ended with it."""
+
+    def __init__(self, environment: Mapping[str, str], folder: Path) -> None:
+        self.environment, self.folder = environment, folder
+        self._processes: list[Process] = []
+
+    def start(self, *words: str) -> Process:
+        self._processes.append(Process(list(words), self.environment))
+        return self._processes[-1]
+
+    def world(self, *words: str, speed: str = "4", **options: Any) -> Process:
+        """An orchard, once it is ready."""
+        given = [word for name, value in options.items() for word in ("--option", f"{name}={json.dumps(value)}")]
+        started = self.start("world", "orchard", "--ros", "--speed", speed, *words, *given)
+        started.says("^ready")
+        return started
+
+    def run(self, *words: str, alleys: int = 1, robot: Path = TRACTOR / "robot.ros2.json") -> Process:
+        """The shipped mission with a shipped profile."""
+        mission, journal = str(TRACTOR / "mission.json"), str(self.folder / "run.journal")
+        return self.start(
+            "run", mission, "--robot", str(robot), "--no-operator", "--set", f"alleys={alleys}", "--journal", journal,
+            *words,
+        )  # fmt: skip
+
+    def close(self) -> None:
+        for each in self._processes:
+            each.close()
+
+
+def answers(journal: Path) -> list[str]:
+    """The options that were taken, one after the other; the same again and again stands here once."""
+    with read(journal) as record:
+        notes = [note for step in record.steps() for note in step.notes if ": accepted" in note]
+    taken = [note.split("'")[1] for note in notes]
+    return [option for index, option in enumerate(taken) if index == 0 or taken[index - 1] != option]

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shipped mission over ROS 2, unchanged, with the world in another process and nothing but the command line."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import signal
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rai_missions.check import check
+from rai_missions.connectors.ros2 import open_connector
+from rai_missions.load import load
+from rai_missions.replay import replay
+from rai_missions.robot import load_profile, missing
+from tests.connectors.ros2.conftest import ABSENT
+from tests.tractor.ros2_processes import TRACTOR, Graph, answers, ros_domain
+
+on_ros = [
+    pytest.mark.sim,
+    pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}"),
+]
+LIVELY = {"alleys": 2, "length_m": 14, "obstacles": ["branch", "person"]}
+
+
+@pytest.fixture
+def graph(tmp_path: Path) -> Iterator[Graph]:
+    with ros_domain(tmp_path / "ros-log") as environment:
+        made = Graph(environment, tmp_path)
+        yield made
+        made.close()
+
+
+@pytest.mark.parametrize("profile", ["robot.ros2.json"])
+def test_a_profile_has_all_that_the_mission_uses_and_only_what_is_on_pypi(profile: str) -> None:
+    mission = load(TRACTOR / "mission.json")
+    assert list(check(mission)) == []
+    assert missing(mission, load_profile(TRACTOR / profile)) == ()
+    assert "nav2_msgs" not in (TRACTOR / profile).read_text()
+
+
+class TestOnRos:
+    pytestmark = on_ros
+
+    def test_the_same_mission_takes_the_same_answers_to_the_same_end_as_in_one_process(self, graph: Graph) -> None:
+        """A branch is driven over, a person is signalled to, as the rules say; nobody is touched."""
+        world = graph.world("--seed", "7", speed="8", **LIVELY)
+        over_ros = graph.run("--json", alleys=2)
+        assert over_ros.ends() == 0, over_ros.text + world.text
+        told = json.loads(over_ros.said.all[-1])
+        assert (told["outcome"], told["state"]) == ("succeeded", "done")
+        again = replay(told["journal"])
+        assert again.holds and again.outcome == "succeeded", again.difference
+        taken = answers(Path(told["journal"]))
+        world.says("alleys_driven: 2")
+        world.signal(signal.SIGINT)
+        assert world.ends() == 0, world.text
+        assert "touched_living: True" not in world.text
+
+        profile = json.loads((TRACTOR / "robot.sim.json").read_text())
+        profile["connector"] |= {"seed": 7, **LIVELY}
+        robot = graph.folder / "robot.json"
+        robot.write_text(json.dumps(profile | {"identity": ""}))
+        in_process = graph.run("--json", alleys=2, robot=robot)
+        assert in_process.ends() == 0, in_process.text
+        assert json.loads(in_process.said.all[-1])["outcome"] == "succeeded"
+        assert taken == answers(Path(told["journal"])) == ["drive_over", "signal"]
+
+    def test_a_world_that_is_killed_ends_the_run_which_says_why(self, graph: Graph) -> None:
+        world = graph.world(alleys=1, obstacles=["none"])
+        mission = graph.run()
+        world.says("state: DRIVING")
+        world.signal(signal.SIGKILL)
+        assert mission.ends() == 1, mission.text
+        assert "aborted: 'stopped' was reached" in mission.text
+        assert "because not touched_living is fresh" in mission.text, "what was not heard any more stands there"
+        assert replay(graph.folder / "run.journal").holds
+
+    def test_an_emergency_stop_from_a_third_process_stops_the_tractor(
+        self, graph: Graph, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        world = graph.world(alleys=1, obstacles=["none"])
+        mission = graph.run()
+        world.says("state: DRIVING")
+        for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_LOG_DIR"):
+            monkeypatch.setenv(name, graph.environment[name])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a parser that ROS brings along uses a deprecated module
+            importlib.import_module("rosidl_generator_py")
+        button = open_connector({"domain_id": int(graph.environment["ROS_DOMAIN_ID"])})
+        button.start()
+        try:
+            button.publish("/tractor1/e_stop", "std_msgs/msg/Empty", {})
+            assert mission.ends() == 1
+        finally:
+            button.stop()
+        assert "aborted: 'stopped' was reached" in mission.text, mission.text
+        world.says("state: STOPPED")
+
+    def test_what_nobody_can_drive_over_is_given_up_and_the_tractor_comes_home(self, graph: Graph) -> None:
+        """The two composed actions: an alley that stays blocked, and the way home."""
+        world = graph.world(alleys=2, length_m=14, obstacles=["log", "none"], speed="6")
+        mission = graph.run(alleys=2)
+        assert mission.ends() == 1, mission.text
+        assert "failed: 'unfinished_home' was reached" in mission.text, mission.text + world.text
+        assert answers(graph.folder / "run.journal") == ["replan"]
+        assert world.says("at_home: True")
+
+    def test_a_world_that_does_not_run_is_missed_by_name_and_one_is_told_how_to_start_it(self, graph: Graph) -> None:
+        mission = graph.run()
+        assert mission.ends() == 2
+        last = mission.said.all[-1]
+        assert last.startswith("rai-missions run: the robot has not said within 10 s: alleys_driven, at_home, ")
+        assert "rai-missions world orchard --ros" in last
