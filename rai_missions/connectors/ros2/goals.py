@@ -31,6 +31,8 @@ log = logging.getLogger(__name__)
 
 CHASE_S = 60.0
 """How long a lost goal is chased."""
+CLEAR_S = 5.0
+"""How long a new goal waits until it is known of a lost one that it runs no more."""
 End = Literal["rejected", "succeeded", "failed", "canceled", "lost"]
 ENDS: dict[int, End] = {
     GoalStatus.STATUS_SUCCEEDED: "succeeded",
@@ -88,6 +90,15 @@ class GoalClient:
         """A lost goal runs no more."""
         self._lost.pop(goal, None)
 
+    def is_clear(self) -> bool:
+        """No goal that was lost may still run."""
+        return not self._lost
+
+    def hasten(self) -> None:
+        """Somebody waits for the lost goals to end."""
+        for goal in tuple(self._lost):
+            goal.cancel_blindly()
+
     def _look_later(self) -> None:
         if not self._is_watched:
             self._is_watched = True
@@ -141,14 +152,26 @@ class Goal:
         """Send it as soon as its server is found."""
         ready = self._client.client.server_is_ready
         self._client.runtime.when(
-            lambda: self.is_over or ready(), self._client.patience_s, lambda is_there: self._send(goal, is_there)
+            lambda: self.is_over or ready(), self._client.patience_s, lambda is_there: self._clear(goal, is_there)
         )
 
-    def _send(self, goal: Any, is_there: bool) -> None:
+    def _clear(self, goal: Any, is_there: bool) -> None:
+        """A server that was away may have kept what it ran then: that has to end first."""
         if self.is_over:
             return
         if not is_there:
             self.end("rejected", why=f"nobody serves {self._client.action}")
+            return
+        self._client.hasten()
+        self._client.runtime.when(
+            lambda: self.is_over or self._client.is_clear(), CLEAR_S, lambda is_clear: self._send(goal, is_clear)
+        )
+
+    def _send(self, goal: Any, is_clear: bool) -> None:
+        if self.is_over:
+            return
+        if not is_clear:
+            self.end("rejected", why=f"an earlier goal, which was lost, may still run at {self._client.action}")
             return
         self._client.starts.enter(lambda leave: self._start(goal, leave))
 
@@ -187,7 +210,7 @@ class Goal:
             leave()
         self._is_asking = False
         self._ended(self)
-        if said == "lost":
+        if said == "lost" and self._is_sent:
             self._client.chase(self)
         self._tell(Report(self.goal_id, said, data or {}, why))
 
@@ -200,7 +223,9 @@ class Goal:
             self.end("lost", why=f"{self._client.action} gave no answer to a goal")
         elif not handle.accepted:
             self.end("rejected", why=f"the server of {self._client.action} does not take the goal")
+            self._client.caught(self)
         elif self.is_over:
+            self._handle = handle
             self._ask_to_cancel(handle)  # nobody owns it any more
         else:
             self._handle = handle
@@ -231,7 +256,9 @@ class Goal:
 
     def _finished(self, future: Any) -> None:
         response = _result_of(future)
-        if response is not None and not self.is_over:
+        if response is not None and self.is_over:
+            self._client.caught(self)
+        elif response is not None:
             said = ENDS.get(response.status) or ENDS.get(self._handle.status)
             if said is None:
                 self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
@@ -256,8 +283,7 @@ class Goal:
             return
         is_ending = bool(response.goals_canceling) or response.return_code == codes.ERROR_GOAL_TERMINATED
         if self.is_over:
-            if is_ending:
-                self._client.caught(self)
+            self._chased(response, is_ending)
         elif self._handle is None or is_ending:
             return
         elif response.return_code == codes.ERROR_UNKNOWN_GOAL_ID:
@@ -265,6 +291,15 @@ class Goal:
         else:
             self._is_unwanted = False
             self._tell(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} goes on"))
+
+    def _chased(self, response: Any, is_ending: bool) -> None:
+        """What the server says of a goal that was lost. That it is ending is not yet its end."""
+        is_unknown = response.return_code == CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID
+        if is_ending:
+            handle = self._handle or ClientGoalHandle(self._client.client, self._uuid, None)
+            handle.get_result_async().add_done_callback(self._finished)
+        elif is_unknown and (self._handle is not None or are_gone(self.peers, self._client.peers())):
+            self._client.caught(self)  # else its server may still be about to accept it
 
 
 def _result_of(future: Any) -> Any:

@@ -18,6 +18,7 @@ from typing import Any
 
 from rai_missions.connectors.contract import Heard
 
+ROOT = Path(__file__).parents[3]
 SUCCEED, RUN, REJECT, STUBBORN, ABORT, SLOW_TO_ACCEPT = range(6)
 """What a goal's `order` asks for; `RUN` until canceled, `STUBBORN` for a moment and not to be canceled."""
 FIBONACCI, TRIGGER = "test_msgs/action/Fibonacci", "std_srvs/srv/Trigger"
@@ -28,14 +29,16 @@ class Peer:
 
     Args:
         name: Its node's name, and what its topics, services and action stand below.
+        program: What it runs.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, program: Path = Path(__file__)) -> None:
         self.name = name
         self.said: Heard[Any] = Heard(30.0)
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         self._process = subprocess.Popen(
-            [sys.executable, "-W", "ignore", str(Path(__file__)), name],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[3],
+            [sys.executable, "-W", "ignore", str(program), name],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=environment,
         )  # fmt: skip
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
@@ -69,8 +72,12 @@ class Peer:
 
 
 def say(*what: Any) -> None:
-    sys.stdout.write(json.dumps(what) + "\n")
-    sys.stdout.flush()
+    with SAYING:
+        sys.stdout.write(json.dumps(what) + "\n")
+        sys.stdout.flush()
+
+
+SAYING = threading.Lock()
 
 
 def serve(name: str) -> None:

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission whose states start goals on one action, over the real rclpy, and the laws that its run must keep.
+
+Rule: the laws are read from two logs alone, the server's and the run's steps.
+"""
+
+from __future__ import annotations
+
+import itertools
+import signal
+import threading
+import uuid
+from typing import Any
+
+from rai_missions.clock import WallClock
+from rai_missions.connectors.contract import Heard
+from rai_missions.event import Event
+from rai_missions.mission import Mission
+from rai_missions.robot import Robot
+from rai_missions.runner import Runner
+from rai_missions.step import StartGoal, Step
+from tests.connectors.ros2.peer_process import FIBONACCI, Peer
+from tests.connectors.ros2.scripted_server import PROGRAM, Script
+
+__all__ = ("WINDOWS", "Scene", "ServerOnCall")
+
+WINDOWS = ("at once", "asked", "runs", "over")
+"""What is waited for before the next move: nothing, that the server was asked, that it pursues the goal, its end."""
+HOLDS_S = 30.0
+tokens = itertools.count(1)
+
+
+def mission() -> Mission:
+    """`left` and `right` pursue goals on the same action; `rest` pursues none."""
+    go = [
+        {"on": name, "to": name, "do": [{"set": "order", "from": "event.order"}]} for name in ("left", "right")
+    ]  # fmt: skip
+    outcomes = ["succeeded", "failed", "rejected", "canceled", "timed_out"]
+    pursuing = {
+        "action": "move", "goal": {"order": {"from": "order"}}, "result": {"said": "sequence"}, "cancel_s": 0.3,
+        "timeout_s": 60, "transitions": [{"on": outcomes, "to": "rest"}],
+    }  # fmt: skip
+    return Mission.model_validate(
+        {
+            "format": 1, "name": "windows", "version": "1.0.0", "initial": "rest",
+            "blackboard": {"order": {"type": "integer", "source": "mission", "initial": 0},
+                           "said": {"type": "list", "source": "mission", "optional": True}},
+            "events": {name: {} for name in ("left", "right", "stand", "enough")},
+            "states": {"rest": {}, "left": pursuing, "right": pursuing, "done": {"final": "canceled"}},
+            "transitions": [*go, {"on": "stand", "to": "rest"}, {"on": "enough", "to": "done"}],
+        }
+    )  # fmt: skip
+
+
+class ServerOnCall:
+    """The scripted server, which can be killed and started anew; every life has a log of its own."""
+
+    def __init__(self) -> None:
+        self.name = f"scene_{uuid.uuid4().hex[:8]}"
+        self.lives = [Peer(self.name, PROGRAM)]
+        self.lives[0].__enter__()
+
+    @property
+    def said(self) -> Heard[Any]:
+        return self.lives[-1].said
+
+    def kill(self) -> None:
+        self.lives[-1].kill()
+
+    def begin_anew(self) -> None:
+        self.lives.append(Peer(self.name, PROGRAM))
+        self.lives[-1].__enter__()
+
+    def freeze(self) -> None:
+        self.lives[-1].signal(signal.SIGSTOP)
+
+    def thaw(self) -> None:
+        self.lives[-1].signal(signal.SIGCONT)
+
+    def close(self) -> None:
+        for life in self.lives:
+            life.__exit__()
+
+
+class Scene:
+    """One run of the mission against the server, and what is made to happen to it."""
+
+    def __init__(self, connector: Any, server: ServerOnCall) -> None:
+        self._server = server
+        self.steps = Heard[Step](HOLDS_S)
+        self.tokens: list[int] = []
+        robot = Robot.model_validate(
+            {"name": "windows", "actions": {"move": {"action": f"/{server.name}/move", "type": FIBONACCI}},
+             "events": {name: {"posted": True} for name in ("left", "right", "stand", "enough")}}
+        )  # fmt: skip
+        self._clock = WallClock()
+        self._runner = Runner(mission(), robot=robot, connector=connector, clock=self._clock, on_step=self.steps)
+        self._thread = threading.Thread(target=self._runner.run)
+        self._thread.start()
+
+    def go(self, state: str, script: Script, window: str) -> int:
+        """Enter a state that pursues a goal, and wait for a moment of the goal's life."""
+        token = next(tokens)
+        self.tokens.append(token)
+        self.tell(state, order=script.order(token))
+        if window == "asked":
+            self.wait_for(token, "asked", "runs", "over")
+        elif window == "runs" or (window == "over" and script.end == "runs on" and script.cancel != "refused"):
+            self.wait_for(token, "runs", "over")
+        elif window == "over":
+            self.wait_for(token, "over")
+        return token
+
+    def tell(self, event: str, **data: Any) -> None:
+        self._runner.post(Event(event, self._clock.now(), data))
+
+    def wait_for(self, token: int, *words: str) -> None:
+        """Wait until the server has said one of these of a goal, or the run knows that it will not be asked."""
+        came, is_there = threading.Event(), lambda: self._has_said(token, words) or self._is_over(token)
+        for _ in range(int(HOLDS_S / 0.01)):
+            if is_there():
+                return
+            came.wait(0.01)
+        raise AssertionError(f"goal {token} is not {words[0]}: {self.story()}")
+
+    def wait_for_rest(self) -> None:
+        """Wait until the run has the outcome of what it started, and is at rest."""
+        self.steps.wait(lambda steps: _state_after(steps) == "rest", f"the run does not come to rest: {self.story()}")
+
+    def end(self) -> None:
+        """End the run; hold it to the laws, and the server to having no goal that is not over."""
+        self.tell("enough")
+        self._thread.join(HOLDS_S)
+        assert not self._thread.is_alive(), f"the run does not end: {self.story()}"
+        self.check()
+        self._server.said.wait(
+            lambda said: all(["over", token] in [each[:2] for each in said] for token in _asked(said)),
+            f"no goal runs that no state owns; {self.story()}",
+        )
+
+    def check(self) -> None:
+        """Hold both logs to the laws."""
+        for life in self._server.lives:
+            _one_after_the_other(life.said.all, self.story)
+        _no_result_of_another(self.steps.all, self.story)
+        _no_start_before_the_end(self.steps.all, self.story)
+
+    def story(self) -> str:
+        """Both logs, for the reader of a failure."""
+        said = [[each for each in life.said.all if each[1:2] and each[1] in self.tokens] for life in self._server.lives]
+        run = [
+            (round(step.at, 3), step.event.kind, step.event.name, step.event.number,
+             [(move.exited, move.entered) for move in step.moves], step.effects, step.notes)
+            for step in self.steps.all
+        ]  # fmt: skip
+        return f"\nserver: {said}\nrun: " + "\n     ".join(map(str, run))
+
+    def _has_said(self, token: int, words: tuple[str, ...]) -> bool:
+        return any(each[0] in words and each[1] == token for each in self._server.said.all if len(each) > 1)
+
+    def _is_over(self, token: int) -> bool:
+        """The run has its outcome: it started the state's goal, or could not, and is back at rest."""
+        steps = list(self.steps.all)
+        told = (at for at, step in enumerate(steps) if Script.read(step.event.data.get("order", 0))[0] == token)
+        since = steps[next(told, len(steps)) :]
+        return "rest" in [state for step in since for move in step.moves for state in move.entered]
+
+
+def _state_after(steps: list[Step]) -> str:
+    entered = [state for step in steps for move in step.moves for state in move.entered]
+    return entered[-1] if entered else ""
+
+
+def _asked(said: list[Any]) -> list[int]:
+    return [each[1] for each in said if each[0] == "asked"]
+
+
+def _one_after_the_other(said: list[Any], story: Any) -> None:
+    """The server is asked for a goal only when every goal before it is over."""
+    running: set[int] = set()
+    for word, *rest in said:
+        if word == "asked":
+            assert not running, f"goal {rest[0]} came while {running} ran{story()}"
+            running.add(rest[0])
+        elif word == "over":
+            running.discard(rest[0])
+
+
+def _no_result_of_another(steps: list[Step], story: Any) -> None:
+    """A result that does anything is that of the last goal started in this visit of its owner, who is still active."""
+    visits: dict[str, int] = {}
+    active: set[str] = set()
+    started: dict[int, tuple[str, int, int]] = {}
+    newest: dict[str, int] = {}
+    for step in steps:
+        event = step.event
+        if event.kind == "result" and (step.moves or step.writes):
+            owner, visit, token = started[event.number]
+            assert owner in active and visits[owner] == visit, f"{event} reached another visit of {owner}{story()}"
+            assert newest[owner] == event.number, f"{event} reached another goal's state{story()}"
+            written = dict(step.writes).get("said", [token])
+            assert list(written) == [token], f"{written} is the result of another goal than {token}{story()}"
+        for move in step.moves:
+            active -= set(move.exited)
+            active |= set(move.entered)
+            visits.update({state: visits.get(state, 0) + 1 for state in move.entered})
+        for effect in step.effects:
+            if isinstance(effect, StartGoal):
+                token = Script.read(effect.goal["order"])[0]
+                started[effect.number], newest[effect.owner] = (
+                    (effect.owner, visits[effect.owner], token),
+                    effect.number,
+                )
+
+
+def _no_start_before_the_end(steps: list[Step], story: Any) -> None:
+    """In the run's own words: a goal is started only when the end of every earlier one was told or given up."""
+    open_goals: set[int] = set()
+    for step in steps:
+        if step.event.kind == "result":
+            open_goals.discard(step.event.number)
+        for note in step.notes:
+            open_goals -= {number for number in open_goals if note.startswith(f"goal {number} ") and "orphaned" in note}
+        for effect in step.effects:
+            if isinstance(effect, StartGoal):
+                assert not open_goals, f"goal {effect.number} was started while {open_goals} ran{story()}"
+                open_goals.add(effect.number)
