@@ -17,6 +17,7 @@ from rai_missions.clock import Mailbox, SimulatedClock
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.worlds.front import Front, Stage
+from rai_missions.worlds.world import World
 
 __all__ = ("world",)
 
@@ -35,11 +36,9 @@ def world(given: argparse.Namespace) -> int:
             "rai-missions run missions/tractor/mission.json --robot missions/tractor/robot.sim.json"
         )
     from rai_missions.connectors.ros2 import open_connector
-    from rai_missions.worlds import open_world
 
-    options = _options(given)
     connector = open_connector({} if given.domain is None else {"domain_id": given.domain})
-    made = open_world(given.world, **options)
+    made = _open(given)
     mailbox = Mailbox()
     try:
         with _ended_by_signal(mailbox):
@@ -52,6 +51,17 @@ def world(given: argparse.Namespace) -> int:
         connector.stop()
         made.close()
     return 0
+
+
+def _open(given: argparse.Namespace) -> World:
+    from rai_missions.worlds import open_world
+
+    options = _options(given)
+    try:
+        return open_world(given.world, **options)
+    except (TypeError, ValueError, AttributeError) as fault:  # a value of another kind than the world takes
+        told = ", ".join(f"{name}={json.dumps(value)}" for name, value in options.items())
+        raise UsageError(f"the world {given.world!r} cannot be opened with {told}: {fault}") from fault
 
 
 def _go(stage: Stage, front: Front, speed: float, mailbox: Mailbox) -> None:

@@ -62,12 +62,14 @@ def place(seed: int, layout: Layout, wanted: Sequence[str | None | Mapping[str, 
             out, the kinds are drawn, too.
 
     Raises:
-        UsageError: A kind or a field does not exist, or there are more obstacles than alleys.
+        UsageError: A kind or a field does not exist, it is no list, or there are more obstacles than alleys.
     """
     rng = random.Random(1009 * seed + FIRST)
     drawn = [_draw(rng, alley) for alley in range(layout.alleys)]
     if wanted is None:
         return tuple(obstacle for obstacle in drawn if obstacle.kind != "none")
+    if isinstance(wanted, str):
+        raise UsageError(f'obstacles: {wanted!r} is no list; give a kind for each alley in turn, ["branch", "none"]')
     if len(wanted) > layout.alleys:
         raise UsageError(f"obstacles: {len(wanted)} obstacles for {layout.alleys} alleys; at most one an alley")
     chosen = (_chosen(what, drawn[alley]) for alley, what in enumerate(wanted))
