@@ -115,13 +115,11 @@ class Recording:
         """
         path = Path(path)
         check_name(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists():
+            raise UsageError(f"{path} is there already, and a recording is never overwritten; name another file")
         try:
+            path.parent.mkdir(parents=True, exist_ok=True)
             stream = path.open("xb")
-        except FileExistsError:
-            raise UsageError(
-                f"{path} is there already, and a recording is never overwritten; name another file"
-            ) from None
         except OSError as fault:
             raise UsageError(f"a recording cannot be written at {path}: {fault.strerror}; name another file") from None
         return cls(stream, path, **words)
@@ -209,6 +207,7 @@ class Recording:
                 self._write_waiting()
             self._write_waiting()
             self._fill_up()
+            self._file.flush()
             self._file.say("rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._room.dropped)})
             self._size = self._file.finish()
         except Exception as fault:  # noqa: BLE001 - whatever breaks the recording does not break the run
