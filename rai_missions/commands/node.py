@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rai_missions.agents.node.course import Course
     from rai_missions.runner import Result, Runner
 
-__all__ = ("Stand", "beside", "managed", "wants_node")
+__all__ = ("Stand", "beside", "managed", "refuse_words_of_one_run", "wants_node")
 
 
 class Stand(NamedTuple):
@@ -54,11 +54,19 @@ def beside(given: argparse.Namespace, setting: Setting) -> Iterator[Stand]:
         node.stop()
 
 
-def managed(given: argparse.Namespace, setting: Setting, journals: Callable[[], Path]) -> int:
-    """Serve the mission until the node is shut down."""
+def refuse_words_of_one_run(given: argparse.Namespace) -> None:
+    """A managed node has many runs.
+
+    Raises:
+        UsageError: A word is given that is of one run.
+    """
     for word in ("picture", "resume", "record", "json"):
         if getattr(given, word, None):
             raise UsageError(f"--{word} is of one run; a managed node has many: drop it or --managed")
+
+
+def managed(given: argparse.Namespace, setting: Setting, journals: Callable[[], Path]) -> int:
+    """Serve the mission until the node is shut down."""
     from rai_missions.agents.node import MissionNode
 
     node = MissionNode(

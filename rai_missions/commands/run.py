@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.check import check
 from rai_missions.commands.given import named_in, steps_of
-from rai_missions.commands.node import beside, managed
+from rai_missions.commands.node import beside, managed, refuse_words_of_one_run
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
