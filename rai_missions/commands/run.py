@@ -87,9 +87,7 @@ def _managed(given: argparse.Namespace) -> int:
     """Serve the mission on a node of its own, run by run."""
     from rai_missions.agents.mission import Setting
 
-    if given.record:
-        raise UsageError("--record cannot be said with --managed: it is one file for one run")
-
+    refuse_words_of_one_run(given)
     mission = _mission(given)
     base = Path(given.journal or _journal_of(mission))
     numbers = itertools.count(1)
