@@ -35,6 +35,7 @@ ENDING = ".mcap"
 FORMAT = "1"
 FLUSH_S = 1.0
 """How much a process that is killed may lose of its recording."""
+SPELL_S, REST_S = 0.002, 0.02
 PATIENCE_S = 60.0
 """How long the end waits for what is still to be written."""
 MESSAGE_BYTES = 500
@@ -214,8 +215,12 @@ class Recording:
             self._give_up(str(fault) or type(fault).__name__)
 
     def _write_waiting(self) -> None:
-        """All who wait, and whoever comes meanwhile; every second what was written leaves the process."""
+        """All who wait, and whoever comes meanwhile; every second what was written leaves the process.
+
+        Python runs one thread at a time: so this one works in short spells and rests between them, lest the robot wait.
+        """
         self._flush()
+        spell = time.monotonic() + SPELL_S
         while (waiting := self._room.take()) is not None:
             self._flushed = False
             try:
@@ -226,6 +231,9 @@ class Recording:
                 self._room.dropped[waiting.name] += 1
                 log.exception("a message of %s could not be recorded", waiting.name)
             self._flush()
+            if time.monotonic() >= spell:
+                self._room.rest(REST_S)
+                spell = time.monotonic() + SPELL_S
 
     def _flush(self) -> None:
         if not self._flushed and time.monotonic() >= self._flush_at:

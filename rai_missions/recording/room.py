@@ -68,6 +68,11 @@ class WaitingRoom:
         if self._some.wait(timeout_s):
             self._closing.wait(GATHER_S)
 
+    def rest(self, seconds: float) -> None:
+        """Let others work for a while, unless the room fills up or is closed."""
+        if all(2 * self._count[kind] < most for kind, most in MOST.items() if kind != "picture"):
+            self._closing.wait(seconds)
+
     def take(self) -> Waiting | None:
         """The one who has waited longest; None if nobody does."""
         with self._lock:
