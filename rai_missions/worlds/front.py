@@ -19,6 +19,8 @@ __all__ = ("CLOCK", "Front", "Stage")
 log = logging.getLogger(__name__)
 
 CLOCK, CLOCK_TYPE = "/clock", "rosgraph_msgs/msg/Clock"
+FLUSH = 20
+"""Steps between two waits for what was published to have left: a world that goes faster would be heard ever later."""
 LONGEST = 60
 """Characters of a fact that is told."""
 
@@ -97,6 +99,7 @@ class Stage:
     def __init__(self, world: World, connector: Connector) -> None:
         self._world, self._connector = world, connector
         self.period_s = world.period_s
+        self._steps = 0
 
     @property
     def at(self) -> float:
@@ -104,5 +107,8 @@ class Stage:
 
     def step(self) -> None:
         self._world.step()
+        self._steps += 1
+        if self._steps % FLUSH == 0:
+            self._connector.listed("topics")  # answered after all that was asked before
         whole, nanoseconds = divmod(round(self._world.at * 1e9), 10**9)
         self._connector.publish(CLOCK, CLOCK_TYPE, {"clock": {"sec": whole, "nanosec": nanoseconds}})
