@@ -21,6 +21,7 @@ EXTRAS = (
     ("openai", ("langchain_openai",), "models of OpenAI and of servers that speak its protocol"),
     ("anthropic", ("langchain_anthropic",), "models of Anthropic"),
     ("ollama", ("langchain_ollama",), "models served by Ollama"),
+    ("record", ("mcap",), "recordings that Foxglove opens"),
 )
 NEEDED = ("pydantic", "langchain-core", "py-trees", "transitions", "jsonschema", "graphviz", "rich")
 
