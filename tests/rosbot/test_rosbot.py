@@ -33,9 +33,9 @@ def test_the_twin_in_python_is_equal() -> None:
     assert dump(load(ROSBOT / "mission.py")) == dump(load(ROSBOT / "mission.json"))
 
 
-def test_over_ros_nothing_is_another_but_the_way_there() -> None:
+def test_over_ros_nothing_is_another_but_the_way_there_and_the_button() -> None:
     one, other = (load_profile(ROSBOT / name).written() for name in PROFILES)
-    assert {key for key in one if one[key] != other[key]} == {"name", "about", "connector"}
+    assert {key for key in one if one[key] != other[key]} == {"name", "about", "connector", "events"}
 
 
 def written(path: Path) -> list[Step]:

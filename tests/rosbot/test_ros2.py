@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shipped patrol over ROS 2, with Nav2's action types and the house in another process."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.connector import Connector, Message
+from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.ros2 import open_connector
+from rai_missions.journal import read
+from rai_missions.replay import replay
+from rai_missions.worlds.house.layout import PLACES
+from tests.connectors.ros2.conftest import ABSENT
+from tests.tractor.ros2_processes import PATIENCE_S, ROOT, Graph, Process, ros_domain
+
+ROSBOT = ROOT / "missions" / "rosbot"
+MISSION, PROFILE = str(ROSBOT / "mission.json"), str(ROSBOT / "robot.ros2.json")
+STATUS = "/navigate_to_pose/_action/status"
+SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
+"""Of action_msgs/msg/GoalStatus."""
+
+pytestmark = [
+    pytest.mark.sim,
+    pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}"),
+]
+with_nav2 = pytest.mark.skipif(
+    importlib.util.find_spec("nav2_msgs") is None, reason="nav2_msgs is not here: make ros-interfaces"
+)
+
+
+class House(Graph):
+    """The house and its patrol, on a domain of their own."""
+
+    def house(self, *words: str, **options: Any) -> Process:
+        given = [word for name, value in options.items() for word in ("--option", f"{name}={json.dumps(value)}")]
+        started = self.start("world", "house", "--ros", "--speed", "6", "--no-camera", *words, *given)
+        started.says("^ready")
+        return started
+
+    def patrol(self, places: Sequence[str]) -> Process:
+        waypoints = [{"x": x, "y": y, "yaw": yaw, "frame": "map"} for x, y, yaw in map(PLACES.__getitem__, places)]
+        return self.start(
+            "run", MISSION, "--robot", PROFILE, "--no-operator", "--json", "--set",
+            f"waypoints={json.dumps(waypoints)}", "--journal", str(self.journal),
+        )  # fmt: skip
+
+    @property
+    def journal(self) -> Path:
+        return self.folder / "run.journal"
+
+    @property
+    def entered(self) -> list[str]:
+        with read(self.journal) as record:
+            return [name for step in record.steps() for name in step.entered]
+
+    @contextmanager
+    def listener(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[Connector]:
+        """Somebody else on the graph."""
+        for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_LOG_DIR"):
+            monkeypatch.setenv(name, self.environment[name])
+        qos = {STATUS: {"durability": "latched"}}
+        connector = open_connector({"domain_id": int(self.environment["ROS_DOMAIN_ID"]), "qos": qos})
+        connector.start()
+        try:
+            yield connector
+        finally:
+            connector.stop()
+
+    def goals(self, listener: Connector, wanted: list[int]) -> bool:
+        """Wait until the navigation's server says that its goals stand so, the oldest first."""
+        heard: Heard[Message] = Heard(PATIENCE_S)
+        close = listener.subscribe(STATUS, "action_msgs/msg/GoalStatusArray", heard)
+        heard.wait(
+            lambda all_: bool(all_) and [one["status"] for one in all_[-1].data["status_list"]] == wanted,
+            f"goals that stand as {wanted}",
+        )
+        close()
+        return True
+
+
+@pytest.fixture
+def graph(tmp_path: Path) -> Iterator[House]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a parser that ROS brings along uses a deprecated module
+        importlib.import_module("rosidl_generator_py")
+    with ros_domain(tmp_path / "ros-log") as environment:
+        made = House(environment, tmp_path)
+        yield made
+        made.close()
+
+
+@with_nav2
+def test_the_patrol_succeeds_with_its_robot_in_another_process(graph: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    world = graph.house()
+    run = graph.patrol(["kitchen", "living_room"])
+    assert run.ends() == 0, run.text + world.text
+    told = json.loads(run.said.all[-1])
+    assert (told["outcome"], told["decisions"]) == ("succeeded", 0)
+    assert graph.entered.count("visited") == 2
+    with graph.listener(monkeypatch) as listener:
+        assert graph.goals(listener, [SUCCEEDED] * 2)
+    again = replay(graph.journal)
+    assert again.holds, again.difference
+
+
+@with_nav2
+def test_leaving_a_state_while_it_navigates_cancels_the_goal_at_its_server(
+    graph: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Somebody pushes the button while it drives."""
+    world = graph.house()
+    with graph.listener(monkeypatch) as listener:
+        driven: Heard[Message] = Heard(PATIENCE_S)
+        listener.subscribe("/odom", "nav_msgs/msg/Odometry", driven)
+        run = graph.patrol(["bedroom"])
+        driven.wait(lambda all_: bool(all_) and speed(all_[-1]) > 0.2, "the robot to drive")
+        listener.publish("/e_stop", "std_msgs/msg/Empty", {})
+        assert run.ends() == 1, run.text + world.text
+        told = json.loads(run.said.all[-1])
+        assert (told["outcome"], told["state"]) == ("aborted", "stopped")
+        assert graph.goals(listener, [CANCELED])
+        driven.wait(lambda all_: speed(all_[-1]) < 0.02, "the robot to stand")
+
+
+def speed(odometry: Message) -> float:
+    return float(odometry.data["twist"]["twist"]["linear"]["x"])
+
+
+@with_nav2
+def test_recoveries_that_fail_abort_the_goal_and_a_decision_is_made(
+    graph: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world = graph.house(blocked=["study_pantry"], recoveries=1)
+    run = graph.patrol(["pantry"])
+    assert run.ends() == 1, run.text + world.text
+    told = json.loads(run.said.all[-1])
+    assert (told["outcome"], told["state"]) == ("failed", "incomplete")
+    with graph.listener(monkeypatch) as listener:
+        assert graph.goals(listener, [ABORTED] * 3)
+
+
+def test_without_nav2s_types_it_says_at_once_how_to_get_them() -> None:
+    """Nothing is started: the types are missed before the robot is looked for."""
+    hidden = (
+        "import sys; sys.modules['nav2_msgs'] = None; from rai_missions.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", hidden, "run", MISSION, "--robot", PROFILE, "--no-operator"],
+        capture_output=True, text=True, check=False, timeout=PATIENCE_S,
+    )  # fmt: skip
+    assert done.returncode == 2
+    said = [line for line in done.stderr.splitlines() if "robot.ros2.json: /" in line]
+    assert [line.split("robot.ros2.json: ")[1].split(":")[0] for line in said] == [
+        "/actions/navigate/type",
+        "/actions/dock/type",
+    ]
+    assert all(
+        line.endswith(
+            "no ROS package 'nav2_msgs' on this machine; source a ROS 2 that has it (Nav2), "
+            "or build it in a checkout: make ros-interfaces"
+        )
+        for line in said
+    )
