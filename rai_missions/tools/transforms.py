@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import ConnectorError, UsageError
 
-__all__ = ("Found", "Frames", "Quaternion", "Transform", "Vector", "rotated", "stamp_of")
+__all__ = ("Found", "Frames", "Quaternion", "Transform", "Vector", "product", "rotated", "stamp_of")
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

@@ -15,6 +15,7 @@ from rai_missions.connectors.connector import Close, Data, Message, Mode, Reply,
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.tools import Allowed, Toolbox
+from rai_missions.tools.reach import Reach
 
 NAMES = ("/a", "/a/b", "/a/b/e_stop", "/cmd_vel", "/cmd_vel/request", "/tf", "/tf_static", "/x")
 PATTERNS = ("*", "/a", "/a/*", "*/e_stop", "/cmd_vel", "/tf*", "/?")
@@ -122,6 +123,24 @@ def test_what_is_allowed_is_touched() -> None:
     box.acting.publish_message("/a", {}, type_name="t")
     box.looking.receive_message("/x", timeout_s=0)
     assert connector.touched == {("/a", "write"), ("/x", "read")}
+
+
+def test_the_way_to_the_robot_judges_each_name_itself() -> None:
+    connector = Noting()
+    connector.start()
+    reach = Reach(connector, Allowed(read=("/x",)), time.monotonic)
+    attempts: list[Callable[[], object]] = [
+        lambda: reach.publish("/x", "t", {}),
+        lambda: reach.call("/x", "t", {}, 0.0),
+        lambda: reach.send_goal("/x", "t", {}, "g", print),
+        lambda: reach.subscribe("/y", "t", print, 0.0),
+        lambda: reach.hear({"/y": "t"}, 0.0, bool),
+        lambda: reach.type_of("topics", "/y", "t", 0.0),
+    ]
+    for attempt in attempts:
+        with pytest.raises(UsageError, match="may not be"):
+            attempt()
+    assert connector.touched == set()
 
 
 def test_nothing_may_be_written_where_nobody_says_so() -> None:

@@ -10,11 +10,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.connectors.connector import Message
+from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.contract import ENDS, Heard, PatientServer
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import MissionError
 from rai_missions.tools import Toolbox
+from rai_missions.tools.goals import Goal
 from tests.tools.conftest import PATIENCE_S, Saying, Tried
 
 STRING, TRIGGER, FIBONACCI = "std_msgs/msg/String", "std_srvs/srv/Trigger", "test_msgs/action/Fibonacci"
@@ -232,3 +233,18 @@ def test_stop_cancels_what_still_runs_and_names_what_nobody_confirmed(tried: Tri
         box.acting.start_action("/tools/stopped", type_name=FIBONACCI)
     server.say(second, "canceled")
     close()
+
+
+@given(st.lists(st.sampled_from([move for move in MOVES if move != "cancel"])))
+def test_after_its_end_nothing_changes_how_a_goal_stands(said: list[Any]) -> None:
+    """Even if a connector went on telling."""
+    goal = Goal("g", "/a")
+    for each in said:
+        goal.hear(Report("other", each, {}))
+        goal.hear(Report("g", each, {"n": each}))
+    ends = [each for each in said if each in ENDS]
+    expected = TOLD[ends[0]] if ends else "running" if said else "sent"
+    assert goal.standing.state == expected
+    assert goal.standing.is_over == bool(ends)
+    if ends:
+        assert goal.standing.result == {"n": ends[0]}

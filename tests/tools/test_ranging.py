@@ -96,7 +96,7 @@ def scene_cloud(scene: Scene, *, holes: float = 0.0, seed: int = 0) -> list[tupl
 
 
 @given(
-    scenes(), st.sampled_from(["16UC1", "32FC1"]), st.booleans(), st.sampled_from([0, 2, 8]), st.floats(0, 0.5),
+    scenes(), st.sampled_from(["16UC1", "32FC1"]), st.booleans(), st.sampled_from([0, 2, 8]), st.floats(0, 0.9),
     st.integers(0, 99),
 )  # fmt: skip
 def test_a_depth_image_tells_the_distance_of_the_scene(
@@ -107,7 +107,7 @@ def test_a_depth_image_tells_the_distance_of_the_scene(
     if found.distance_m is None:
         assert found.measurements < 20, found.why
     else:
-        assert found.distance_m == pytest.approx(scene.distance_m(), rel=0.05)
+        assert found.distance_m == pytest.approx(scene.distance_m(), rel=0.1)
         assert found.position is not None and found.position[2] == pytest.approx(scene.depth_m, rel=1e-3)
 
 

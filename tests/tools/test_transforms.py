@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools import Toolbox
-from rai_missions.tools.transforms import Frames, Quaternion, Transform, Vector
+from rai_missions.tools.transforms import Frames, Quaternion, Transform, Vector, product
 from tests.tools.conftest import PATIENCE_S, Saying, Tried
 
 numbers = st.floats(-50, 50)
@@ -111,6 +111,21 @@ def test_between_two_instants_the_way_and_the_turn_are_even(
     tree = frames(stamped("map", "base", at(0), 10.0), stamped("map", "base", at(1), 12.0))
     found = tree.lookup("map", "base", 10.0 + 2 * share)
     assert close_to(found.transform, at(share), 1e-5)
+
+
+@given(turns, st.floats(-3, 3), st.floats(0, 1))
+def test_a_turn_is_the_same_however_its_quaternion_is_signed(start: Quaternion, angle: float, share: float) -> None:
+    end = product(turn((0, 0, 1), angle), start)
+    x, y, z, w = end
+    plain = frames(
+        stamped("map", "base", Transform((0, 0, 0), start), 1.0), stamped("map", "base", Transform((0, 0, 0), end), 2.0)
+    )
+    signed = frames(
+        stamped("map", "base", Transform((0, 0, 0), start), 1.0),
+        stamped("map", "base", Transform((0, 0, 0), (-x, -y, -z, -w)), 2.0),
+    )
+    at = 1.0 + share
+    assert close_to(plain.lookup("map", "base", at).transform, signed.lookup("map", "base", at).transform)
 
 
 @given(st.lists(instants, min_size=1, max_size=30), instants)
