@@ -118,7 +118,7 @@ def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     new = commands.add_parser("new", help="start a mission of your own from a template", epilog=EXIT)
     new.add_argument("directory", metavar="DIRECTORY", help="made; must not be there or be empty")
     new.add_argument(
-        "--template", default="minimal", metavar="NAME", help="minimal (default), or a shipped mission: tractor"
+        "--template", default="minimal", metavar="NAME", help="minimal (default), or a shipped mission: rosbot, tractor"
     )
     commands.add_parser("doctor", help="say what this machine has, what it lacks and how to get it", epilog=EXIT)
 
@@ -140,7 +140,7 @@ def _add_world(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="put a simulated robot on ROS, in a process of its own",
         epilog="exit status: 0 it was ended (Ctrl-C, SIGTERM), 2 the input is at fault",
     )
-    world.add_argument("world", metavar="WORLD", help="orchard, …")
+    world.add_argument("world", metavar="WORLD", help="house or orchard")
     world.add_argument("--ros", action="store_true", help="on the ROS 2 graph")
     world.add_argument("--domain", type=int, metavar="N", help="the ROS domain (default: ROS_DOMAIN_ID, or 0)")
     world.add_argument("--seed", type=int, metavar="N", help="decides what is not said (default: the world's own)")
