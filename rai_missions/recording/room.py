@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 __all__ = ("Kind", "Waiting", "WaitingRoom")
 
 Kind = Literal["message", "picture", "row"]
-MOST: dict[Kind, int] = {"message": 20_000, "picture": 4, "row": 100_000}
+MOST: dict[Kind, int] = {"message": 20_000, "picture": 20, "row": 100_000}
 """How many of a kind wait at the most. A picture may have to be rendered first, which takes its time."""
 MOST_BYTES: dict[Kind, int] = {"message": 64 << 20, "picture": 64 << 20, "row": 64 << 20}
 GATHER_S = 0.05
