@@ -142,7 +142,7 @@ class Page {
 
   search(words) {
     const wanted = words.trim().toLowerCase();
-    const texts_ = (state) => [state.name, state.title, state.about, state.kind, state.outcome, ...(state.lines || []), ...(state.choices || []).map((each) => each.name), ...(state.twigs || []).map((each) => each.text)];
+    const texts_ = (state) => [state.name, state.title, state.about, state.kind, state.outcome, ...(state.lines || []), ...(state.choices || []).flatMap((each) => [each.name, each.about, each.guard]), ...(state.twigs || []).map((each) => each.text), ...(this.model.away.get(state.name) || []).map(rowWords)];
     const hits = wanted ? [...this.model.states.values()].filter((state) => texts_(state).some((text) => (text || "").toLowerCase().includes(wanted))) : [];
     this.hits = hits.map((state) => state.name);
     this.hit = -1;

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A browser that reads the pages as a user does; where there is none, its tests are skipped.
+
+Rule: a page that raises an error, opens a dialog or asks for another address fails its test.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PATIENCE = 30_000
+"""Milliseconds, on a machine that is busy with much else."""
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+Open = Callable[..., Any]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """The system's own Chromium."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install 'rai-missions[browser]'")
+    found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip("no browser is here (on Debian: apt-get install chromium)")
+    with playwright.sync_playwright() as running:
+        flags = ["--no-sandbox"] if os.geteuid() == 0 else []
+        started = running.chromium.launch(executable_path=found, args=[*flags, "--disable-dev-shm-usage"])
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Open]:
+    """Opens the bytes of a page in a window of its own, at an address within it."""
+    contexts: list[Any] = []
+    wrong: list[str] = []
+
+    def open_page(page: bytes, at: str = "", **more: Any) -> Any:
+        path = tmp_path / f"page{len(contexts)}.html"
+        path.write_bytes(page)
+        context = browser.new_context(viewport={"width": 1400, "height": 900}, offline=True, **more)
+        contexts.append(context)
+        window = context.new_page()
+        window.set_default_timeout(PATIENCE)
+        window.on("pageerror", lambda error: wrong.append(str(error)))
+        window.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
+        window.on("request", lambda asked: wrong.append(asked.url) if not is_ours(asked.url, path) else None)
+        window.goto(f"{path.as_uri()}{at}")
+        window.wait_for_selector("html[data-ready]", state="attached")
+        return window
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert wrong == []
+
+
+def until(window: Any, condition: str) -> None:
+    """Waits for what holds in a page; its policy lets no string be read as a script, so it is asked from outside."""
+    end = time.monotonic() + PATIENCE / 1000
+    while not window.evaluate(condition):
+        assert time.monotonic() < end, condition
+        window.wait_for_timeout(10)
+
+
+def is_ours(url: str, path: Path) -> bool:
+    return url.startswith(("data:image/png;", "data:image/jpeg;")) or url.partition("#")[0] == path.as_uri()

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The chart in a browser: all of the mission is there, nothing leaves its box, and it opens, closes and is searched."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from benchmarks.bench_draw import chain
+from rai_missions.mission import Mission
+from tests.browser.conftest import Open, until
+from tests.strategies import missions
+from tests.visualize.runs import hostile, tractor
+from visualize.page import review
+
+STATES = "[...document.querySelectorAll('.state')].map((each) => each.dataset.state)"
+SPILLED = """[...document.querySelectorAll('.state, .cell, .twig, .sign')].flatMap((box) => {
+  const form = (box.querySelector('.form') ?? box.querySelector('rect')).getBoundingClientRect();
+  return [...box.querySelectorAll(':scope > .texts text')].filter((text) => {
+    const is = text.getBoundingClientRect();
+    return is.left < form.left - 1 || is.right > form.right + 1 || is.bottom > form.bottom + 2;
+  }).map((text) => text.textContent);
+})"""
+MEETING = """(() => {
+  const form = (each) => (each.querySelector('.form') ?? each.querySelector('rect')).getBoundingClientRect();
+  const all = [...document.querySelectorAll('.state:not(.open), .sign')];
+  const boxes = all.map((each) => [each.dataset.state, form(each)]);
+  const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+  return boxes.flatMap(([name, a], index) =>
+    boxes.slice(index + 1).filter(([, b]) => meet(a, b)).map(([other]) => [name, other]));
+})()"""
+UNTOLD = """(() => {
+  const drawn = new Set([...document.querySelectorAll('.arrow')].flatMap((each) => each.dataset.rows.split(' ')));
+  const { model, chart } = review;
+  const told = (row) => drawn.has(row.place) || chart.staying(row.source).includes(row);
+  return model.data.rows.filter((row) => row.source && !told(row)).map((row) => row.place);
+})()"""
+
+
+def names(mission: Mission) -> set[str]:
+    return {name for _, name, _ in mission.walk()}
+
+
+def missing(window: Any) -> list[str]:
+    """Rows that are neither on an arrow nor told by a box of the open chart."""
+    found: list[str] = window.evaluate(UNTOLD)
+    return found
+
+
+@pytest.mark.parametrize("mission", [tractor(), hostile()], ids=["tractor", "hostile"])
+def test_every_state_and_row_is_there_and_no_text_leaves_its_box(mission: Mission, opened: Open) -> None:
+    window = opened(review(mission))
+    window.click("#open-all")
+    assert sorted(window.evaluate(STATES)) == sorted(names(mission))
+    assert missing(window) == []
+    assert window.evaluate(SPILLED) == []
+    assert window.evaluate(MEETING) == []
+
+
+@settings(max_examples=5, suppress_health_check=list(HealthCheck))
+@given(mission=missions())
+def test_any_mission_is_drawn_whole(mission: Mission, opened: Open) -> None:
+    window = opened(review(mission))
+    window.click("#open-all")
+    assert sorted(window.evaluate(STATES)) == sorted(names(mission))
+    assert missing(window) == []
+    assert window.evaluate(SPILLED) == []
+    assert window.evaluate(MEETING) == []
+    window.context.close()
+
+
+def test_a_large_mission_is_closed_at_first_and_every_state_is_found_in_it(opened: Open) -> None:
+    mission = chain(500)
+    window = opened(review(mission))
+    assert len(window.evaluate(STATES)) < 60
+    window.fill("#search", "a31_4")
+    window.press("#search", "Enter")
+    assert window.locator(".state.selected").get_attribute("data-state") == "a31_4"
+    assert window.inner_text("#hits") == "1 found"
+    window.click("#open-all")
+    assert sorted(window.evaluate(STATES)) == sorted(names(mission))
+    assert window.evaluate(MEETING) == []
+
+
+def test_a_state_opens_and_closes_by_its_knob_by_a_double_click_and_by_keys(opened: Open) -> None:
+    window = opened(review(tractor()))
+    assert window.locator("[data-state=driving]").count() == 1
+    window.click("[data-knob=working]")
+    assert window.locator("[data-state=driving]").count() == 0
+    assert "2 states inside" in window.locator("[data-state=working]").text_content()
+    window.dblclick("[data-state=working] .form")
+    assert window.locator("[data-state=driving]").count() == 1
+    window.keyboard.press("c")
+    assert window.locator("[data-state=driving]").count() == 0
+    window.keyboard.press("a")
+    assert window.locator("[data-state=driving]").count() == 1
+
+
+def test_a_search_marks_what_it_finds_and_goes_from_one_to_the_next(opened: Open) -> None:
+    window = opened(review(tractor()))
+    window.keyboard.press("/")
+    window.keyboard.type("obstacle")
+    found = window.locator(".state.found")
+    assert found.count() >= 2
+    window.keyboard.press("Enter")
+    first = window.locator(".state.selected").get_attribute("data-state")
+    window.keyboard.press("Enter")
+    assert window.locator(".state.selected").get_attribute("data-state") != first
+    window.keyboard.press("Escape")
+    assert found.count() == 0
+
+
+def test_the_chart_is_moved_zoomed_and_fitted(opened: Open) -> None:
+    window = opened(review(tractor()))
+    view = "(({ x, y, scale }) => [x, y, scale])(review.chart.gestures)"
+    window.keyboard.press("f")
+    fitted = window.evaluate(view)
+    window.mouse.move(300, 500)
+    window.mouse.wheel(0, -300)
+    until(window, f"review.chart.gestures.scale > {fitted[2]}")
+    window.mouse.down()
+    window.mouse.move(380, 560, steps=4)
+    window.mouse.up()
+    assert window.evaluate(view)[:2] != fitted[:2]
+    window.keyboard.press("ArrowLeft")
+    window.click("#fit")
+    assert window.evaluate(view) == fitted
+
+
+def test_a_link_leads_to_a_state_inside_closed_ones(opened: Open) -> None:
+    window = opened(review(chain(500)), at="#state=a42_3")
+    assert window.locator(".state.selected").get_attribute("data-state") == "a42_3"
+    assert "a42_3" in window.inner_text("#details h2")
+    box = window.locator("[data-state=a42_3] .form").bounding_box()
+    assert 0 < box["x"] < 1400
+    assert 0 < box["y"] < 900
+
+
+def test_the_page_is_light_or_dark_as_the_reader_has_it_and_by_a_key(opened: Open) -> None:
+    paper = "getComputedStyle(document.querySelector('#chart')).backgroundColor"
+    light, dark = (opened(review(tractor()), color_scheme=scheme) for scheme in ("light", "dark"))
+    assert light.evaluate(paper) == "rgb(255, 255, 255)"
+    shade = dark.evaluate(paper)
+    assert shade != "rgb(255, 255, 255)"
+    light.keyboard.press("t")
+    assert light.evaluate(paper) == shade
+
+
+def test_it_prints_without_its_tools_on_white(opened: Open) -> None:
+    window = opened(review(tractor()), color_scheme="dark")
+    window.emulate_media(media="print", color_scheme="dark")
+    assert not window.is_visible(".tools")
+    assert not window.is_visible("#lenses")
+    assert window.is_visible("[data-state=assessing]")
+    assert window.evaluate("getComputedStyle(document.querySelector('#chart')).backgroundColor") == "rgb(255, 255, 255)"
+    assert window.pdf().startswith(b"%PDF")

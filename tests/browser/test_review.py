@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The review page in a browser: details, switches, runs, and texts that would be read as something else."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.check import check
+from rai_missions.mission import Mission
+from tests.browser.conftest import Open, until
+from tests.visualize.page.reading import HOSTILE, answered, data_of, folded, journal_of
+from tests.visualize.page.test_bad_input import broken
+from tests.visualize.runs import document, tractor
+from visualize.page import review, run_of_steps
+
+LENSES = {lens["name"]: lens for lens in data_of(review(tractor()))["lenses"]}
+
+
+def lit(window: Any, what: str = ".state", word: str = "state") -> set[str]:
+    found: list[str] = window.evaluate(
+        f"[...document.querySelectorAll('{what}.lit')].map((each) => each.dataset.{word})"
+    )
+    return set(found)
+
+
+@pytest.fixture
+def journal(tmp_path: Path) -> Path:
+    return journal_of(tmp_path / "a.journal", tractor(), answered(tractor()))
+
+
+def poisoned() -> Mission:
+    """The tractor's mission with a hostile text wherever a text may stand."""
+    given = document()
+    given["about"] = " ".join(HOSTILE[:5])
+    texts = iter(HOSTILE * 40)
+
+    def poison(value: Any) -> None:
+        for each in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+            poison(each)
+        if isinstance(value, dict) and "to" not in value and ("transitions" in value or "about" in value):
+            value["about"] = next(texts)
+        if isinstance(value, dict) and "question" in value:
+            value["question"] = next(texts)
+
+    poison(given["states"])
+    given["states"]["driving2"] = {"entry": [{"say": text} for text in HOSTILE]}
+    return Mission.model_validate(given)
+
+
+def test_a_click_tells_all_of_a_state_and_the_address_names_it(opened: Open) -> None:
+    window = opened(review(tractor()))
+    window.click("[data-state=crossing] .form", position={"x": 5, "y": 5})
+    told = window.inner_text("#details")
+    for words in (
+        "/states/crossing",
+        "action cross",
+        "at most 30 s",
+        "passed is true",
+        "obstacle.living is true",
+        "timeout_s 30 s",
+    ):
+        assert words in told
+    shown = json.loads(window.text_content("#details pre"))
+    assert shown == document()["states"]["crossing"]
+    assert window.evaluate("location.hash") == "#state=crossing"
+    window.click("#details a:has-text('assessing') >> nth=0")
+    assert window.evaluate("location.hash") == "#state=assessing"
+
+
+def test_a_click_tells_all_of_a_row(opened: Open) -> None:
+    window = opened(review(tractor()))
+    window.locator("[data-rows='/states/assessing/transitions/0'] .grip").dispatch_event("click")
+    told = window.inner_text("#details")
+    for words in (
+        "drive_over",
+        "from assessing",
+        "to crossing",
+        "option drive_over: offered when",
+        "obstacle.height_m < 0.25",
+    ):
+        assert words in told
+    assert json.loads(window.text_content("#details pre")) == document()["states"]["assessing"]["transitions"][0]
+    again = opened(review(tractor()), at=window.evaluate("location.hash"))
+    assert "from assessing" in again.inner_text("#details")
+
+
+@pytest.mark.parametrize(("name", "key"), [(name, lens["key"]) for name, lens in LENSES.items()])
+def test_a_switch_lights_what_answers_it_and_dims_all_else(name: str, key: str, opened: Open) -> None:
+    window = opened(review(tractor()))
+    parents = {state["name"]: state.get("parent", "") for state in data_of(review(tractor()))["chart"]["states"]}
+    expected = set(LENSES[name]["states"]) | {parents[state] for state in LENSES[name]["states"]} - {""}
+    window.click(f"[data-lens={name}]")
+    assert lit(window) == expected
+    rows = {row for rows in lit(window, ".arrow", "rows") for row in rows.split()}
+    drawn = window.evaluate("[...document.querySelectorAll('.arrow')].flatMap((each) => each.dataset.rows.split(' '))")
+    assert rows == set(LENSES[name]["rows"]) & set(drawn)
+    assert lit(window, ".cell", "option") == set(LENSES[name]["options"])
+    for section in LENSES[name]["sections"]:
+        assert section["heading"] in window.inner_text("#lens")
+    dimmed = window.evaluate(
+        "[...document.querySelectorAll('.state:not(.lit) > .texts')].map((each) => getComputedStyle(each).opacity)"
+    )
+    assert all(float(opacity) < 0.5 for opacity in dimmed)
+    assert f"lens={name}" in window.evaluate("location.hash")
+    window.keyboard.press(key)
+    assert lit(window) == set()
+    assert not window.is_visible("#lens")
+
+
+def test_help_tells_the_keys(opened: Open) -> None:
+    window = opened(review(tractor()))
+    window.keyboard.press("?")
+    assert window.is_visible("#keys")
+    for lens in LENSES.values():
+        assert lens["title"].lower()[:20] in window.inner_text("#keys").lower()
+    window.click("#keys-close")
+    assert not window.is_visible("#keys")
+
+
+def test_a_run_is_scrubbed_to_any_step_and_shows_what_was_so_then(journal: Path, opened: Open) -> None:
+    page = review(tractor(), [journal])
+    data = data_of(page)
+    window = opened(page)
+    for index, (active, board) in enumerate(folded(data["runs"][0], data["chart"]["keys"])):
+        window.locator("#player input").evaluate(
+            "(slider, at) => { slider.value = at; slider.dispatchEvent(new Event('input')); }", index
+        )
+        until(window, f"document.querySelector('#player output').textContent.includes('· {index + 1} of')")
+        shown = window.evaluate("[...document.querySelectorAll('.state.active')].map((each) => each.dataset.state)")
+        assert set(shown) == active
+        known = window.evaluate("[...document.querySelectorAll('[data-key]')].map((each) => each.dataset.key)")
+        assert set(known) >= set(board)
+    assert "the mission ended aborted" in window.inner_text("#step")
+
+
+def test_a_question_is_shown_as_it_was_asked_with_its_picture_its_answer_and_the_verdict(
+    journal: Path, opened: Open
+) -> None:
+    page = review(tractor(), [journal])
+    [first, *_] = data_of(page)["runs"][0]["questions"]
+    window = opened(page, at=f"#step={first['answered']}")
+    until(window, "document.querySelector('.question img')?.naturalWidth === 16")
+    told = window.inner_text(".question >> nth=0")
+    for words in (
+        "Question 2 to agent",
+        "height_m 0.5",
+        "✗ not offered drive_over",
+        "✓ offered replan",
+        HOSTILE[0],
+        "was not offered",
+    ):
+        assert words in told
+
+
+def test_steps_go_by_keys_and_jump_from_change_to_change(journal: Path, opened: Open) -> None:
+    window = opened(review(tractor(), [journal]))
+    now = "document.querySelector('#player output').textContent"
+    window.keyboard.press(".")
+    until(window, f"{now}.includes('· 2 of')")
+    window.keyboard.press(">")
+    until(window, f"!{now}.includes('· 2 of')")
+    assert window.locator(".state.active").count()
+    window.keyboard.press("<")
+    until(window, f"{now}.includes('· 1 of')")
+
+
+def test_coverage_says_which_rows_were_never_taken_and_is_sorted_by_a_click(journal: Path, opened: Open) -> None:
+    page = review(tractor(), [journal, journal])
+    taken = data_of(page)["coverage"]["rows"]
+    window = opened(page)
+    window.click("#tab-rows")
+    window.click("[data-sort=taken]")
+    numbers = window.evaluate(
+        "[...document.querySelectorAll('#rows tbody tr')].map((each) => each.querySelector('.number').textContent)"
+    )
+    counts = [0 if number == "never" else int(number) for number in numbers]
+    assert counts == sorted(counts, reverse=True)
+    assert [count for count in counts if count] == sorted((sum(each) for each in taken.values()), reverse=True)
+    window.click("[data-sort=taken]")
+    assert window.inner_text("#rows tbody tr:first-child .number >> nth=0") == "never"
+
+
+def test_no_text_of_a_mission_a_model_or_a_robot_is_run_or_read_as_markup(journal: Path, opened: Open) -> None:
+    window = opened(review(poisoned(), runs=[run_of_steps(answered(tractor()))]))
+    window.click("#open-all")
+    for name in ("assessing", "driving2", "crossing"):
+        window.evaluate(f"review.go('state', '{name}')")
+    for lens in LENSES:
+        window.click(f"[data-lens={lens}]")
+    for index in range(len(answered(tractor()))):
+        window.evaluate(f"review.player.seek({index})")
+        until(window, f"document.querySelector('#player output').textContent.includes('· {index + 1} of')")
+    for tab in ("details", "step", "rows"):
+        window.click(f"#tab-{tab}")
+    assert window.evaluate("window.pwned") is None
+    assert window.locator("script").count() == 2
+    assert window.evaluate("[...document.images].every((each) => each.src.startsWith('data:image/'))")
+    assert window.evaluate(
+        "[...document.querySelectorAll('a')].every((each) => each.getAttribute('href').startsWith('#'))"
+    )
+    assert not set("\u202e\u2066\u200f") & set(window.evaluate("document.body.innerText"))
+
+
+def test_the_policy_stops_a_script_that_got_in_all_the_same(opened: Open) -> None:
+    window = opened(review(tractor()))
+    ways = [
+        "document.body.innerHTML = '<b>'",
+        "document.body.setAttribute('onclick', 'window.pwned = 1')",
+        "document.body.append(Object.assign(document.createElement('script'), { text: 'window.pwned = 2' }))",
+    ]
+    for way in ways:
+        refused = window.evaluate(f"(() => {{ try {{ {way}; return ''; }} catch (error) {{ return error.name; }} }})()")
+        assert refused == "TypeError", way
+    assert window.evaluate("window.pwned") is None
+
+
+def test_what_a_check_found_and_what_is_wrong_with_a_journal_is_on_the_page(tmp_path: Path, opened: Open) -> None:
+    given = document()
+    given["states"]["crossing"]["transitions"][1]["to"] = "nowhere"
+    mission = Mission.model_validate(given)
+    journal = broken(journal_of(tmp_path / "a.journal", tractor(), answered(tractor())))
+    window = opened(review(mission, [journal], check(mission)))
+    banner = window.inner_text("#banner")
+    assert "nowhere" in banner
+    assert "drawn on" in banner
+    assert window.locator("[data-state=crossing] .badge").count() == 1
+    window.click("[data-state=crossing] .form", position={"x": 5, "y": 5})
+    assert "nowhere" in window.inner_text("#details .fault >> nth=0")
+    assert "altered after the run" in window.evaluate("review.data.runs[0].faults.join()")
