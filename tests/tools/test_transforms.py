@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.connectors.contract import Heard
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools import Toolbox
 from rai_missions.tools.transforms import Frames, Quaternion, Transform, Vector, product
@@ -259,3 +261,30 @@ def test_what_does_not_change_is_heard_by_who_comes_later_over_ros() -> None:
     options = read_options({"qos": {"/b/tf_static": {"depth": 1}}})
     told = [options.quality(topic).durability for topic in ("/tf_static", "/a/tf_static", "/tf", "/b/tf_static")]
     assert told == ["latched", "latched", "volatile", "volatile"]
+
+
+def test_what_was_said_once_before_anybody_listened_is_heard_over_ros(ros: None) -> None:
+    for package in ("rclpy", "tf2_msgs"):
+        pytest.importorskip(package, reason=f"{package} is not installed")
+    from rai_missions.connectors.ros2 import open_connector
+
+    kind = "tf2_msgs/msg/TFMessage"
+    robot, mission = open_connector({"node": "tf_robot"}), open_connector({"node": "tf_mission"})
+    heard: Heard[Any] = Heard(PATIENCE_S)
+    robot.start()
+    try:
+        static = {"transforms": [stamped("base_link", "camera", Transform((0.5, 0, 1)), 0.0)]}
+        moving = {"transforms": [stamped("map", "base_link", Transform((1, 2, 0)), 10.0)]}
+        robot.subscribe("/tf_static", kind, heard)
+        robot.publish("/tf_static", kind, static)
+        heard.wait(bool, "it was said")
+        mission.start()
+        box = Toolbox(mission, now=time.time)
+        with Saying(robot, "/tf", kind, lambda: moving):
+            said = box.measuring.get_transform("map", "camera", timeout_s=PATIENCE_S)
+        box.stop()
+    finally:
+        mission.stop()
+        robot.stop()
+    assert said.data["translation"] == {"x": 1.5, "y": 2.0, "z": 1.0}
+    assert said.data["age_s"] < PATIENCE_S
