@@ -145,9 +145,9 @@ def test_a_silent_agent_loses_control_at_the_instant_at_which_its_lease_ends(rig
 def test_a_command_older_than_its_grant_is_refused_where_it_says_when_it_was_made(rig: Rig) -> None:
     rig.clock.at = 2.0
     rig.ask("agent", "agent")
-    for stamp in (1.9, 0.0, 2.0):
-        rig.command("agent", stamp, header={"stamp": {"sec": int(stamp), "nanosec": round(stamp % 1 * 1e9)}})
-    assert rig.base[-2:] == [0.0, 2.0], "a stamp of zero says nothing"
+    for speed_, stamp in ((5.0, 1.9), (6.0, 0.0), (7.0, 2.0)):
+        rig.command("agent", speed_, header={"stamp": {"sec": int(stamp), "nanosec": round(stamp % 1 * 1e9)}})
+    assert rig.base == [0.0, 0.0, 6.0, 7.0], "a stamp of zero says nothing"
 
 
 def test_what_a_listener_of_the_actuators_does_comes_after_what_it_listens_to(rig: Rig) -> None:
