@@ -65,7 +65,7 @@ def test_a_recording_of_the_same_name_is_moved_aside(folder: Path) -> None:
         (["--record", "run.bag"], "'run.bag' does not end so; name it 'run.mcap'"),
         (["--record", "notes.mcap"], "notes.mcap is there already, and is no recording; name another file"),
         (["--record", "lamp.json/run.mcap"], "a recording cannot be written at lamp.json/run.mcap: "),
-        (["--record", "run.mcap", "--managed"], "--record cannot be said with --managed"),
+        (["--record", "run.mcap", "--managed"], "--record is of one run"),
     ],
 )
 def test_what_cannot_be_recorded_is_refused_before_anything_happens(
