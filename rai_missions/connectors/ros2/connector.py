@@ -16,7 +16,7 @@ from rai_missions.connectors.connector import ActionServer, Close, Data, Message
 from rai_missions.connectors.ros2.definitions import definition_of
 from rai_missions.connectors.ros2.graph import listed
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
-from rai_missions.connectors.ros2.names import Kind, find_type
+from rai_missions.connectors.ros2.names import Kind, check_name, find_type
 from rai_missions.connectors.ros2.options import read_options
 from rai_missions.connectors.ros2.session import Session
 from rai_missions.errors import ConnectorError, UsageError
@@ -183,6 +183,7 @@ class Ros2Connector:
         return session
 
     def _type(self, kind: Kind, name: str, type_name: str) -> Any:
+        check_name(name, kind)
         known = self._types.setdefault((MODES[kind], name), type_name)
         if not type_name:
             type_name = known

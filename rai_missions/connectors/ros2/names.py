@@ -12,13 +12,35 @@ from typing import Any, Literal
 from rai_missions.errors import ConnectorError
 from rai_missions.wording import suggestion
 
-__all__ = ("Kind", "find_type", "why_absent")
+__all__ = ("Kind", "check_name", "find_type", "why_absent")
 
 Kind = Literal["msg", "srv", "action"]
 WHAT = {"msg": "message", "srv": "service", "action": "action"}
 EXAMPLE = {"msg": "std_msgs/msg/String", "srv": "std_srvs/srv/Trigger", "action": "nav2_msgs/action/NavigateToPose"}
 OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_missions_msgs": "", "tf2_msgs": ""}
 """Packages that no wheel brings and whose definitions we have, and what brings them along on a robot."""
+
+
+@cache
+def check_name(name: str, kind: Kind) -> None:
+    """Whether ROS takes a name.
+
+    Raises:
+        ConnectorError: It does not; the sentence says where it goes wrong.
+    """
+    from rclpy.exceptions import NameValidationException
+    from rclpy.validate_full_topic_name import validate_full_topic_name
+    from rclpy.validate_topic_name import validate_topic_name
+
+    try:
+        validate_topic_name(name, is_service=kind != "msg")
+        if name.startswith("/") and "{" not in name:
+            validate_full_topic_name(name, is_service=kind != "msg")
+    except NameValidationException as fault:
+        why, _, where = str(fault).partition(":\n")
+        at = where.partition("\n")[2].find("^") - where.find(name[:1] or "'")
+        rest = f" from {name[at:]!r} on" if 0 < at < len(name) else ""
+        raise ConnectorError(f"{name!r} is no name in ROS{rest}: {why.partition(': ')[2]}") from None
 
 
 @cache

@@ -7,6 +7,7 @@ each call is answered once and each goal has an end.
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -25,6 +26,10 @@ __all__ = ("Session",)
 
 Kind = TypeVar("Kind", bound=Goal)
 
+log = logging.getLogger(__name__)
+
+NAMESAKE_S = 1.5
+"""After so long whoever is there is known."""
 FAREWELL_S = 1.0
 """How long a stop waits for the servers of its goals to say that they have heard of it."""
 
@@ -49,6 +54,18 @@ class Session:
         self._sent: dict[str, Goal] = {}
         self._is_silent = False
         self.runtime = Runtime(options, lambda: self._give_up("ROS was shut down"))
+        if options.node:
+            self.runtime.post(self._look_later)
+
+    def _look_later(self) -> None:
+        self.runtime.later(NAMESAKE_S, self._look_for_namesakes)
+
+    def _look_for_namesakes(self) -> None:
+        """Two nodes of one name both work, but tools and parameters reach either of them at random."""
+        node = self.runtime.node
+        name, found = node.get_fully_qualified_name(), node.get_node_names_and_namespaces()
+        if [f"{space.rstrip('/')}/{each}" for each, space in found].count(name) > 1:
+            log.warning("another node is called %s too: give connector/node another name, or leave it out", name)
 
     # -- topics ----------------------------------------------------------------------------------------------------
 

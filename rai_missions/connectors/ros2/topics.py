@@ -21,6 +21,9 @@ __all__ = ("Publication", "Subscription", "profile")
 
 log = logging.getLogger(__name__)
 
+LOOKS_S = (1.0, 2.0, 7.0)
+"""When it is asked why nothing is heard, each counted from the time before."""
+
 
 def profile(quality: Quality, reliability: str = "reliable") -> QoSProfile:
     """A quality as rclpy has it."""
@@ -96,8 +99,9 @@ class Subscription:
         self._hear, self._at_of, self._hear_raw = hear, at_of, hear_raw
         self._is_open = True
         self._entity: Any = None
-        self._is_puzzled = self._is_fitted = False
+        self._is_puzzled = self._is_fitted = self._is_heard = False
         runtime.post(lambda: self._listen("reliable"))
+        runtime.post(lambda: self._look_after(LOOKS_S))
 
     def close(self) -> None:
         """Nothing more is heard from this moment on."""
@@ -118,6 +122,23 @@ class Subscription:
             self._runtime.node.destroy_subscription(self._entity)
             self._entity = None
 
+    def _look_after(self, waits: tuple[float, ...]) -> None:
+        """Say it if what is published there is of another type: ROS itself keeps silent."""
+
+        def look() -> None:
+            if self._is_heard or not self._is_open:
+                return
+            name, found = name_of(self._class), self._runtime.node.get_publishers_info_by_topic(self._topic)
+            others = sorted({each.topic_type for each in found} - {name})
+            if others:
+                log.warning("%s is published as %s, and so not heard as the %s that is asked for; mend the type",
+                            self._topic, " and ".join(others), name)  # fmt: skip
+            else:
+                self._look_after(waits[1:])
+
+        if waits:
+            self._runtime.later(waits[0], look)
+
     def _misfits(self, found: Any) -> None:
         """A publisher offers less than is asked for, and would never be heard."""
         if self._is_fitted:
@@ -137,6 +158,7 @@ class Subscription:
 
     def _heard(self, message: Any) -> None:
         """A message has come; in bytes, where somebody wants them."""
+        self._is_heard = True
         if self._is_open:
             hear_raw, wire = self._hear_raw, message
             if hear_raw is not None:

@@ -88,8 +88,7 @@ def test_the_profile_names_the_node_and_renames_topics(open_ros: Open) -> None:
     assert node.get_parameter("speed").value == 1.5
 
 
-@pytest.mark.usefixtures("alone")
-def test_a_hundred_lives_leave_nothing_behind() -> None:
+def check_lives(times: int) -> None:
     connector = open_connector({})
 
     def live() -> None:
@@ -104,17 +103,31 @@ def test_a_hundred_lives_leave_nothing_behind() -> None:
         connector.stop()
         assert [reply.outcome for reply in replies.all] == ["unavailable"], "each call is answered once"
 
-    def held() -> tuple[int, int]:
+    def held() -> tuple[int, int, int]:
         gc.collect()
-        return threading.active_count(), len(os.listdir("/proc/self/fd"))
+        pages = int(Path("/proc/self/statm").read_text().split()[1])
+        return threading.active_count(), len(os.listdir("/proc/self/fd")), pages * os.sysconf("SC_PAGE_SIZE") // 2**20
 
-    live()
+    for _ in range(times // 10):
+        live()
     before = held()
-    for _ in range(100):
+    for _ in range(times):
         live()
     after = held()
     assert after[0] == before[0], "no thread is left"
     assert after[1] <= before[1] + 2, "no file is left open"
+    assert after[2] <= before[2] + max(20, times // 20), f"{after[2] - before[2]} MiB are left"
+
+
+@pytest.mark.usefixtures("alone")
+def test_thirty_lives_leave_nothing_behind() -> None:
+    check_lives(30)
+
+
+@pytest.mark.drill
+@pytest.mark.usefixtures("alone")
+def test_a_thousand_lives_leave_nothing_behind() -> None:
+    check_lives(1000)
 
 
 @pytest.mark.usefixtures("alone")

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whatever a graph brings: wrong types, NaN, enormous messages, clocks that jump, namesakes, strangers, silence."""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.connector import Message, Reply, Report
+from rai_missions.connectors.contract import Heard, PatientServer
+from rai_missions.errors import ConnectorError
+from tests.connectors.ros2.peer_process import FIBONACCI, RUN, TRIGGER, Peer
+
+STRING, NUMBER, BYTES = "std_msgs/msg/String", "std_msgs/msg/Float64", "std_msgs/msg/UInt8MultiArray"
+HEADER, CLOCK = "std_msgs/msg/Header", "rosgraph_msgs/msg/Clock"
+Open = Callable[..., Any]
+
+
+class Warned(logging.Handler):
+    """Collects what is logged."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.said = Heard[str](30.0)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.said(record.getMessage())
+
+    def __enter__(self) -> Warned:
+        logging.getLogger("rai_missions.connectors.ros2").addHandler(self)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        logging.getLogger("rai_missions.connectors.ros2").removeHandler(self)
+
+
+def test_a_topic_of_another_type_is_not_heard_and_one_sentence_says_so(open_ros: Open, peer: Peer) -> None:
+    with Warned() as warned:
+        heard = Heard[Message]()
+        open_ros().subscribe("/peer/hasty", NUMBER, heard)
+        warned.said.wait(
+            lambda said: (
+                "/peer/hasty is published as std_msgs/msg/String, and so not heard as the std_msgs/msg/Float64 that "
+                "is asked for; mend the type" in said
+            ),
+            "the types differ",
+        )
+    assert heard.all == []
+
+
+@pytest.mark.usefixtures("alone")
+def test_what_is_no_number_arrives_as_such(open_ros: Open) -> None:
+    connector, heard = open_ros(), Heard[Message]()
+    connector.subscribe("/number", NUMBER, heard)
+    for value in (math.nan, math.inf, -math.inf, 1.0):
+        connector.publish("/number", NUMBER, {"data": value})
+    said = [message.data["data"] for message in heard.wait(lambda all_: len(all_) == 4, "all were published")]
+    assert math.isnan(said[0]) and said[1:] == [math.inf, -math.inf, 1.0]
+
+
+@pytest.mark.usefixtures("alone")
+def test_empty_and_enormous_messages_arrive_and_the_next_does_too(open_ros: Open) -> None:
+    connector, heard = open_ros(), Heard[Message]()
+    connector.subscribe("/bytes", BYTES, heard)
+    for size in (0, 20_000_000, 1):
+        connector.publish("/bytes", BYTES, {"data": bytes(size)})
+    messages = heard.wait(lambda all_: len(all_) == 3, "nothing is too great")
+    assert [len(message.data["data"]) for message in messages] == [0, 20_000_000, 1]
+
+
+@pytest.mark.usefixtures("alone")
+def test_the_runs_clock_stamps_what_is_heard_however_ros_time_jumps(open_ros: Open) -> None:
+    connector, heard, clock = open_ros(sim_time=True, now=lambda: 50.0), Heard[Message](), Heard[Message]()
+    connector.subscribe("/clock", CLOCK, clock)
+    connector.subscribe("/stamped", HEADER, heard)
+    for ros_time, stamp, at in ((100.0, 98.0, 48.0), (10.0, 98.0, 50.0), (10.0, 9.0, 49.0), (1e9, 9.0, 50.0 - 1e9 + 9)):
+        comes_to(connector, clock, ros_time)
+        told = len(heard.all)
+        connector.publish("/stamped", HEADER, {"stamp": stamp})
+        messages = heard.wait(lambda all_: len(all_) > told, "it was published")  # noqa: B023 - asked at once
+        assert messages[-1].at == pytest.approx(at)
+
+
+def comes_to(connector: Any, clock: Heard[Message], ros_time: float) -> None:
+    """Have simulated time become so; the node takes it from a subscription of its own."""
+    until = time.monotonic() + 30
+    while connector._session.runtime.now() != ros_time:
+        assert time.monotonic() < until, "the node does not take the time"
+        told = len(clock.all)
+        connector.publish("/clock", CLOCK, {"clock": ros_time})
+        clock.wait(lambda all_: len(all_) > told, "time was told")  # noqa: B023 - asked at once
+
+
+@pytest.mark.usefixtures("alone")
+@pytest.mark.parametrize(
+    ("name", "rest"),
+    [
+        ("/legs/0/foot", " from '0/foot' on: topic name token must not start with a number"),
+        ("/left leg", " from ' leg' on: topic name must not contain characters other than alphanumerics, "
+         "'_', '~', '{', or '}'"),
+        ("/left//leg", " from '/leg' on: topic name must not contain repeated '/'"),
+        ("", ": topic name must not be empty string"),
+    ],
+)  # fmt: skip
+def test_a_name_that_ros_does_not_take_is_told_at_once(open_ros: Open, name: str, rest: str) -> None:
+    connector, replies, reports = open_ros(), Heard[Reply](), Heard[Report]()
+    sentence = f"{name!r} is no name in ROS{rest}"
+    for use in (
+        lambda: connector.subscribe(name, STRING, lambda _message: None),
+        lambda: connector.publish(name, STRING, {"data": "x"}),
+        lambda: connector.serve(name, TRIGGER, lambda request: request),
+        lambda: connector.offer(name, FIBONACCI, PatientServer()),
+    ):
+        with pytest.raises(ConnectorError) as caught:
+            use()
+        assert str(caught.value) == sentence
+    connector.call(name, TRIGGER, {}, answered=replies)
+    connector.send_goal(name, FIBONACCI, {}, goal_id="g", report=reports)
+    assert replies.all == [Reply("failed", {}, sentence)]
+    assert reports.all == [Report("g", "rejected", {}, sentence)]
+
+
+def test_two_nodes_of_one_name_both_work_and_one_sentence_says_so(open_ros: Open) -> None:
+    with Warned() as warned:
+        first, second, heard = open_ros(node="twin"), open_ros(node="twin"), Heard[Message]()
+        first.subscribe("/twins", STRING, heard)
+        second.subscribe("/twins", STRING, heard)
+        second.publish("/twins", STRING, {"data": "x"})
+        warned.said.wait(
+            lambda said: "another node is called /twin too: give connector/node another name, or leave it out" in said,
+            "they have one name",
+        )
+    heard.wait(lambda all_: len(all_) >= 1, "both are heard")
+
+
+@pytest.mark.usefixtures("alone")
+def test_where_discovery_is_blocked_nobody_is_there_and_everyone_is_told(open_ros: Open, peer: Peer) -> None:
+    connector, replies, reports = open_ros(discovery_s=0.5), Heard[Reply](), Heard[Report]()
+    connector.call("/peer/trigger", TRIGGER, {}, answered=replies)
+    connector.send_goal("/peer/fibonacci", FIBONACCI, {"order": RUN}, goal_id="g", report=reports)
+    assert replies.wait(bool, "nobody is found") == [Reply("unavailable", {}, "nobody serves /peer/trigger")]
+    assert reports.wait(bool, "nobody is found") == [Report("g", "rejected", {}, "nobody serves /peer/fibonacci")]
+
+
+def test_a_call_that_two_strangers_serve_is_answered_once(open_ros: Open) -> None:
+    asker, replies, served = open_ros(), Heard[Reply](), Heard[str]()
+    for name in ("one", "other"):
+
+        def answer(_request: Any, name: str = name) -> dict[str, Any]:
+            served(name)
+            return {"success": True, "message": name}
+
+        open_ros().serve("/contested", TRIGGER, answer)
+    asker.call("/contested", TRIGGER, {}, answered=replies)
+    replies.wait(bool, "one of them answers")
+    asker.call("/contested", TRIGGER, {}, answered=replies)
+    assert len(replies.wait(lambda all_: len(all_) == 2, "and again")) == 2
+
+
+def test_a_stranger_who_cancels_everything_cancels_our_goal_and_we_are_told(open_ros: Open) -> None:
+    server, reports, stranger = PatientServer(), Heard[Report](), Heard[Reply]()
+    connector = open_ros()
+    connector.offer("/shared", FIBONACCI, server)
+    connector.send_goal("/shared", FIBONACCI, {"order": 1}, goal_id="g", report=reports)
+    server.asked.wait(bool, "it was sent")
+    server.say("g", "accepted")
+    reports.wait(bool, "it runs")
+    open_ros().call("/shared/_action/cancel_goal", "action_msgs/srv/CancelGoal", {}, answered=stranger)
+    server.asked.wait(lambda all_: ("cancel", "g") in all_, "a stranger may do that")
+    server.say("g", "canceled")
+    assert reports.wait(lambda all_: all_[-1].said == "canceled", "we are told")[-1].goal_id == "g"
+
+
+def test_a_publisher_that_vanishes_and_comes_back_is_heard_again(open_ros: Open, own_peer: Peer) -> None:
+    connector, heard = open_ros(), Heard[Message](30.0)
+    connector.subscribe(f"/{own_peer.name}/hasty", STRING, heard)
+    heard.wait(bool, "it speaks")
+    own_peer.kill()
+    with Peer(own_peer.name):
+        told = len(heard.all)
+        heard.wait(lambda all_: len(all_) > told + 3, "it speaks again")
+
+
+@pytest.mark.usefixtures("alone")
+def test_a_callback_that_does_not_return_keeps_nobody_waiting_for_ever(open_ros: Open) -> None:
+    connector, stuck, release = open_ros(), threading.Event(), threading.Event()
+
+    def hang(_message: Message) -> None:
+        stuck.set()
+        release.wait(60)
+
+    connector.subscribe("/stuck", STRING, hang)
+    connector.publish("/stuck", STRING, {"data": "x"})
+    assert stuck.wait(30)
+    with pytest.raises(ConnectorError, match="gives no answer: a callback does not return"):
+        connector.listed("topics")
+    release.set()
+    assert "/stuck" in connector.listed("topics")
+
+
+def test_five_connectors_of_one_process_hear_one_another(open_ros: Open) -> None:
+    connectors, heard = [open_ros() for _ in range(5)], Heard[Message](30.0)
+    for number, connector in enumerate(connectors):
+        connector.subscribe(f"/five/n{(number + 1) % 5}", STRING, heard)
+    for number, connector in enumerate(connectors):
+        connector.publish(f"/five/n{number}", STRING, {"data": str(number)})
+    heard.wait(lambda all_: {message.data["data"] for message in all_} == set("01234"), "each hears its neighbour")
+    connectors[0].stop()
+    told = len(heard.all)
+    connectors[3].publish("/five/n3", STRING, {"data": "3"})
+    heard.wait(lambda all_: len(all_) > told, "the others go on")
