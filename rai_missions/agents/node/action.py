@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.agents.node.bulletin import Bulletin
 from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.desk import Desk
-from rai_missions.agents.node.order import Order, Receipt, mapping_in, who
+from rai_missions.agents.node.order import Order, Receipt, mapping_in, unheard, who
 from rai_missions.connectors.connector import Data, Report
 
 __all__ = ("RunServer",)
@@ -60,7 +60,7 @@ class RunServer:
         """Cancel the mission of a goal."""
         if goal_id == self._goal_id:
             self._is_unwanted = True
-            self._desk.submit(Order("cancel", "operator (~/run)", goal_id), lambda _receipt: None)
+            self._desk.submit(Order("cancel", "operator (~/run)", goal_id), unheard)
 
     def tell(self, bulletin: Bulletin) -> None:
         """What the mission is doing now."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 
 from rai_missions.agents.node.desk import Desk
 from rai_missions.agents.node.managed import Finish
-from rai_missions.agents.node.order import Order, Receipt
+from rai_missions.agents.node.order import Order, unheard
 from rai_missions.errors import UsageError
 
 __all__ = ("Acts",)
@@ -93,8 +93,4 @@ class Acts:
         self._desk.closed, self._is_to_resume = UNCONFIGURED, False
         course = self._desk.live
         if course is not None:
-            course.submit(Order(word, by), _unheard)
-
-
-def _unheard(_receipt: Receipt) -> None:
-    """Nobody asks what became of it."""
+            course.submit(Order(word, by), unheard)

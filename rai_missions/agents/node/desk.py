@@ -14,12 +14,13 @@ from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.order import Order, Receipt, Told
 from rai_missions.errors import MissionError
 
-__all__ = ("Desk",)
+__all__ = ("PATIENCE_S", "Desk")
 
 log = logging.getLogger(__name__)
 
 PATIENCE_S = 1.0
 """How long a service waits for the run to take an order."""
+NOT_YET = "the run has not taken it yet; it stands in line, and the status will say what became of it"
 ALWAYS = ("cancel", "e_stop")
 """Taken by a node that is not active, too."""
 
@@ -73,7 +74,7 @@ class Desk:
         course = self.live
         if course is None or not course.is_here:  # a run that asks its own node would wait for itself
             is_told.wait(within_s)
-        return receipts[0] if receipts else Receipt(True, "the run has not taken it yet; see the status", order.id)
+        return receipts[0] if receipts else Receipt(False, NOT_YET, order.id)
 
     def attend(self, course: Course) -> None:
         """A run is about to begin."""

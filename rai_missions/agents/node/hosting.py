@@ -98,8 +98,12 @@ class Host:
         mission, arguments = self.mission or self.setting.mission, {**self.setting.arguments, **order.arguments}
         journal = self._journals() if self._journals is not None else self.setting.journal
         prepared = prepare(join(replace(self.setting, mission=mission, arguments=arguments, journal=journal)))
-        if prepared.journal is not None:
-            prepared.journal.note(f"started by {order.by}")
+        try:
+            if prepared.journal is not None:
+                prepared.journal.note(f"started by {order.by}")
+        except BaseException:
+            prepared.close()
+            raise
         course = self.course = Course(prepared.runner, prepared.robot)
         thread = threading.Thread(target=_conduct, args=(prepared, course, ended), name="mission", daemon=True)
         self._threads = [each for each in self._threads if each.is_alive()] + [thread]

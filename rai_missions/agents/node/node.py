@@ -12,11 +12,11 @@ from rai_missions.agents.node.action import RunServer
 from rai_missions.agents.node.acts import Acts
 from rai_missions.agents.node.carrier import PACKAGE, Carrier, name_of, open_carrier
 from rai_missions.agents.node.course import Course
-from rai_missions.agents.node.desk import Desk
+from rai_missions.agents.node.desk import PATIENCE_S, Desk
 from rai_missions.agents.node.hosting import Host
 from rai_missions.agents.node.managed import ManagedLifecycle, serve_lifecycle
 from rai_missions.agents.node.names import NodeName
-from rai_missions.agents.node.order import Order, Receipt
+from rai_missions.agents.node.order import Order, Receipt, unheard
 from rai_missions.agents.node.present import readied, robot_of
 from rai_missions.agents.node.press import Press
 from rai_missions.agents.node.services import STRING, serve_orders, serve_typed_orders
@@ -104,9 +104,9 @@ class MissionNode:
         """Cancel what runs, and close the node."""
         course = self._desk.live
         if course is not None and self._is_managed:
-            course.submit(Order("cancel", "stop"), _unheard)
+            course.submit(Order("cancel", "stop"), unheard)
             self._host.join(course.runner.mission.cancel_s + FAREWELL_S)
-            course.submit(Order("e_stop", "stop"), _unheard)
+            course.submit(Order("e_stop", "stop"), unheard)
             self._host.join(FAREWELL_S)
         while self._closes:
             self._closes.pop()()
@@ -120,6 +120,15 @@ class MissionNode:
         """Why the last transition of its lifecycle failed; empty once one has succeeded."""
         return self._lifecycle.fault
 
+    @property
+    def course(self) -> Course | None:
+        """The run that was begun last."""
+        return self._host.course
+
+    def ask(self, order: Order, within_s: float = PATIENCE_S) -> Receipt:
+        """Give an order from this program, and wait for a moment for what becomes of it."""
+        return self._desk.ask(order, within_s)
+
     def wait(self, within_s: float | None = None) -> bool:
         """Until the node was shut down; whether it was."""
         return self._finalized.wait(within_s)
@@ -132,7 +141,7 @@ class MissionNode:
         """
         course = self._desk.live
         if at_once and course is not None:
-            course.submit(Order("e_stop", "operator (interrupt)"), _unheard)
+            course.submit(Order("e_stop", "operator (interrupt)"), unheard)
         if not self._lifecycle.change("shutdown"):  # another transition is under way: after it
             self._desk.when_idle(self._shut_down_now)
 
@@ -208,7 +217,3 @@ class MissionNode:
                 server = RunServer(self._desk, self._press.reply)
                 self._press.also = server.tell
                 self._closes.append(connector.offer(name.below("run"), f"{PACKAGE}/action/RunMission", server))
-
-
-def _unheard(_receipt: Receipt) -> None:
-    """Nobody asks what became of it."""

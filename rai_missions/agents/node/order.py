@@ -13,7 +13,7 @@ from rai_missions.errors import DefinitionError
 from rai_missions.json_text import parse_json
 from rai_missions.wording import shown, suggestion
 
-__all__ = ("LONGEST", "Order", "Receipt", "Told", "mapping_in", "read_order", "who")
+__all__ = ("LONGEST", "Order", "Receipt", "Told", "mapping_in", "read_order", "unheard", "who")
 
 LONGEST = 65_536
 """Characters of an order; longer ones are not read."""
@@ -91,6 +91,10 @@ def who(given: Any) -> str:
     """The name under which somebody stands in the journal: one short line, `operator` where nothing is said."""
     text = given if isinstance(given, str) else ""
     return "".join(letter if letter.isprintable() else " " for letter in text)[:LONGEST_NAME].strip() or "operator"
+
+
+def unheard(_receipt: Receipt) -> None:
+    """Nobody asks what became of an order."""
 
 
 def _fault(given: Mapping[str, Any]) -> str:

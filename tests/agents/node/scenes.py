@@ -74,13 +74,15 @@ class StandIn:
 
     def __init__(self, connector: Connector, below: str = "/robot") -> None:
         self.asked: Heard[str] = Heard(PATIENCE_S)
+        self.obey: Callable[[str], object] = self.asked
+        """Told what the robot is asked to do, before it answers."""
         self._connector, self._below = connector, below
         for word in ("move", "halt"):
             connector.serve(f"{below}/{word}", TRIGGER, self._does(word))
 
     def _does(self, word: str) -> Callable[[Any], Any]:
         def answer(_request: Any) -> Any:
-            self.asked(word)
+            self.obey(word)
             return {"success": True, "message": ""}
 
         return answer

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import logging
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,8 @@ from hypothesis import strategies as st
 from rai_missions.agents.mission import Setting
 from rai_missions.agents.node import MissionNode
 from rai_missions.agents.node.carrier import Carrier
-from rai_missions.agents.node.order import LONGEST
+from rai_missions.agents.node.order import LONGEST, Order
+from rai_missions.connectors.contract import Heard
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.journal import read
@@ -299,6 +301,32 @@ def test_each_step_that_did_something_is_published(scene: Scene) -> None:
         lambda all_: any(step["event"]["name"] == "accepted" for step in all_) or len(all_) >= 2, "steps"
     )
     assert told[0]["moves"][0]["entered"] == ["waiting"] and {step["run"] for step in told} == {told[0]["run"]}
+
+
+def test_keys_that_are_not_fresh_are_told_in_the_diagnostics(open_scene: Callable[..., Scene]) -> None:
+    there = {"type": "boolean", "source": "robot", "optional": True, "max_age_s": 0.01}
+    speed = {"type": "number", "source": "argument", "initial": 1.0}
+    scene = open_scene(mission=mission(blackboard={"there": there, "speed": speed}))
+    heard: Heard[str] = Heard(30.0)
+    kind = "diagnostic_msgs/msg/DiagnosticArray"
+    scene.client.connector.subscribe("/diagnostics", kind, lambda said: heard(said.data["status"][0]["message"]))
+    scene.client.activate()
+    scene.client.start()
+    scene.robot.arrive()
+    heard.wait(lambda all_: all_[-1] == "not fresh: there", "the key is stale")
+
+
+def test_an_order_that_the_run_does_not_take_in_time_is_not_told_as_done(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    is_busy, is_free = threading.Event(), threading.Event()
+    scene.robot.obey = lambda _word: is_busy.set() or is_free.wait(30)  # on the run's own thread, in this process
+    scene.node.ask(Order("post", event="go"), within_s=0.0)
+    assert is_busy.wait(30)
+    told = scene.node.ask(Order("pause"), within_s=0.0)
+    is_free.set()
+    assert not told.success and "has not taken it yet" in told.why
+    scene.client.await_status("it is taken in the end", mode="paused")
 
 
 def test_a_second_node_of_the_same_name_is_refused(scene: Scene) -> None:
