@@ -135,28 +135,17 @@ class Reach:
         """
         for topic in wanted:
             self.allowed.check(topic, "read")
-        types: dict[str, str] = {}
-        newest: dict[str, Message] = {}
+        ear, types, closes = Ear(), dict[str, str](), list[Close]()
         heard: dict[str, Heard] = {}
-        changed: Latest[object] = self.waiting(Latest())
-
-        def take(message: Message) -> None:
-            with self._lock:
-                before = newest.get(message.topic)
-                if before is None or _instant(message) >= _instant(before):
-                    newest[message.topic] = message
-            changed.put(message)
+        changed: Latest[Message] = self.waiting(ear.changed)
 
         def will_do(_: object) -> bool:
-            with self._lock:
-                taken = tuple(newest.values())
-            heard.update({message.topic: self._heard(message, types.get(message.topic, "")) for message in taken})
+            heard.update({each.topic: self._heard(each, types.get(each.topic, "")) for each in ear.newest()})
             return enough(heard)
 
-        closes: list[Close] = []
         try:
             for topic, type_name in wanted.items():
-                close, types[topic] = self.subscribe(topic, type_name, take, ends)
+                close, types[topic] = self.subscribe(topic, type_name, ear.take, ends)
                 closes.append(close)
             changed.wait(ends, will_do)
         finally:
@@ -206,6 +195,26 @@ class Reach:
     def _heard(self, message: Message, type_name: str) -> Heard:
         age_s = max(0.0, self.now() - message.at) if math.isfinite(message.at) else math.inf
         return Heard(message.topic, type_name, message.data, message.at, age_s)
+
+
+class Ear:
+    """Keeps the newest message of each topic that it is told."""
+
+    def __init__(self) -> None:
+        self.changed: Latest[Message] = Latest()
+        self._lock = threading.Lock()
+        self._newest: dict[str, Message] = {}
+
+    def take(self, message: Message) -> None:
+        with self._lock:
+            before = self._newest.get(message.topic)
+            if before is None or _instant(message) >= _instant(before):
+                self._newest[message.topic] = message
+        self.changed.put(message)
+
+    def newest(self) -> tuple[Message, ...]:
+        with self._lock:
+            return tuple(self._newest.values())
 
 
 def _instant(message: Message) -> float:
