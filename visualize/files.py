@@ -24,7 +24,7 @@ from visualize.shapes import Picture
 from visualize.table import table
 
 if TYPE_CHECKING:
-    from visualize.page import Finding
+    from visualize.page import Finding, Journal
 
 __all__ = ("FORMATS", "PAGE", "Drawing", "draw", "draw_difference", "draw_review", "drawn", "show")
 
@@ -81,7 +81,7 @@ def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] =
 def draw_review(
     mission: Mission,
     path: str | os.PathLike[str],
-    journals: Iterable[Path | str] = (),
+    journals: Iterable[Journal] = (),
     findings: Iterable[Finding] = (),
 ) -> Path:
     """Write the review page of a mission into an `.html` file.
@@ -89,7 +89,7 @@ def draw_review(
     Args:
         mission: The graph.
         path: The file.
-        journals: Of its runs.
+        journals: Of its runs; files, or pairs of a name and a file.
         findings: What a check found.
 
     Raises:

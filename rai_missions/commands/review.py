@@ -6,11 +6,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from contextlib import ExitStack
+from pathlib import Path
 
 from rai_missions.check import check, exit_status
-from rai_missions.commands.given import named_in, steps_of
+from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.errors import Fault
 from rai_missions.load import load
+from rai_missions.mission import Mission
 
 __all__ = ("check_mission", "diff", "draw")
 
@@ -43,9 +46,7 @@ def draw(given: argparse.Namespace) -> int:
     mission = load(given.mission, python=not given.no_python)
     output = given.output or f"{mission.name.replace('/', '_')}.svg"
     if output.lower().endswith(".html"):
-        from visualize import draw_review
-
-        draw_review(mission, output, given.journal, check(mission))
+        _draw_review(given, mission, output)
     else:
         from visualize import draw as draw_picture
 
@@ -53,6 +54,18 @@ def draw(given: argparse.Namespace) -> int:
         draw_picture(mission, output, steps=steps)
     print(output)
     return 0
+
+
+def _draw_review(given: argparse.Namespace, mission: Mission, output: str) -> None:
+    from rai_missions.recording import journal_of
+    from visualize import draw_review
+
+    with ExitStack() as open_recordings:
+        found = [(path, open_recordings.enter_context(journal_of(path))) for path in given.journal]
+        for _, journal in found:
+            warn(journal.warning)
+        journals = [(Path(path).name, journal.path) for path, journal in found]
+        draw_review(mission, output, journals, check(mission))
 
 
 def diff(given: argparse.Namespace) -> int:

@@ -21,7 +21,10 @@ from visualize.page.plain import Json
 from visualize.page.runs import Run, read_run, run_data
 from visualize.picture import picture
 
-__all__ = ("Finding", "review", "review_data")
+__all__ = ("Finding", "Journal", "review", "review_data")
+
+Journal = Path | str | tuple[str, Path | str]
+"""A file, or a name and the file."""
 
 
 class Finding(Protocol):
@@ -40,7 +43,7 @@ class Finding(Protocol):
 
 
 def review(
-    mission: Mission, journals: Iterable[Path | str] = (), findings: Iterable[Finding] = (),
+    mission: Mission, journals: Iterable[Journal] = (), findings: Iterable[Finding] = (),
     runs: Iterable[Run] = (),
 ) -> bytes:  # fmt: skip
     """The review page of a mission.
@@ -48,6 +51,7 @@ def review(
     Args:
         mission: The graph.
         journals: Files of its runs; a damaged one is told on the page and shown as far as it can be read.
+            One that is called otherwise than its file is a pair of name and file.
         findings: What a check found, for the places where it found it.
         runs: Runs that no journal holds.
 
@@ -56,7 +60,8 @@ def review(
         DefinitionError: A journal is of a mission of another name, or is none.
     """
     gallery = Gallery()
-    told = [_fitting(read_run(path, gallery), mission, str(path)) for path in journals]
+    files = [each if isinstance(each, tuple) else (Path(each).name, each) for each in journals]
+    told = [_fitting(read_run(path, gallery, name=name), mission, name) for name, path in files]
     return document(review_data(mission, [*told, *runs], findings, gallery), title=mission.name)
 
 

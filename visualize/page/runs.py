@@ -54,7 +54,7 @@ def run_of_steps(steps: Iterable[Step], name: str = "the run") -> Run:
     return Run(name, entries=tuple(StepRow(number, step, step.at) for number, step in enumerate(steps, 1)))
 
 
-def read_run(path: Path | str, gallery: Gallery) -> Run:
+def read_run(path: Path | str, gallery: Gallery, *, name: str = "") -> Run:
     """A journal up to where it can be read, with all that is wrong with it; its questions' pictures go to the gallery.
 
     Raises:
@@ -82,7 +82,7 @@ def read_run(path: Path | str, gallery: Gallery) -> Run:
             if not entries and not faults:
                 raise
             faults += [str(fault) for fault in error.faults if str(fault) not in faults]
-    return Run(Path(path).name, mission, head, tuple(entries), tuple(notes), tuple(faults[:MOST_FAULTS]))
+    return Run(name or Path(path).name, mission, head, tuple(entries), tuple(notes), tuple(faults[:MOST_FAULTS]))
 
 
 def _images(step: Step) -> Iterator[Image]:

@@ -62,7 +62,7 @@ def say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     after = roads.onward(direct)
     finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
     ends = [item(_end_words(name, state, direct, after), state=name) for name, state in finals]
-    sections.append(("Ends", [*ends, item("no answer sets the state, and none alone makes a mission succeed")]))
+    sections.insert(0, ("Ends", [*ends, item("no answer sets the state, and none alone makes a mission succeed")]))
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
     states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
     return lens(

@@ -33,7 +33,7 @@ function placeScope(scope, content) {
   layers.forEach((layer, rank) => {
     const h = Math.max(0, ...layer.map((item) => item.h));
     for (const item of layer) {
-      item.y = bottom + (h - item.h) / 2;
+      item.y = bottom + (item.inner ? 0 : (h - item.h) / 2);
       item.band = [bottom, bottom + h];
     }
     bottom += h + (rank < layers.length - 1 ? ROW : 0);
