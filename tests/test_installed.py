@@ -75,3 +75,11 @@ def test_a_picture_is_drawn(tmp_path: Path) -> None:
     heard = rai_missions_command("draw", MISSION, "-o", "tractor.svg", cwd=tmp_path)
     assert heard.returncode == 0, heard.stderr
     assert "<svg" in (tmp_path / "tractor.svg").read_text(encoding="utf-8")
+
+
+def test_a_review_page_is_written_with_all_that_it_shows(tmp_path: Path) -> None:
+    done = rai_missions_command("draw", MISSION, "-o", "review.html", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "review.html").read_text(encoding="utf-8")
+    assert '"name":"tractor_orchard"' in page
+    assert "class Chart {" in page
