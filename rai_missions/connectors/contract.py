@@ -164,7 +164,7 @@ def _hears_nothing_after_stop(connector: Connector, *_: Any) -> None:
 def _answers_a_call_once(connector: Connector, *_: Any) -> None:
     replies: Heard[Reply] = Heard()
     connector.serve("/check/service", TRIGGER, lambda _request: {"success": True, "message": "done"})
-    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=5.0)
+    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=PATIENCE_S)
     (reply,) = replies.wait(bool, "the service was called")
     assert (reply.outcome, dict(reply.data)) == ("succeeded", {"success": True, "message": "done"}), reply
 

@@ -50,7 +50,7 @@ class Broker:
     def start(self) -> None:
         assert BROKER is not None
         self._process = subprocess.Popen([BROKER, "-c", str(self._config)], stderr=subprocess.DEVNULL)
-        until = time.monotonic() + 10
+        until = time.monotonic() + 30
         while True:
             try:
                 socket.create_connection(("127.0.0.1", self.port), 0.2).close()
@@ -104,7 +104,7 @@ def test_nobody_is_told_at_once(connector: MqttConnector) -> None:
 
 @needs_broker
 def test_calls_from_many_threads_are_all_answered(connector: MqttConnector) -> None:
-    replies = Heard[Reply](15.0)
+    replies = Heard[Reply]()
     connector.serve("/busy", TRIGGER, lambda request: request)
 
     def call(name: str) -> None:
@@ -134,7 +134,7 @@ def test_a_call_that_is_not_answered_is_timed_out(connector: MqttConnector) -> N
 def test_calls_end_with_the_broker_and_what_was_open_works_when_it_is_back(
     broker: Broker, connector: MqttConnector
 ) -> None:
-    replies, heard, asked = Heard[Reply](), Heard[Message](15.0), Heard[Message]()
+    replies, heard, asked = Heard[Reply](), Heard[Message](), Heard[Message]()
     connector.subscribe("/t", STRING, heard)
     connector.subscribe("/deaf/request", "", asked)
     connector.call("/deaf", TRIGGER, {}, answered=replies)
@@ -151,9 +151,12 @@ def test_calls_end_with_the_broker_and_what_was_open_works_when_it_is_back(
 def test_a_stamp_is_told_on_the_runs_clock(connector: MqttConnector, age_s: float | None, at: float) -> None:
     heard = Heard[Message]()
     connector.subscribe("/stamped", "", heard)
-    stamp = {} if age_s is None else {"header": {"stamp": time.time() - age_s}}
+    begin = time.time()
+    stamp = {} if age_s is None else {"header": {"stamp": begin - age_s}}
     connector.publish("/stamped", "", stamp)
-    assert heard.wait(bool, "it was published")[0].at == pytest.approx(at, abs=0.5)
+    message = heard.wait(bool, "it was published")[0]
+    took_s = time.time() - begin if age_s is not None and age_s >= 0 else 0.0  # what is under way grows older
+    assert at - took_s - 1e-3 <= message.at <= at + 1e-3
 
 
 def test_without_a_broker_one_sentence_says_so() -> None:

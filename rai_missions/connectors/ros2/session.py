@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 
 NAMESAKE_S = 1.5
 """After so long whoever is there is known."""
-FAREWELL_S = 1.0
+FAREWELL_S = 3.0
 """How long a stop waits for the servers of its goals to say that they have heard of it."""
 
 
@@ -189,7 +189,7 @@ class Session:
         said = threading.Event()
         end = self.runtime.close if self.runtime.is_here else said.set
         if self.runtime.post(lambda: self._part(end)) and not self.runtime.is_here:
-            said.wait(3 * FAREWELL_S)
+            said.wait(2 * FAREWELL_S)
         if not self.runtime.is_here:
             self.runtime.close()
             self._give_up("the connector was stopped")
@@ -209,7 +209,7 @@ class Session:
                 self._goals.clear()
             for each in served:
                 each.close()
-            self.runtime.when(lambda: all(each.is_done for each in served), FAREWELL_S / 2, lambda _done: end())
+            self.runtime.when(lambda: all(each.is_done for each in served), FAREWELL_S / 3, lambda _done: end())
 
         goals = tuple(self._sent.values())
         self.runtime.when(lambda: all(goal.is_settled for goal in goals), FAREWELL_S, served_last)

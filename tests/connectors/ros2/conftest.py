@@ -79,6 +79,7 @@ def open_ros(ros: None) -> Iterator[Callable[..., Any]]:
 
     def open_one(**options: Any) -> Any:
         now = options.pop("now", None)
+        options.setdefault("discovery_s", 30.0)  # on a busy machine
         opened.append(open_connector(options, now=now))
         opened[-1].start()
         return opened[-1]

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from rai_missions.connectors.contract import Heard
 
 ROOT = Path(__file__).parents[3]
 SUCCEED, RUN, REJECT, STUBBORN, ABORT, SLOW_TO_ACCEPT = range(6)
-"""What a goal's `order` asks for; `RUN` until canceled, `STUBBORN` for a moment and not to be canceled."""
+"""What a goal's `order` asks for; `RUN` until canceled, `STUBBORN` until it has refused to be canceled twice."""
 FIBONACCI, TRIGGER = "test_msgs/action/Fibonacci", "std_srvs/srv/Trigger"
 
 
@@ -63,7 +64,7 @@ class Peer:
         assert self._process.stdin is not None and self._process.stdout is not None
         self._process.stdin.close()
         try:
-            self._process.wait(10)
+            self._process.wait(30)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
@@ -92,24 +93,26 @@ def serve(name: str) -> None:
 
     rclpy.init()
     node = rclpy.create_node(name)
-    group = ReentrantCallbackGroup()
+    group, refused = ReentrantCallbackGroup(), Counter[str]()
 
     def decide(goal: Any) -> Any:
         say("asked", goal.order)
         if goal.order == SLOW_TO_ACCEPT:
-            time.sleep(0.4)
+            time.sleep(1.5)  # so that a busy machine's test still finds it thinking
         return GoalResponse.REJECT if goal.order == REJECT else GoalResponse.ACCEPT
 
     def cancel(handle: Any) -> Any:
-        say("cancel", bytes(handle.goal_id.uuid).hex())
+        goal_id = bytes(handle.goal_id.uuid).hex()
+        refused[goal_id] += handle.request.order == STUBBORN
+        say("cancel", goal_id)
         return CancelResponse.REJECT if handle.request.order == STUBBORN else CancelResponse.ACCEPT
 
     def execute(handle: Any) -> Any:
         goal_id, order, result = bytes(handle.goal_id.uuid).hex(), handle.request.order, Fibonacci.Result()
         say("runs", goal_id)
         handle.publish_feedback(Fibonacci.Feedback(sequence=[0]))
-        until = time.monotonic() + (0.5 if order == STUBBORN else 60)
-        while order in (RUN, STUBBORN, SLOW_TO_ACCEPT) and time.monotonic() < until:
+        until = time.monotonic() + 120
+        while order in (RUN, STUBBORN, SLOW_TO_ACCEPT) and refused[goal_id] < 2 and time.monotonic() < until:
             if handle.is_cancel_requested or not rclpy.ok():
                 handle.canceled()
                 say("canceled", goal_id)

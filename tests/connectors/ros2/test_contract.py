@@ -20,7 +20,7 @@ MOVES = ("accepted", "rejected", "feedback", "succeeded", "failed", "canceled", 
 
 @pytest.mark.usefixtures("alone")
 def test_it_keeps_the_contract() -> None:
-    check_connector(lambda: open_connector({"discovery_s": 1.0}))
+    check_connector(lambda: open_connector({"discovery_s": 5.0}))
 
 
 def test_it_is_a_connector() -> None:
@@ -30,7 +30,7 @@ def test_it_is_a_connector() -> None:
 
 @pytest.fixture(scope="module")
 def connector() -> Any:
-    made = open_connector({})
+    made = open_connector({"discovery_s": 30.0})
     made.start()
     yield made
     made.stop()

@@ -37,7 +37,7 @@ def program(text: str) -> subprocess.CompletedProcess[str]:
     """A user's program, run to its end."""
     return subprocess.run(
         [sys.executable, "-W", "ignore", "-c", textwrap.dedent(text)],
-        capture_output=True, text=True, timeout=60, cwd=ROOT, check=False,
+        capture_output=True, text=True, timeout=180, cwd=ROOT, check=False,
     )  # fmt: skip
 
 
@@ -153,8 +153,8 @@ def test_a_stop_from_a_callback_ends_it_without_a_deadlock(open_ros: Open) -> No
     connector.subscribe("/stop", STRING, hear)
     thread = connector._session.runtime._thread
     connector.publish("/stop", STRING, {"data": "now"})
-    assert done.wait(5)
-    thread.join(5)
+    assert done.wait(30)
+    thread.join(30)
     assert not thread.is_alive()
     connector.start()
     assert connector._session is not None, "it can be started again"
@@ -180,8 +180,11 @@ def test_a_callback_that_raises_stops_nobody(open_ros: Open, caplog: pytest.LogC
 def test_a_header_stamp_is_told_on_the_runs_clock(open_ros: Open, age_s: float, at: float) -> None:
     connector, heard = open_ros(now=lambda: 50.0), Heard[Message]()
     connector.subscribe("/stamped", "std_msgs/msg/Header", heard)
-    connector.publish("/stamped", "std_msgs/msg/Header", {"stamp": time.time() - age_s})
-    assert heard.wait(bool, "it was published")[0].at == pytest.approx(at, abs=0.5)
+    begin = time.time()
+    connector.publish("/stamped", "std_msgs/msg/Header", {"stamp": begin - age_s})
+    message = heard.wait(bool, "it was published")[0]
+    took_s = time.time() - begin if age_s >= 0 else 0.0  # what is under way grows older
+    assert at - took_s - 1e-3 <= message.at <= at + 1e-3
 
 
 @pytest.mark.usefixtures("alone")
@@ -200,7 +203,7 @@ def test_simulated_time_is_what_the_clock_says(open_ros: Open) -> None:
     connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", clock)
     connector.publish("/clock", "rosgraph_msgs/msg/Clock", {"clock": 77.5})
     clock.wait(bool, "time has come")
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 30
     while not heard.all or heard.all[-1].at != 77.5:
         assert time.monotonic() < deadline, heard.all
         count = len(heard.all)
@@ -270,7 +273,7 @@ def test_a_process_that_forgets_to_stop_ends_as_usual_and_leaves_no_goal(peer: A
         connector.start()
         connector.send_goal("/{peer.name}/fibonacci", "{FIBONACCI}", {{"order": 1}}, goal_id="{"ab" * 16}",
                             report=lambda report: report.said == "accepted" and running.set())
-        assert running.wait(10)
+        assert running.wait(30)
         """
     )
     assert (done.returncode, done.stderr) == (0, "")
@@ -292,7 +295,7 @@ def test_it_lives_beside_a_program_that_spins_rclpy_itself(peer: Any) -> None:
         node.create_subscription(String, "/say", echo.publish, 10)
         thread = threading.Thread(target=executor.spin); thread.start()
         for _ in range(3):
-            connector, heard, replies = open_connector({{}}), Heard(10.0), Heard(10.0)
+            connector, heard, replies = open_connector({{}}), Heard(30.0), Heard(30.0)
             connector.start()
             connector.subscribe("/echo", "{STRING}", heard)
             while not node.count_subscribers("/echo"):
@@ -316,7 +319,7 @@ def test_an_interrupt_that_shuts_ros_down_loses_goals_and_answers_calls(peer: An
         from rai_missions.connectors.contract import Heard
         from rai_missions.connectors.ros2 import open_connector
         rclpy.init()
-        connector, reports, replies, late = open_connector({{}}), Heard(10.0), Heard(10.0), Heard(10.0)
+        connector, reports, replies, late = open_connector({{}}), Heard(30.0), Heard(30.0), Heard(30.0)
         connector.start()
         connector.send_goal("/{peer.name}/fibonacci", "{FIBONACCI}", {{"order": 1}}, goal_id="g", report=reports)
         reports.wait(bool, "accepted")

@@ -29,7 +29,7 @@ Open = Callable[..., Any]
 
 
 def start(connector: Any, peer: Peer, order: int) -> tuple[str, Heard[Report]]:
-    goal_id, reports = uuid.uuid4().hex, Heard[Report](10.0)
+    goal_id, reports = uuid.uuid4().hex, Heard[Report]()
     connector.send_goal(f"/{peer.name}/fibonacci", FIBONACCI, {"order": order}, goal_id=goal_id, report=reports)
     return goal_id, reports
 
@@ -49,7 +49,7 @@ def test_a_goal_ends_as_its_server_says_and_brings_the_result(open_ros: Open, pe
     said = end_of(reports)
     assert (said[0], said[-1]) == ("accepted", end)
     assert reports.all[-1] == Report(goal_id, end, {"sequence": [0, 1, 1, 2]})  # type: ignore[arg-type]
-    assert ["runs", goal_id] in peer.said.all, "the server knows the goal by our id"
+    peer.said.wait(lambda all_: ["runs", goal_id] in all_, "the server knows the goal by our id")
 
 
 def test_a_goal_that_is_not_taken_is_rejected(open_ros: Open, peer: Peer) -> None:
@@ -171,7 +171,7 @@ def test_a_server_that_answers_after_it_was_given_up_changes_nothing_and_its_goa
 
 def test_a_call_brings_the_reply(open_ros: Open, peer: Peer) -> None:
     replies = Heard[Reply]()
-    open_ros().call("/peer/trigger", TRIGGER, {}, answered=replies, timeout_s=5.0)
+    open_ros().call("/peer/trigger", TRIGGER, {}, answered=replies, timeout_s=30.0)
     assert replies.wait(bool, "it is answered") == [Reply("succeeded", {"success": True, "message": "done"})]
 
 
@@ -184,13 +184,13 @@ def test_a_reply_that_says_that_the_server_failed_is_a_failure(open_ros: Open, p
 
 def test_a_call_that_is_not_answered_is_timed_out_once(open_ros: Open, peer: Peer) -> None:
     connector, replies = open_ros(), Heard[Reply]()
-    connector.call(f"/{peer.name}/hang", TRIGGER, {}, answered=replies, timeout_s=0.6)
+    connector.call(f"/{peer.name}/hang", TRIGGER, {}, answered=replies, timeout_s=4.0)
     (reply,) = replies.wait(bool, "it is given up")
-    assert reply == Reply("timed_out", {}, "/peer/hang has not answered within 0.6 s")
+    assert reply == Reply("timed_out", {}, "/peer/hang has not answered within 4 s")
 
 
 def test_a_call_whose_server_dies_is_told_so_without_any_timeout(open_ros: Open, own_peer: Peer) -> None:
-    connector, replies = open_ros(), Heard[Reply](10.0)
+    connector, replies = open_ros(), Heard[Reply]()
     connector.call(f"/{own_peer.name}/hang", TRIGGER, {}, answered=replies)
     own_peer.said.wait(lambda said: ["hangs"] in said, "the call has arrived")
     own_peer.kill()
@@ -202,7 +202,7 @@ def test_a_call_whose_server_dies_is_told_so_without_any_timeout(open_ros: Open,
 
 
 def test_a_hundred_calls_at_once_of_an_ordinary_server_are_all_answered(open_ros: Open, peer: Peer) -> None:
-    connector, replies = open_ros(), Heard[Reply](10.0)
+    connector, replies = open_ros(), Heard[Reply]()
     for _ in range(100):
         connector.call("/peer/trigger", TRIGGER, {}, answered=replies)
     told = replies.wait(lambda all_: len(all_) == 100, "an ordinary server keeps ten requests; none may be lost")

@@ -32,7 +32,7 @@ UNSHRUNK = (Phase.explicit, Phase.reuse, Phase.generate)
 
 @pytest.fixture(scope="module")
 def connector(ros: None) -> Iterator[Any]:
-    made = open_connector({})
+    made = open_connector({"discovery_s": 30.0})
     made.start()
     yield made
     made.stop()
