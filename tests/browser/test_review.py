@@ -149,6 +149,7 @@ def test_a_question_is_shown_as_it_was_asked_with_its_picture_its_answer_and_the
         "Question 2 to agent",
         "height_m 0.5",
         "✗ not offered drive_over",
+        "which was false",
         "✓ offered replan",
         HOSTILE[0],
         "was not offered",

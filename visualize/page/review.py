@@ -71,7 +71,7 @@ def review_data(
     """All that the review page shows."""
     gallery = gallery or Gallery()
     drawn = picture(mission)
-    played = [run_data(run, gallery) for run in runs]
+    played = [run_data(run, gallery, None if run.faults else mission) for run in runs]
     return {
         "kind": "review",
         "chart": chart_data(drawn, mission),

@@ -16,10 +16,12 @@ from rai_missions.errors import DefinitionError
 from rai_missions.event import Event, Image
 from rai_missions.journal import Note, StepRow, verify
 from rai_missions.journal.record import Record
+from rai_missions.mission import Mission
 from rai_missions.step import Ask, Step
 from rai_missions.verdict import Question
 from visualize.page.effect_words import effect_words
 from visualize.page.images import Gallery
+from visualize.page.offers import Offers
 from visualize.page.plain import Json, Pool, plain, without_empty
 
 __all__ = ("Run", "read_run", "run_data", "run_of_steps")
@@ -91,16 +93,25 @@ def _images(step: Step) -> Iterator[Image]:
             yield from (shown.value for shown in effect.question.evidence if isinstance(shown.value, Image))
 
 
-def run_data(run: Run, gallery: Gallery) -> Json:
+def run_data(run: Run, gallery: Gallery, mission: Mission | None = None) -> Json:
     """A run as the page plays it.
+
+    Args:
+        run: As it was read.
+        gallery: Takes the pictures of its questions.
+        mission: The one that ran, for why options were not offered; none where that is not sure.
 
     A step is `[number, time, event, moves, guards, writes, more]`; from the event on, numbers of values in `pool`.
     """
     pool = Pool()
     questions: dict[int, Json] = {}
     steps = []
+    offers = Offers(mission) if mission is not None else None
     for index, entry in enumerate(run.entries):
         steps.append(_row(index, entry, pool, questions, gallery))
+        if offers is not None:
+            offers.follow(entry.step, _writes(entry))
+            _add_withheld(entry.step, questions, offers)
     return {
         "name": run.name, "head": run.head or {}, "faults": list(run.faults), "pool": pool.values, "steps": steps,
         "questions": list(questions.values()), "notes": [[note.row, note.text, plain(note.data)] for note in run.notes],
@@ -111,8 +122,7 @@ def run_data(run: Run, gallery: Gallery) -> Json:
 
 def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gallery: Gallery) -> list[Any]:
     step = entry.step
-    writes = [[key, plain(value), round(stamp, 6)] for key, value, stamp in entry.before]
-    writes += [[key, plain(value), round(_stamp(step.event, key, step.at), 6)] for key, value in step.writes]
+    writes = [[key, plain(value), round(stamp, 6)] for key, value, stamp in _writes(entry)]
     guards = list({place: {True: 1, False: 0, None: 2}[value] for place, value in step.guards}.items())
     moves = [[list(move.taken), list(move.exited), list(move.entered), move.trigger] for move in step.moves]
     for effect in step.effects:
@@ -138,6 +148,18 @@ def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gal
     )
     parts = (event, moves, [[place, value] for place, value in guards], writes, without_empty(more))
     return [step.seq, round(step.at, 6), *(pool.add(part) for part in parts)]
+
+
+def _writes(entry: StepRow) -> list[tuple[str, Any, float]]:
+    """Key, value and stamp of what was written since the step before, in order."""
+    step = entry.step
+    return [*entry.before, *((key, value, _stamp(step.event, key, step.at)) for key, value in step.writes)]
+
+
+def _add_withheld(step: Step, questions: dict[int, Json], offers: Offers) -> None:
+    for effect in step.effects:
+        if isinstance(effect, Ask) and (withheld := offers.withheld(effect.question)):
+            questions[effect.question.number]["withheld"] = withheld
 
 
 def _stamp(event: Event, key: str, at: float) -> float:

@@ -18,7 +18,7 @@ from visualize.page.reach import Reached, Roads
 from visualize.shapes import Edge, Picture
 from visualize.words import child_pointer
 
-__all__ = ("AskedHere", "asked_of", "say_lens")
+__all__ = ("AskedHere", "asked_of", "questions", "say_lens")
 
 
 class AskedHere(NamedTuple):
@@ -28,7 +28,13 @@ class AskedHere(NamedTuple):
     place: str
     """JSON pointer of what holds the question."""
     asked: Asked
-    in_tree: bool
+    owner: str
+    """As its questions name it: the state, or `state#path` in a tree."""
+
+    @property
+    def in_tree(self) -> bool:
+        """A tree asks it, and goes on by itself."""
+        return "#" in self.owner
 
     def options(self) -> list[str]:
         """The JSON pointers of its options."""
@@ -37,17 +43,18 @@ class AskedHere(NamedTuple):
 
 def asked_of(mission: Mission, who: str) -> list[AskedHere]:
     """The questions that somebody is asked, in document order."""
-    return [each for each in _questions(mission) if who in each.asked.ask]
+    return [each for each in questions(mission) if who in each.asked.ask]
 
 
-def _questions(mission: Mission) -> Iterator[AskedHere]:
+def questions(mission: Mission) -> Iterator[AskedHere]:
+    """Every question of a mission, in document order."""
     for place, name, state in mission.walk():
         if isinstance(state, Decision):
-            yield AskedHere(name, place, state.decision, in_tree=False)
+            yield AskedHere(name, place, state.decision, name)
         if isinstance(state, Tree):
             for path, node in tree_paths(state.tree):
                 if isinstance(node, DecisionLeaf):
-                    yield AskedHere(name, f"{place}/tree/{path}".rstrip("/"), node.decision, in_tree=True)
+                    yield AskedHere(name, f"{place}/tree/{path}".rstrip("/"), node.decision, f"{name}#{path}")
 
 
 def say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:

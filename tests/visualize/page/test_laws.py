@@ -162,5 +162,15 @@ def test_a_question_has_its_evidence_its_picture_its_answers_and_the_verdicts() 
     assert shown["obstacle"]["value"]["height_m"] == 0.5
     assert [offer["name"] for offer in first["options"]] == ["replan", "signal", "abort"]
     assert first["proposal"]["option"] == "drive_over"
+    assert first["withheld"] == {"drive_over": "false"}
     assert "'drive_over' was not offered" in first["verdict"][0]
     assert "'drive_over' was not offered" in second["refused"][0]
+
+
+def test_an_option_whose_guard_was_unknown_says_so() -> None:
+    chart = Chart(tractor(), ticker=PyTrees())
+    chart.write("battery", 0.8, at=0.0)
+    steps = [chart.start(at=0.0), chart.send(Event("anomaly", 3.0))]
+    steps.append(chart.send(Event("agent", 3.0, {"by": "mission"}, "control")))
+    [question] = review_data(tractor(), [run_of_steps(steps)])["runs"][0]["questions"]
+    assert question["withheld"] == {"drive_over": "unknown"}

@@ -19,7 +19,7 @@ class Coverage {
     const head = [["order", "#"], ["from", "state"], ["words", "row"], ["to", "to"], ...(runs ? [["taken", "taken"], ["runs", `runs of ${runs}`]] : [])];
     this.host.replaceChildren(
       make("h2", {}, runs ? "Coverage" : "Rows"),
-      runs ? make("p", {}, `${this.rows.length - never.length} of ${this.rows.length} rows were taken, ${states.length - unseen.length} of ${states.length} states entered, in ${runs} runs.`) : "",
+      runs ? make("p", {}, `${this.rows.length - never.length} of ${this.rows.length} rows were taken, ${states.length - unseen.length} of ${states.length} states entered, in ${runs === 1 ? "one run" : `${runs} runs`}.`) : "",
       make("table", { class: "sorted" }, make("thead", {}, make("tr", {}, head.map(([by, words]) => make("th", { "aria-sort": this.by === by ? (this.down ? "descending" : "ascending") : "none" },
         make("button", { type: "button", "data-sort": by, on: { click: () => this.sort(by) } }, words, this.by === by ? (this.down ? " ▾" : " ▴") : ""))))),
       make("tbody", {}, sorted.map((each) => make("tr", { class: !runs || each.taken ? "" : "never" }, make("td", {}, String(each.order + 1)), make("td", {}, each.from),

@@ -13,12 +13,12 @@ class Details {
 
   nothing() {
     const { data } = this.model;
-    const kinds = ["decision", "final"].map((kind) => `${data.states.filter((state) => state.kind === kind).length} ${kind}s`);
+    const kinds = ["decision", "final"].map((kind) => counted(data.states.filter((state) => state.kind === kind).length, kind));
     this.host.replaceChildren(
       make("h2", {}, data.name, " ", make("small", {}, data.compared ? `${data.compared} → ${data.version}` : data.version)),
       make("p", {}, data.about || ""),
       data.notes.length ? listed("Note", data.notes.map((note) => make("li", {}, note))) : "",
-      make("p", { class: "muted" }, `${data.states.length} states, ${new Set(data.rows.map((row) => row.place)).size} rows, ${kinds.join(", ")}, ${data.invariants.length} invariants. Choose a state or a row.`),
+      make("p", { class: "muted" }, `${counted(data.states.length, "state")}, ${counted(new Set(data.rows.map((row) => row.place)).size, "row")}, ${kinds.join(", ")}, ${counted(data.invariants.length, "invariant")}. Choose a state or a row.`),
       this.faults(this.findings),
       this.runs.length ? listed("Runs", this.runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.steps.length} steps, ${run.outcome || "not ended"}`, run.why ? ` – ${run.why}` : "",
         run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault))))) : "",
@@ -158,6 +158,10 @@ class Details {
 
 function listed(title, items) {
   return make("section", {}, make("h3", {}, title), make("ul", {}, items));
+}
+
+function counted(number, word) {
+  return `${number} ${word}${number === 1 ? "" : "s"}`;
 }
 
 function defined(written) {

@@ -41,9 +41,9 @@ class Model {
   summary(name) {
     const all = this.inside(name).map((each) => this.states.get(each));
     const count = (kind) => all.filter((state) => state.kind === kind).length;
-    const parts = [`${all.length} states inside`];
-    if (count("decision")) parts.push(`${count("decision")} decisions`);
-    if (count("final")) parts.push(`${count("final")} finals`);
+    const parts = [`${counted(all.length, "state")} inside`];
+    if (count("decision")) parts.push(counted(count("decision"), "decision"));
+    if (count("final")) parts.push(counted(count("final"), "final"));
     return parts.join(", ");
   }
 }

@@ -14,8 +14,8 @@ class Player {
     this.now = make("output", {});
     const button = (words, title, act) => make("button", { type: "button", title, "aria-label": title, on: { click: act } }, words);
     bar.append(this.choice,
-      button("⏮", "the change before (shift ,)", () => this.jump(-1)), button("◀", "one step back (,)", () => this.seek(this.index - 1)),
-      button("▶", "one step on (.)", () => this.seek(this.index + 1)), button("⏭", "the next change (shift .)", () => this.jump(1)), this.slider, this.now);
+      button("|◀", "the change before (shift ,)", () => this.jump(-1)), button("◁", "one step back (,)", () => this.seek(this.index - 1)),
+      button("▷", "one step on (.)", () => this.seek(this.index + 1)), button("▶|", "the next change (shift .)", () => this.jump(1)), this.slider, this.now);
   }
 
   get replay() {
@@ -138,8 +138,12 @@ class Player {
     const all = path === undefined ? state.choices || [] : ((state.twigs || []).find((twig) => twig.path === path) || {}).choices || [];
     const offers = new Set(question.options.map((offer) => offer.name));
     const listed_ = all.length ? all : question.options;
-    return make("ul", { class: "guards" }, listed_.map((choice) => make("li", { class: offers.has(choice.name) ? "yes" : "no" },
-      make("b", {}, offers.has(choice.name) ? "✓ offered " : "✗ not offered "), choice.name, choice.guard ? ` – when ${choice.guard}` : " – always open")));
+    const withheld = question.withheld || {};
+    return make("ul", { class: "guards" }, listed_.map((choice) => {
+      const why = offers.has(choice.name) ? "" : withheld[choice.name] || "";
+      const [mark, look] = offers.has(choice.name) ? ["✓ offered ", "yes"] : why === "unknown" ? ["? not offered ", "maybe"] : ["✗ not offered ", "no"];
+      return make("li", { class: look }, make("b", {}, mark), choice.name, choice.guard ? ` – when ${choice.guard}` : " – always open", why ? make("b", {}, `, which was ${why}`) : "");
+    }));
   }
 
   proposal(given) {
