@@ -59,7 +59,7 @@ class TestOnRos:
 
     def test_the_same_mission_takes_the_same_answers_to_the_same_end_as_in_one_process(self, graph: Graph) -> None:
         """A branch is driven over, a person is signalled to, as the rules say; nobody is touched."""
-        world = graph.world("--seed", "7", speed="8", **LIVELY)
+        world = graph.world("--seed", "7", **LIVELY)
         over_ros = graph.run("--json", alleys=2)
         assert over_ros.ends() == 0, over_ros.text + world.text
         told = json.loads(over_ros.said.all[-1])
@@ -119,7 +119,7 @@ class TestOnRos:
         """The two actions, composed of plain services, or with servers where the types of Nav2 are known."""
         if "nav2" in profile and importlib.util.find_spec("nav2_msgs") is None:
             pytest.skip("nav2_msgs is not installed: make ros-interfaces")
-        world = graph.world(alleys=2, length_m=14, obstacles=["branch", "log"], speed="6")
+        world = graph.world(alleys=2, length_m=14, obstacles=["branch", "log"])
         mission = graph.run(alleys=2, robot=TRACTOR / profile)
         assert mission.ends() == 1, mission.text
         assert "failed: 'unfinished_home' was reached" in mission.text, mission.text + world.text

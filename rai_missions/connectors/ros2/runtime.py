@@ -41,6 +41,24 @@ ANSWER_S = 5.0
 """How long somebody on another thread waits for what only this thread can say."""
 
 
+class _Patience(float):
+    """Seconds to wait, equal to any others.
+
+    rclpy works off what is ready in rounds, and begins a round anew when its timeout is another than before: under load
+    the last subscriptions would never have their turn.
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Patience)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    __hash__ = float.__hash__
+
+
 class Runtime:
     """A node that spins on its own thread, whatever else the process does with rclpy.
 
@@ -184,7 +202,7 @@ class Runtime:
     def _work(self) -> None:
         while not self._is_closing:
             try:
-                self._executor.spin_once(timeout_sec=self._patience())
+                self._executor.spin_once(timeout_sec=_Patience(self._patience()))
             except (ShutdownException, ExternalShutdownException):
                 break
             except Exception:
