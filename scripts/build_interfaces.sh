@@ -132,15 +132,16 @@ build() {
     log="$PWD/build/interfaces-$package.log"
     mkdir -p build "$(dirname "$(record "$package" files)")"
     say "building $package ($(definitions "$package" | wc -l) interfaces); this takes half a minute or more"
-    uninstall "$package"
     local generator=()
     if command -v ninja >/dev/null; then generator=(-G Ninja); fi
     if env PATH="$prefix/bin:$PATH" AMENT_PREFIX_PATH="$prefix" CMAKE_PREFIX_PATH="$prefix" PYTHONDONTWRITEBYTECODE=1 \
         bash -euo pipefail -c '
             cmake -S "$1" -B "$2" "${@:4}" -DCMAKE_INSTALL_PREFIX="$3" -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=OFF \
                 -DPython3_EXECUTABLE="$3/bin/python"
-            cmake --build "$2" -j2 --target install' \
+            cmake --build "$2" -j2' \
         - "$sources/$package" "$away" "$prefix" "${generator[@]}" >"$log" 2>&1; then
+        uninstall "$package"
+        cmake --install "$away" >>"$log" 2>&1 || fail "$package could not be installed; the whole story is in $log"
         cp "$away/install_manifest.txt" "$(record "$package" files)"
         fingerprint "$package" >"$(record "$package" fingerprint)"
         rm -rf "$away"
