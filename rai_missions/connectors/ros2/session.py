@@ -31,7 +31,7 @@ log = logging.getLogger(__name__)
 NAMESAKE_S = 1.5
 """After so long whoever is there is known."""
 FAREWELL_S = 3.0
-"""How long a stop waits for the servers of its goals to say that they have heard of it."""
+"""How long a stop waits for a server of its goals to say that it has heard of it, from one answer to the next."""
 
 
 class Session:
@@ -189,7 +189,7 @@ class Session:
         said = threading.Event()
         end = self.runtime.close if self.runtime.is_here else said.set
         if self.runtime.post(lambda: self._part(end)) and not self.runtime.is_here:
-            said.wait(2 * FAREWELL_S)
+            said.wait(4 * FAREWELL_S)
         if not self.runtime.is_here:
             self.runtime.close()
             self._give_up("the connector was stopped")
@@ -212,7 +212,18 @@ class Session:
             self.runtime.when(lambda: all(each.is_done for each in served), FAREWELL_S / 3, lambda _done: end())
 
         goals = tuple(self._sent.values())
-        self.runtime.when(lambda: all(goal.is_settled for goal in goals), FAREWELL_S, served_last)
+
+        def unsettled() -> int:
+            return sum(not goal.is_settled for goal in goals)
+
+        def wait(before: int) -> None:
+            """As long as answers go on coming there is hope."""
+            self.runtime.when(
+                lambda: not unsettled(), FAREWELL_S,
+                lambda is_settled: wait(unsettled()) if 0 < unsettled() < before else served_last(is_settled),
+            )  # fmt: skip
+
+        wait(len(goals))
 
     def _give_up(self, why: str) -> None:
         """Nothing more will be heard: end what has no end yet."""
