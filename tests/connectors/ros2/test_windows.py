@@ -85,7 +85,7 @@ def check_a_disaster(connector: Any, disaster: str, script: Script, window: str)
         server.close()
 
 
-@pytest.mark.parametrize("disaster", ["killed", "frozen"])
+@pytest.mark.parametrize("disaster", ["killed", pytest.param("frozen", marks=pytest.mark.drill)])
 @pytest.mark.parametrize(("accept", "window"), [("late", "asked"), ("at once", "runs")])
 def test_the_goal_of_a_server_that_was_away_is_over_before_the_next_one_begins(
     connector: Any, disaster: str, accept: str, window: str
