@@ -4,7 +4,7 @@
 Rule: reads missions, steps and journals only, and changes nothing; Graphviz is looked for when a picture needs it.
 """
 
-from visualize.difference import Difference, difference
+from visualize.diff import Difference, difference
 from visualize.files import FORMATS, Drawing, draw, draw_difference, draw_review, drawn, show
 from visualize.picture import picture
 from visualize.shapes import Picture

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
 from rai_missions.step import Step
-from visualize.difference import Difference
+from visualize.diff import Difference
 from visualize.dot import render
 from visualize.graphing import dot_text
 from visualize.mermaid import mermaid

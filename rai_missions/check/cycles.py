@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from rai_missions.check.knots import knots
-from rai_missions.check.logic import Form, Junction, form, implies, never
 from rai_missions.check.places import guard_reads
 from rai_missions.check.reach import entered_with
 from rai_missions.check.survey import Row, Spot, Survey
 from rai_missions.effects import Effect, Set
 from rai_missions.guards import All, Any_, Elapsed, Guard, Held, In, Not, Possible
+from rai_missions.guards.implication import Form, Junction, form, implies, never
 from rai_missions.states import Final, Parallel
 
 __all__ = ("endless_cycles", "possible_cycles")

@@ -11,11 +11,11 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.check.logic import holds
 from rai_missions.check.paths import key_of
 from rai_missions.check.survey import Survey, Write
 from rai_missions.effects import references
 from rai_missions.guards import All, Any_, Compare, Guard, Held, Named, Near, Not, Possible
+from rai_missions.guards.implication import holds
 from rai_missions.states import Action, Call, Decision, Final
 from rai_missions.states.state import OUTCOMES
 

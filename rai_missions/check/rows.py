@@ -6,9 +6,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from rai_missions.check.logic import ALWAYS, NEVER, Form, Junction, form, implies, never
 from rai_missions.check.outcomes import together
 from rai_missions.check.survey import Row, Spot, Survey
+from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("impossible_guards", "overlapping_rows")

@@ -21,7 +21,7 @@ from tests.strategies import KEYS, guards, mission_documents, missions
 from tests.visualize.changed import changed
 from tests.visualize.runs import document, tractor
 from visualize import Difference, difference
-from visualize.weaker import relation
+from visualize.diff.weaker import relation
 
 BOARD = Mission.model_validate({**document(), "blackboard": KEYS, "transitions": [], "invariants": {}}).blackboard
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 from rai_missions.mission import Mission
-from visualize.aligned import paired
+from visualize.diff.aligned import paired
 from visualize.shapes import Choice, Edge, Mark, Node, Picture, Twig
 
 __all__ = ("merged",)

@@ -12,7 +12,15 @@ import operator
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from rai_missions.guards import All, Any_, Compare, Fresh, Guard, Held, In, Not, Possible
+from rai_missions.guards.active import In
+from rai_missions.guards.compare import Compare
+from rai_missions.guards.elapsed import Elapsed
+from rai_missions.guards.fresh import Fresh
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.held import Held
+from rai_missions.guards.logic import All, Any_, Not
+from rai_missions.guards.near import Near
+from rai_missions.guards.possible import Possible
 
 __all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction", "conjuncts", "form", "implies", "never")
 
@@ -64,13 +72,28 @@ def _form(guard: Guard, wanted: bool, depth: int) -> Form:
         return parts[0] if len(parts) == 1 else Junction(word, parts)
     if isinstance(guard, Compare):
         return _compared(guard, wanted)
+    if isinstance(guard, Elapsed | Held | Near):
+        return _measured(guard, wanted)
     if isinstance(guard, In | Fresh):
         return Atom(guard.word, guard.state if isinstance(guard, In) else guard.fresh, "" if wanted else "not", None)
     return Atom("other", _text(guard), "" if wanted else "not", None)
 
 
+def _measured(guard: Elapsed | Held | Near, wanted: bool) -> Atom:
+    """What has a bound, as a comparison of what is measured; no key is called so."""
+    if isinstance(guard, Near):
+        here, there = sorted(guard.near)
+        return Atom("compare", f"<near {here} {there}>", "<=" if wanted else ">", guard.within_m)
+    if isinstance(guard, Elapsed):
+        return Atom("compare", "<elapsed>", ">=" if wanted else "<", guard.elapsed_s)
+    return Atom("compare", f"<held {_text(guard.held)}>", ">=" if wanted else "<", guard.for_s)
+
+
 def _text(guard: Guard) -> str:
-    if isinstance(guard, Held | Possible) and sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP:
+    if (
+        isinstance(guard, All | Any_ | Not | Held | Possible)
+        and sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP
+    ):
         return f"{id(guard)}"
     return json.dumps(guard.written(), sort_keys=True, default=str)
 
@@ -151,8 +174,10 @@ def _atom_implies(one: Atom, other: Atom) -> bool:
 
 def holds(value: Any, op: str, operand: Any) -> bool:
     """Whether a comparison of two constants is true."""
-    if op in ("in", "not in"):
-        return isinstance(operand, list | tuple) and (any(_equal(value, item) for item in operand) is (op == "in"))
+    if op == "in":
+        return isinstance(operand, list | tuple) and any(_equal(value, item) for item in operand)
+    if op == "not in":
+        return isinstance(operand, list | tuple) and value not in operand  # as the engine has it: 1 is in [true]
     if op in ("==", "!="):
         return isinstance(value, bool) is isinstance(operand, bool) and _equal(value, operand) is (op == "==")
     try:

@@ -16,9 +16,9 @@ from rai_missions.states import Decision, State, Transition, Tree
 from rai_missions.states.decision import Asked
 from rai_missions.states.tree import DecisionLeaf, tree_paths
 from rai_missions.written import Written
-from visualize.aligned import paired, parents
+from visualize.diff.aligned import paired, parents
+from visualize.diff.weaker import relation
 from visualize.shapes import Mark
-from visualize.weaker import relation
 from visualize.words import child_pointer, effects, template, trigger
 
 __all__ = ("Change", "changes")

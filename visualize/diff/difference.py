@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rai_missions.mission import Mission
-from visualize.aligned import renamed, with_names
-from visualize.changes import Change, changes
-from visualize.merged import merged
+from visualize.diff.aligned import renamed, with_names
+from visualize.diff.changes import Change, changes
+from visualize.diff.merged import merged
 from visualize.picture import picture
 from visualize.shapes import Picture
 
