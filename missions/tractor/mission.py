@@ -40,7 +40,7 @@ GIVE_UP = Set(k.unfinished, True)
 def mission() -> Mission:
     return Mission(
         "tractor_orchard",
-        version="1.1.0",
+        version="1.2.0",
         about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
         keys=k,
         events={
@@ -126,12 +126,12 @@ def mission() -> Mission:
             ),
             "signalling": Tree(
                 Sequence([CallLeaf("horn", timeout_s=2), WaitLeaf(5)]),
-                about="what lives may walk away",
+                about="what lives may walk away; that nothing is heard of it counts only while the camera is heard",
                 timeout_s=10,
                 control="agent",
                 entry=[Set(k.signals, add=1)],
                 transitions=[
-                    When(~k.obstacle.fresh, to="resume"),
+                    When((~k.obstacle.fresh).held_for(2) & k.camera.fresh, to="resume"),
                     On("succeeded", "failed", "timed_out", to="assessing"),
                 ],
             ),
