@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.connectors.ros2 import open_connector
@@ -62,6 +62,8 @@ def hold(connector: Any, server: ServerOnCall, moves: list[Any]) -> None:
 
 
 @given(moves=st.lists(goes, min_size=1, max_size=6))
+@example(moves=[("left", Script(cancel="late"), "runs"), ("right", Script(), "asked"), ("left", Script(), "over")])
+@example(moves=[("left", Script(accept="late"), "asked"), ("right", Script(cancel="refused"), "runs")])
 @settings(max_examples=15, phases=UNSHRUNK, report_multiple_bugs=False)
 def test_whenever_a_state_is_left_its_goal_ends_before_the_next_begins(
     connector: Any, server: ServerOnCall, moves: list[Any]
