@@ -5,19 +5,30 @@
 const OPEN_AT_FIRST = 45, READABLE = 0.62;
 
 class Chart {
-  /** @param host element  @param data chart data  @param told {select(kind, name), moved()} */
-  constructor(host, data, told) {
+  /** @param host element  @param data chart data  @param told {select(kind, name, places)}  @param findings [{place, sentence}] */
+  constructor(host, data, told, findings = []) {
     this.host = host;
     this.told = told;
     this.model = new Model(data);
     this.open = new Set();
+    this.faults = this.faulty(findings);
     this.state = { lens: null, active: new Set(), taken: new Set(), options: new Set(), counts: null, selected: null, found: new Set() };
     this.layer = draw("g", {});
     this.svg = draw("svg", { class: "chart", tabindex: "0", role: "application", "aria-label": `chart of ${data.name}` }, markers(), this.layer);
     host.append(this.svg);
-    this.gestures = new Gestures(this.svg, this.layer, () => this.size, told.moved);
+    this.gestures = new Gestures(this.svg, this.layer, () => this.size);
     this.openFirst();
     this.draw();
+  }
+
+  /** Which states carry a fault, and its sentences. */
+  faulty(findings) {
+    const found = new Map();
+    for (const { place, sentence } of findings) {
+      const around = this.model.data.states.filter((state) => place === state.place || place.startsWith(`${state.place}/`));
+      if (around.length) push(found, around[around.length - 1].name, sentence);
+    }
+    return found;
   }
 
   /** Outer before inner, as many as stay readable. */
@@ -45,7 +56,6 @@ class Chart {
     const after = still ? this.place(still) : null;
     if (before && after) this.gestures.shift(before.x - after.x, before.y - after.y);
     else this.fit(READABLE);
-    this.told.moved();
   }
 
   toggle(name) {
@@ -67,7 +77,7 @@ class Chart {
   }
 
   draw() {
-    this.view = new View(this.model, this.open);
+    this.view = viewOf(this.model, this.open);
     this.size = layOut(this.view, this);
     this.groups = new Map();
     this.arrows = [];
@@ -150,7 +160,7 @@ class Chart {
   }
 
   badge(item) {
-    const found = (this.faults || new Map()).get(item.name);
+    const found = this.faults.get(item.name);
     return found ? draw("g", { class: "badge", transform: `translate(${-4},${-4})` }, draw("title", {}, found.join("\n")), draw("circle", { r: 9 }), draw("text", { y: 4, "text-anchor": "middle" }, "!")) : "";
   }
 

@@ -4,8 +4,8 @@
 const LEAST = 0.05, MOST = 4;
 
 class Gestures {
-  constructor(svg, layer, size, moved) {
-    Object.assign(this, { svg, layer, size, moved, x: 0, y: 0, scale: 1, pointers: new Map() });
+  constructor(svg, layer, size) {
+    Object.assign(this, { svg, layer, size, x: 0, y: 0, scale: 1, pointers: new Map() });
     svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     svg.addEventListener("pointerdown", (event) => this.down(event));
     svg.addEventListener("pointermove", (event) => this.move(event));

@@ -2,7 +2,7 @@
 // What of a mission is to be seen: boxes inside boxes, and the arrows between them cut where they cross a border.
 // Rule: an arrow inside one box is laid out with that box alone, so opening a box moves only what is around it.
 
-const HUB = 8;
+const HUB = 8, BENDS = 900, NEAR = 7;
 
 /** The states of a chart by name, with what is inside and around each. */
 class Model {
@@ -56,9 +56,10 @@ function push(map, key, value) {
 
 /** The boxes and bundles of arrows that are seen when these states are open. */
 class View {
-  constructor(model, open) {
+  constructor(model, open, far = new Set()) {
     this.model = model;
     this.open = open;
+    this.farAway = far;
     this.items = new Map();
     this.bundles = [];
     this.root = { owner: null, items: [], segments: [] };
@@ -108,22 +109,35 @@ class View {
       if (!from || !to || from === to) continue;
       const option = from.name === row.source && (row.options || []).length === 1 ? row.options[0] : "";
       const key = `${from.kind}${from.name}>${to.name}>${option}`;
-      if (!found.has(key)) found.set(key, { from, to, option, rows: [], quiet: false });
+      if (!found.has(key)) found.set(key, { key, from, to, option, rows: [], quiet: false });
       found.get(key).rows.push(row);
     }
     const into = new Map();
     for (const bundle of found.values()) into.set(bundle.to, (into.get(bundle.to) || 0) + 1);
     for (const bundle of found.values()) {
       bundle.quiet = Boolean(bundle.option);
-      if (into.get(bundle.to) > HUB && bundle.from.kind !== "any") this.stub(bundle);
+      if ((into.get(bundle.to) > HUB && bundle.from.kind !== "any") || this.farAway.has(bundle.key)) this.stub(bundle);
     }
     for (const [parent, target] of this.model.data.initials) {
       const scope = parent ? (this.items.get(parent) || {}).inner : this.root;
       const to = this.seen(target);
-      if (scope && to) found.set(`start ${parent}>${target}`, { from: this.start(scope, parent), to, option: "", rows: [], quiet: true, start: true });
+      if (scope && to) found.set(`start ${parent}>${target}`, { key: "", from: this.start(scope, parent), to, option: "", rows: [], quiet: true, start: true });
     }
     this.bundles = [...found.values()];
     this.bundles.forEach((bundle) => this.cut(bundle));
+  }
+
+  /** The longest arrows, as many as must not be drawn for the others to stay readable. */
+  far() {
+    const found = new Set(this.farAway);
+    const spans = this.bundles.filter((bundle) => bundle.key && !bundle.target).map((bundle) => [bundle.segments.reduce((sum_, { a, b }) => sum_ + Math.abs(a.rank - b.rank) - 1, 0), bundle.key]);
+    let bends = spans.reduce((all, [span]) => all + span, 0);
+    for (const [span, key] of spans.sort((a, b) => b[0] - a[0])) {
+      if (bends <= BENDS || span < NEAR) break;
+      found.add(key);
+      bends -= span;
+    }
+    return found;
   }
 
   start(scope, parent) {

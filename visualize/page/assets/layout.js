@@ -3,9 +3,19 @@
 
 const EDGE = 14, ROW = 13, GUTTER = 48;
 
+/** The boxes that are seen when these states are open, ranked; arrows that are too far for a picture end in a name. */
+function viewOf(model, open) {
+  let view = new View(model, open);
+  rankAll(view, view.root);
+  for (let round_ = 0, far = view.far(); far.size > view.farAway.size && round_ < 3; round_ += 1, far = view.far()) {
+    view = new View(model, open, far);
+    rankAll(view, view.root);
+  }
+  return view;
+}
+
 /** Lays a view out; returns its size. */
 function layOut(view, content) {
-  rankAll(view, view.root);
   for (const bundle of view.bundles) {
     const first = bundle.segments[0];
     const box = bundle.start ? null : content.arrow(bundle, bundle.quiet && !first.up);
@@ -15,6 +25,14 @@ function layOut(view, content) {
   moveTo(view.root, 0, 0);
   for (const bundle of view.bundles) bundle.points = wayOf(bundle);
   return size;
+}
+
+function leftOf(items) {
+  return items.reduce((least, item) => Math.min(least, item.x - item.w / 2), Infinity);
+}
+
+function rightOf(items) {
+  return items.reduce((most, item) => Math.max(most, item.x + item.w / 2), -Infinity);
 }
 
 function rankAll(view, scope) {
@@ -40,20 +58,20 @@ function placeScope(scope, content) {
   });
   const all = layers.flat();
   bottom = inStrips(layers, all, bottom);
-  const left = Math.min(0, ...all.map((item) => item.x - item.w / 2));
+  const left = Math.min(0, leftOf(all));
   for (const item of all) {
     item.x -= left;
     item.gutterAt -= left;
   }
   for (const item of scope.items) spreadEnds(item);
-  scope.w = Math.max(0, ...all.map((item) => item.x + item.w / 2));
+  scope.w = Math.max(0, rightOf(all));
   scope.h = bottom;
   return { w: scope.w, h: scope.h };
 }
 
 /** What is many times as long as wide is set in strips side by side; returns the height. */
 function inStrips(layers, all, height) {
-  const wide = Math.max(...all.map((item) => item.x + item.w / 2)) - Math.min(...all.map((item) => item.x - item.w / 2));
+  const wide = layers.reduce((most, layer) => Math.max(most, layer.length ? rightOf(layer) - leftOf(layer) : 0), 0);
   const wanted = Math.min(12, Math.round(Math.sqrt(height / (1.1 * wide + 1))));
   for (const item of all) Object.assign(item, { strip: 0, gutterAt: 0 });
   if (wanted < 2 || layers.length < 16) return height;
@@ -66,11 +84,11 @@ function inStrips(layers, all, height) {
   });
   let right = 0;
   strips.forEach(({ items, top }, strip) => {
-    const shift = right - Math.min(...items.map((item) => item.x - item.w / 2)), down = GUTTER / 3 - top;
+    const shift = right - leftOf(items), down = GUTTER / 3 - top;
     for (const item of items) {
       Object.assign(item, { strip, gutterAt: right - GUTTER / 2, x: item.x + shift, y: item.y + down, band: item.band.map((each) => each + down) });
     }
-    right = Math.max(...items.map((item) => item.x + item.w / 2)) + GUTTER;
+    right = rightOf(items) + GUTTER;
   });
   return Math.max(...strips.map(({ top, bottom }) => bottom - top)) + (2 * GUTTER) / 3;
 }

@@ -6,9 +6,8 @@ class Page {
     this.data = data;
     this.at = {};
     this.findings = data.findings || [];
-    this.chart = new Chart(byId("chart"), data.chart, { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
+    this.chart = new Chart(byId("chart"), data.chart, { select: (kind, name, more) => this.select(kind, name, more) }, this.findings);
     this.model = this.chart.model;
-    this.chart.faults = this.badges();
     const go = (kind, name) => this.go(kind, name);
     this.details = new Details(byId("details"), this.model, { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
     this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), go }) : null;
@@ -16,20 +15,9 @@ class Page {
     this.lenses = new Lenses(byId("lenses"), byId("lens"), data.lenses, { show: (lens) => this.lit(lens), go });
     this.dress();
     this.listen();
-    this.chart.draw();
     this.chart.fit(READABLE);
     this.details.nothing();
     this.follow();
-  }
-
-  /** Which states carry a fault that the check found. */
-  badges() {
-    const found = new Map();
-    for (const each of this.findings) {
-      const state = [...this.model.states.values()].filter((one) => each.place === one.place || each.place.startsWith(`${one.place}/`)).pop();
-      if (state) push(found, state.name, each.sentence);
-    }
-    return found;
   }
 
   dress() {
