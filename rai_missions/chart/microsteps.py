@@ -126,7 +126,9 @@ class Microsteps(Endings):
             self._leave_activity(node)
         self._pending.pop(node.name, None)
         self._settling.pop(node.name, None)
-        self._rounds.pop(node.name, None)
+        if self._rounds.pop(node.name, None) is not None:
+            for trigger in [each for each in self._internal if each.name == "round" and each.source is node]:
+                self._internal.remove(trigger)  # a round that is left is not begun anew
         if node.clocked:
             self.view.entered.pop(node.name, None)
         if self.view.held:

@@ -56,3 +56,16 @@ def test_a_list_that_is_stale_is_unknown_to_each() -> None:
         made.write("stops", ["a", "b"], at=0.0)
         made.start(0.0)
         assert sent(made, "e", at=at).entered == entered
+
+
+def test_a_round_that_a_row_leaves_is_not_begun_anew() -> None:
+    inside = {"x": {"transitions": [{"when": {"not": {"fresh": "clear"}}, "to": "end"}]}, "end": {"final": "succeeded"}}
+    way_out = {"when": {"in": "end"}, "to": "away"}
+    each = {"each": "stops", "as": "stop", "initial": "x", "states": inside, "transitions": [way_out]}
+    keys = {
+        "stops": {"type": "list", "initial": ["a", "b"]}, "stop": {"type": "string"},
+        "clear": {"type": "boolean", "source": "robot", "max_age_s": 5, "optional": True},
+    }  # fmt: skip
+    made = Chart(mission({"tour": each, "away": {}}, blackboard=keys, initial="tour"))
+    made.start(0.0)
+    assert made.active == {"away"}
