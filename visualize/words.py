@@ -15,6 +15,7 @@ from rai_missions.states.decision import Asked
 from rai_missions.states.state import Transition
 from rai_missions.states.tree import (
     ActionLeaf,
+    BehaviourLeaf,
     CallLeaf,
     CheckLeaf,
     DecisionLeaf,
@@ -28,6 +29,7 @@ from rai_missions.states.tree import (
     WaitLeaf,
     tree_paths,
 )
+from rai_missions.states.tree.behaviour import factory_name
 from visualize.shapes import Choice, Twig
 
 __all__ = ("child_pointer", "choices", "doing", "effects", "state_lines", "state_title", "template", "trigger", "twigs")
@@ -174,6 +176,8 @@ def _twig_words(node: TreeNode) -> str:
         return "; ".join((f"{node.word} {name}", *doing(node)))
     if isinstance(node, CheckLeaf):
         return f"check {node.check.words()}"
+    if isinstance(node, BehaviourLeaf):
+        return f"behaviour {factory_name(node.factory)}; ticked every {node.tick_s:g} s"
     if isinstance(node, WaitLeaf):
         return f"wait {node.wait_s:g} s"
     if isinstance(node, SetLeaf):

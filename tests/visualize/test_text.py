@@ -11,13 +11,17 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 from rai_missions.mission import Mission
+from rai_missions.states import Compound
+from rai_missions.states import Tree as TreeState
 from tests.strategies import missions
 from tests.visualize import grammar
 from tests.visualize.runs import hostile, tractor, tractor_path
 from visualize import mermaid as mermaids
 from visualize import picture
 from visualize import table as tables
+from visualize.graphing import dot_text
 from visualize.mermaid import mermaid
+from visualize.page import review
 from visualize.style import clean
 from visualize.table import table
 
@@ -70,3 +74,14 @@ def test_the_table_counts_what_was_taken() -> None:
     assert "| driving | anomaly |  | assessing | signals := 0 | **2× in steps 2, 5** |" in text
     assert "| driving | succeeded |  | done |  |  |" in text
     assert "A run of 6 steps: aborted, 'aborted' was reached." in text
+
+
+def test_a_behaviour_in_python_is_drawn_by_the_name_of_its_factory() -> None:
+    def spray() -> None: ...
+
+    around = Compound(initial="t", states={"t": TreeState(spray, tick_s=0.5)})
+    mission = Mission("m", initial="around", states={"around": around})
+    [twig] = picture(mission).node("t").twigs
+    assert twig.text.endswith("spray; ticked every 0.5 s")
+    assert "spray" in dot_text(picture(mission))
+    assert b"spray" in review(mission)

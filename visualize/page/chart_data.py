@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
 from rai_missions.states import Decision, State
+from rai_missions.states.state import descendants
 from visualize.page.plain import Json, plain, without_empty
 from visualize.shapes import Edge, Node, Picture
 
@@ -54,13 +54,18 @@ def chart_data(picture: Picture, mission: Mission, old: Mission | None = None) -
 def _definitions(mission: Mission) -> Iterator[tuple[str, Json]]:
     """Each state as it is written, without the states inside it."""
     for _, name, state in mission.walk():
-        try:
-            written = state.written()
-        except UsageError:
-            yield name, {"behaviour": state.program(), "transitions": [row.written() for row in state.transitions]}
-            continue
-        inside = {word: list(written[word]) for word in ("states", "parallel") if isinstance(written.get(word), dict)}
-        yield name, plain({**written, **inside})
+        inside = {state.child_place(): list(state.children())} if state.children() else {}
+        yield name, plain({**_written(state), **inside})
+
+
+def _written(state: State) -> Json:
+    """As JSON has it; of a behaviour of the user's program, which JSON cannot hold, the name."""
+    within = (each for _, _, each in descendants(state.children()))
+    if not any(each.program() for each in (state, *within)):
+        return state.written()
+    apart = {"states", "parallel", "tree"}
+    found = state.model_dump(mode="json", by_alias=True, exclude_defaults=True, exclude=apart)  # type: ignore[call-arg]
+    return {"behaviour": state.program(), **found} if state.program() else found
 
 
 def _state(node: Node, written: Json, mission: Mission) -> Json:
