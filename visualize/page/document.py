@@ -11,6 +11,7 @@ import base64
 import hashlib
 import json
 import re
+from collections.abc import Iterable
 from functools import cache
 from html import escape
 from pathlib import Path
@@ -18,7 +19,7 @@ from pathlib import Path
 from visualize.page.plain import Json
 from visualize.style import clean
 
-__all__ = ("SCRIPTS", "document")
+__all__ = ("SCRIPTS", "asset", "bundle", "document")
 
 ASSETS = Path(__file__).parent / "assets"
 SCRIPTS = (
@@ -40,7 +41,7 @@ def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, conn
         scripts: The files of `assets` that run, in order.
         connect: Where the page may connect to, as its policy has it: a live one to `'self'`.
     """
-    style, script = _asset("page.css"), _script(scripts)
+    style, script = asset("page.css"), _script(scripts)
     policy = (
         "default-src 'none'; img-src data:; base-uri 'none'; form-action 'none'; "
         f"connect-src {connect}; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
@@ -50,18 +51,23 @@ def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, conn
     parts = {
         "policy": escape(policy), "title": escape(clean(title)), "style": style, "script": script, "data": text,
     }  # fmt: skip
-    return PLACE.sub(lambda found: parts[found[1]], _asset("page.html")).encode("utf-8", "replace")
+    return PLACE.sub(lambda found: parts[found[1]], asset("page.html")).encode("utf-8", "replace")
 
 
 @cache
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """A file of the page's parts."""
     return (ASSETS / name).read_text(encoding="utf-8")
+
+
+def bundle(names: Iterable[str], more: Iterable[str] = ()) -> str:
+    """Scripts as one, whose names stay its own: files of `assets`, and texts behind them."""
+    return '(() => {\n"use strict";\n' + "\n".join([*map(asset, names), *more]) + "})();\n"
 
 
 @cache
 def _script(names: tuple[str, ...]) -> str:
-    """The scripts as one, whose names stay its own."""
-    return '(() => {\n"use strict";\n' + "\n".join(_asset(name) for name in names) + "})();\n"
+    return bundle(names)
 
 
 def _hash(text: str) -> str:
