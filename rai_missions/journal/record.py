@@ -82,9 +82,10 @@ class Record:
         row = self.row(found) if found else None
         return row if isinstance(row, StepRow) else None
 
-    def raw(self) -> Iterator[Raw]:
-        """Every row as it stands, unread."""
-        found = self._database.execute("SELECT number, kind, content, hash FROM rows ORDER BY number")
+    def raw(self, after: int = -1) -> Iterator[Raw]:
+        """Every row as it stands, unread; those behind a number, where one is given."""
+        columns = "SELECT number, kind, content, hash FROM rows WHERE number > ? ORDER BY number"
+        found = self._database.execute(columns, (after,))
         for raw in found:  # noqa: UP028 - `yield from` would close the cursor, which a closed record no longer can
             yield raw
 
