@@ -82,10 +82,10 @@ class Record:
         row = self.row(found) if found else None
         return row if isinstance(row, StepRow) else None
 
-    def raw(self, after: int = -1) -> Iterator[Raw]:
+    def raw(self, after: int | None = None) -> Iterator[Raw]:
         """Every row as it stands, unread; those behind a number, where one is given."""
-        columns = "SELECT number, kind, content, hash FROM rows WHERE number > ? ORDER BY number"
-        found = self._database.execute(columns, (after,))
+        where, numbers = ("", ()) if after is None else ("WHERE number > ?", (after,))
+        found = self._database.execute(f"SELECT number, kind, content, hash FROM rows {where} ORDER BY number", numbers)
         for raw in found:  # noqa: UP028 - `yield from` would close the cursor, which a closed record no longer can
             yield raw
 
