@@ -57,6 +57,10 @@ class Mailbox:
             if self._urgent:
                 return self._urgent.popleft()
 
+    def put_back(self, events: list[Event]) -> None:
+        """They are taken before all others but the urgent ones, in this order."""
+        self._front.extendleft(reversed(events))
+
     @property
     def empty(self) -> bool:
         return not self._urgent and not self._front and self._queue.empty()

@@ -43,8 +43,10 @@ class Event(NamedTuple):
     | `proposal`   | the answerer that answers, declines or fails      | number of question|
     | `control`    | who holds control now                             | –                 |
     | `behaviour`  | `behaviour`; its end stands in `data["status"]`   | number of start   |
-    | `command`    | `pause`, `resume`, `cancel`, `kill`               | –                 |
+    | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`            | –                 |
     | `doubt`      | `uncertain`: whether it was done (`data["name"]`) nobody can say | – |
+
+    `take_up`: another process goes on with the run, and what the robot says now is in `data["heard"]`.
     """
     number: int = 0
     """The number of the start or question that this answers; a late one is known by it."""

@@ -132,32 +132,39 @@ class Performer:
         """The run breaks off: end every goal that may still run, heard of or not."""
         self.perform(self._goals.cut_off())
 
-    def take_up(self, under: Underway, awaited: frozenset[int]) -> None:
-        """Go on with what an earlier process had under way.
+    def take_up(self, under: Underway, awaited: frozenset[int], wanted: frozenset[str], *, anew: bool) -> None:
+        """Go on with what an earlier process had under way, but for questions.
 
         What nobody can tell the fate of, and may not be done twice, the mission hears of by the event `uncertain`.
 
         Args:
             under: What its journal leaves open.
             awaited: The numbers that the mission still waits for.
+            wanted: Who must have control for what the mission waits with.
+            anew: The surroundings know of nothing that was done: a simulated world that starts again.
         """
         for number, effect in under.open.items():
-            if number in awaited:
-                self._guarded(effect, partial(self._go_on, effect, under))
-        for unsure in under.unsure:
+            if number in awaited and not isinstance(effect, Ask):
+                self._guarded(effect, partial(self._go_on, effect, under, anew=anew))
+                if number in under.canceled and isinstance(effect, StartGoal):
+                    self.perform((CancelGoal(number, effect.action),))
+        for unsure in under.unconfirmed:
             if isinstance(unsure, PublishMessage):
-                self._guarded(unsure, partial(self._publish_again, unsure))
+                self._guarded(unsure, partial(self._publish_again, unsure, anew=anew))
             elif isinstance(unsure, SayAloud):
                 self.perform((unsure,))
-        for number in under.canceled & awaited:
-            if isinstance(start := under.open.get(number), StartGoal):
-                self.perform((CancelGoal(number, start.action),))
-        if under.handover is not None:
+        if under.handover is not None and under.handover.to in wanted:
             self.perform((under.handover,))
 
-    def _go_on(self, effect: Effect, under: Underway) -> None:
-        if isinstance(effect, StartGoal):
-            sent, accepted = effect not in under.unsure, effect.number in under.accepted
+    def ask_again(self, under: Underway, awaited: frozenset[int]) -> None:
+        """Ask what an earlier process had asked and the mission still waits for."""
+        self.perform(tuple(each for number, each in under.open.items() if isinstance(each, Ask) and number in awaited))
+
+    def _go_on(self, effect: Effect, under: Underway, *, anew: bool) -> None:
+        if anew:
+            self._perform[type(effect)](effect)
+        elif isinstance(effect, StartGoal):
+            sent, accepted = effect not in under.unconfirmed, effect.number in under.accepted
             if not self._goals.take_up(effect, sent=sent, accepted=accepted):
                 self._doubt("action", effect.action, effect.number, "rejected")
         elif isinstance(effect, CallService) and not self._may_repeat(effect):
@@ -169,12 +176,16 @@ class Performer:
         entry = self._robot.services.get(effect.service) if self._robot is not None else None
         return entry is None or entry.repeat
 
-    def _publish_again(self, effect: PublishMessage) -> None:
-        entry = self._robot.topics.get(effect.topic) if self._robot is not None else None
-        if entry is None or entry.repeat:
+    def _publish_again(self, effect: PublishMessage, *, anew: bool) -> None:
+        if anew or not self.is_doubtful(effect):
             self._publish(effect)
         else:
             self._event("doubt", "uncertain", 0, {"what": "publish", "name": effect.topic})
+
+    def is_doubtful(self, effect: Effect) -> bool:
+        """It is a message that may not be published twice."""
+        entry = self._robot.topics.get(effect.topic) if self._robot and isinstance(effect, PublishMessage) else None
+        return entry is not None and not entry.repeat
 
     def _doubt(self, what: str, name: str, number: int, outcome: str) -> None:
         """Nobody can say whether it was done."""

@@ -75,12 +75,14 @@ class Lines:
         self._answered: dict[str, int] = {}
         self._reasons = _reasons(mission)
 
-    def begin(self, robot: str, answerers: str, journal: str, *, model: str | None) -> None:
-        """The head of a run: what runs on what, who answers, where it is written down."""
+    def begin(self, robot: str, answerers: str, journal: str, *, model: str | None, goes_on: str = "") -> None:
+        """The head of a run: what runs on what, who answers, where it is written down, from where it goes on."""
         self._print(f"{self._mission.name} {self._mission.version} on {robot or 'no robot'}")
         self._print(f"model: {model or 'none, no model is asked'}")
         self._print(f"questions are answered by: {answerers or 'nobody, so each takes its fallback'}")
         self._print(f"journal: {journal or 'none'}")
+        if goes_on:
+            self._print(goes_on)
         self._print("")
 
     def watch(self, chart: Chart) -> None:

@@ -33,6 +33,8 @@ class Resumption(NamedTuple):
     """When the run began, on its own clock."""
     decisions: int
     """Questions asked so far."""
+    anew: bool = False
+    """The surroundings know of nothing that was done: a simulated world that starts again."""
 
     @property
     def at(self) -> float:
@@ -68,7 +70,7 @@ def resumption(
         began = row.since if last is None else began
         last = row.step
         decisions += last.question is not None
-    if chart.outcome is not None and not chart.open_goals:
+    if chart.outcome is not None and not chart.open_goals and not under.unsure:
         raise UsageError(f"the run of {record.path} has ended, {chart.outcome}: {chart.why}; start a new one")
     rebuilding.go_live()
     return Resumption(chart, under, last, began, decisions)

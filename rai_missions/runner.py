@@ -31,6 +31,7 @@ from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, missing, terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import Step
+from rai_missions.taking_up import Hearing, carry_on
 from rai_missions.verdict import Answerer
 
 __all__ = ("Commands", "Result", "Runner")
@@ -220,11 +221,30 @@ class Runner:
 
     def _take_up(self, resumed: Resumption) -> None:
         """Go on where a run was cut short, with what it had under way."""
-        self._scribe.go_on(resumed.at)
         if resumed.last is not None:
-            self._tell(resumed.last)
-        self.lifecycle.control.kept = self.chart.holder == "operator" and resumed.under.holder_by != "mission"
-        self.performer.take_up(resumed.under, self.chart.awaited)
+            self._tell_status(resumed.last)
+        self.lifecycle.control.kept = self.chart.holder == "operator" and not resumed.under.is_held_for_mission
+        carry_on(resumed, self.performer, self._scribe)
+        if self.chart.outcome is None:
+            self._hear_again()
+        self.performer.ask_again(resumed.under, self.chart.awaited)
+
+    def _hear_again(self) -> None:
+        """Let the robot say anew what it had said, before anything else happens."""
+        hearing = Hearing(self.chart, self.clock.now())
+        while self.clock.now() < hearing.until:
+            self._do_asked()
+            event = self.mailbox.take()
+            if event is None:
+                due = min(hearing.until, self._later[0][0] if self._later else math.inf)
+                self.clock.wait(self.mailbox, due, paced=False)
+            elif event.kind == "command" and event.name == "kill":
+                self._kill(event)
+                break
+            else:
+                hearing.take(event)
+        self._step(lambda: self.chart.send(hearing.event(self.clock.now())))
+        self.mailbox.put_back(hearing.rest)
 
     def _get_ready(self) -> None:
         """Hear every robot key once before the start."""
@@ -258,13 +278,16 @@ class Runner:
 
     def _do_due(self) -> None:
         """What is asked of the runner itself, and what its time has come for."""
+        self._do_asked()
+        if self.clock.now() >= self._due:
+            self._write_carried()
+
+    def _do_asked(self) -> None:
         while self._requests:
             self._requests.popleft()()
         now = self.clock.now()
         while self._later and self._later[0][0] <= now:
             heapq.heappop(self._later)[2]()
-        if now >= self._due:
-            self._write_carried()
 
     def _idle(self, until: float) -> None:
         """Nothing has come: wait for it, or for the next instant."""
@@ -325,14 +348,17 @@ class Runner:
 
     def _tell(self, step: Step) -> None:
         self._decisions += step.question is not None
+        self._tell_status(step)
+        if self._on_step is not None:
+            self._observe(self._on_step, step, "on_step")
+
+    def _tell_status(self, step: Step) -> None:
         chart = self.chart
         status = self.lifecycle.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
         if status is not None and status.control == "nobody" and step.event.kind != "control":
             self.performer.handovers.let_go(self.mailbox.wake)
         if status is not None and self._on_status is not None:
             self._observe(self._on_status, status, "on_status")
-        if self._on_step is not None:
-            self._observe(self._on_step, step, "on_step")
 
     def _observe(self, observer: Callable[[T], None], what: T, name: str) -> None:
         """Whoever looks on cannot harm the run; the first thing that an observer raises is logged."""

@@ -28,6 +28,7 @@ from rai_missions.lifecycle import Status
 from rai_missions.load import dump, load
 from rai_missions.mission import Mission
 from rai_missions.recording import Recording, observers, recorded
+from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, dump_profile, identity_folder, lacking, load_profile, missing
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Step
@@ -117,7 +118,7 @@ class Prepared:
                 answerers=self.answerers, journal=self.journal, arguments=self._header.arguments, named=setting.named,
                 on_step=on_step, on_status=on_status,
                 run=self._header.run or None,
-                resumed=self._taken.resumption if self._taken is not None else None,
+                resumed=self._resumption(),
             )  # fmt: skip
         except BaseException:
             self.close()
@@ -127,6 +128,20 @@ class Prepared:
     def runner(self) -> Runner:
         assert self._runner is not None
         return self._runner
+
+    def _resumption(self) -> Resumption | None:
+        """Where the run stood; a simulated world knows nothing of it."""
+        return None if self._taken is None else self._taken.resumption._replace(anew=self.world is not None)
+
+    @property
+    def goes_on(self) -> str:
+        """From where a run goes on, for whoever watches it; empty for one that begins."""
+        if self._taken is None:
+            return ""
+        chart = self._taken.resumption.chart
+        where = ", ".join(sorted(chart.active)) or "before its start"
+        world = "; the simulated world starts anew, and what was under way in it is begun again" if self.world else ""
+        return f"the run goes on at {chart.at:.2f} s in: {where}{world}"
 
     def _surroundings(self) -> tuple[World | None, Connector | None, Clock]:
         """The world, how it is reached, and whose time counts."""
@@ -152,6 +167,8 @@ class Prepared:
             return None, LocalConnector(now=clock.now), clock
         if setting.seed is not None:
             options["seed"] = setting.seed
+        if self._taken is not None:  # its clock goes on, and all else in it starts anew
+            options["start_s"] = self._taken.resumption.at
         world = open_world(str(world_name), **options)
         self._closes.append(world.close)
         connector = LocalConnector(now=lambda: world.at)
@@ -221,7 +238,7 @@ class Prepared:
     def _journal(self) -> Journal | None:
         witness = self.recording.row if self.recording is not None else None
         if self._taken is not None:
-            journal = Journal.open(self._taken.record.path, witness=witness)
+            journal = Journal.open(self._taken.record.path, witness=witness, seal=self._taken.record.seal)
         elif (path := self._journal_path()) is None:
             return None
         else:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.errors import DefinitionError, Fault
 from rai_missions.guards.guard import Truth
 from rai_missions.journal import Record, read
 from rai_missions.mission import Mission

@@ -78,6 +78,12 @@ class Chart(Instants):
         each = (machine.awaits(state) for _, machine, state in self._live())
         return frozenset(self._ledger.goals).union(self._calls, *each)
 
+    @property
+    def wanted(self) -> frozenset[str]:
+        """Who must have control for what waits to begin."""
+        each = (self._graph.nodes[name].control for name in self._pending)
+        return frozenset(holder for holder in each if holder is not None)
+
     def start(self, at: float = 0.0) -> Step:
         """Enter the mission.
 
@@ -244,13 +250,15 @@ class Chart(Instants):
             raise UsageError(f"'{event.name}' cannot happen at {event.at} s; give a finite number of seconds")
         self._clear()
         at = max(event.at, self.view.at)
+        if event.kind == "command" and event.name == "take_up":
+            self._hear_anew(event.data.get("heard", {}))  # before time goes on: nothing is stale that was heard again
         if self.mode == "ready":
             self.view.at = at
             if event.kind == "write":
                 self._write(event)
             elif event.kind == "control":
                 self._control(event)
-            elif event.kind == "command" and event.name in ("cancel", "kill"):
+            elif event.kind == "command" and event.name in ("cancel", "kill", "take_up"):
                 self._command(event)
             else:
                 self._refused = "the mission has not been started"

@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.blackboard import Stamped, fits
 from rai_missions.chart.core import Trigger
 from rai_missions.chart.microsteps import Microsteps
 from rai_missions.event import KINDS, Event
@@ -16,7 +20,15 @@ class Modes(Microsteps):
 
     def _command(self, event: Event) -> None:
         by = str(event.data.get("by", "")) or "command"
-        if self.outcome is not None:
+        if event.name == "take_up":
+            self._touched = True  # what the robot has said since was noted before
+            if self.mode == "paused":
+                self._check_invariants()
+            elif self.mode != "ready" and self.outcome is None:
+                self._due = frozenset(self._running)  # each may have read what is not known any more
+                self._poll()
+                self._complete(None)
+        elif self.outcome is not None:
             self._refused = "the mission has ended"
         elif event.name == "kill":
             self._kill(f"killed by {by}")
@@ -28,6 +40,25 @@ class Modes(Microsteps):
             self._resume()
         else:
             self._refused = f"no command '{event.name}'{suggestion(event.name, ('pause', 'resume', 'cancel', 'kill'))}"
+
+    def _hear_anew(self, heard: Mapping[str, Any]) -> None:
+        """Another process goes on: what the robot said to the one before counts no more, if it can grow stale at all.
+
+        Args:
+            heard: Key → its value and stamp, as the robot says it now.
+        """
+        keys, board = self.mission.blackboard, self.view.board
+        for name in [name for name in board if keys[name].source == "robot" and keys[name].max_age_s is not None]:
+            del board[name]
+        for name, (value, at) in heard.items():
+            if name in keys and not fits(keys[name], value):
+                board[name] = Stamped(value, float(at))
+                self.written.append((name, value))
+        self._look_ahead()
+
+    def _look_ahead(self) -> None:
+        """See what the next event may change."""
+        raise NotImplementedError
 
     def _cancel(self, by: str) -> None:
         if self.mode == "canceling":

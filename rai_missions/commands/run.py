@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.check import check
 from rai_missions.commands.given import named_in, steps_of
+from rai_missions.commands.live import sort_out, watched
 from rai_missions.commands.node import beside, managed, refuse_words_of_one_run
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.load import load
@@ -36,6 +37,7 @@ def run(given: argparse.Namespace) -> int:
     """Run a mission and print it as it goes."""
     from rai_missions.agents.mission import prepare
 
+    sort_out(given)
     if given.record:
         check_name(Path(given.record))
     if given.managed:
@@ -51,13 +53,18 @@ def run(given: argparse.Namespace) -> int:
     lines = _lines(mission, given)
     setting = replace(_setting(given, mission, lines), named=named)
     try:
-        with beside(given, setting) as stand, prepare(stand.setting) as prepared:
+        with (
+            watched(given, setting) as watch,
+            beside(given, watch.setting if watch else setting) as stand,
+            prepare(stand.setting) as prepared,
+        ):
             robot = prepared.robot.name if prepared.robot is not None else ""
             if not given.json:
-                lines.begin(robot, ", ".join(sorted(prepared.answerers)), str(setting.journal), model=given.model)
+                answerers, goes_on = ", ".join(sorted(prepared.answerers)), prepared.goes_on
+                lines.begin(robot, answerers, str(setting.journal), model=given.model, goes_on=goes_on)
                 lines.watch(prepared.runner.chart)
             with _interruptible(prepared.runner):
-                result = stand.run(prepared.runner)
+                result = watch.run(prepared, stand.run) if watch else stand.run(prepared.runner)
     finally:
         lines.close()
     if given.picture:

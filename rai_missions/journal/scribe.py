@@ -77,6 +77,11 @@ class Scribe:
         if self._book is not None and weighty(step):
             self._book.confirm(step.seq, "performed")
 
+    def settle(self, seq: int, how: str) -> None:
+        """Write down what has become of effects of which nothing said so; raises as `write` does."""
+        if self._book is not None:
+            self._book.confirm(seq, how)
+
     def note(self, text: str) -> None:
         """Write down why there is no run, or why it broke off; raises what the journal raises."""
         if self._book is not None:

@@ -6,8 +6,9 @@ Rule: it is read from rows alone. Whether any of it still goes on is for the rob
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
+from rai_missions.event import Event
 from rai_missions.journal.rows import Confirmation, Row, StepRow
 from rai_missions.step import (
     Ask,
@@ -29,6 +30,8 @@ __all__ = ("Underway", "underway", "weighty")
 WEIGHTY = (StartGoal, CallService, PublishMessage, SayAloud)
 OPENING = (StartGoal, CallService, Ask, StartBehaviour)
 CLOSING = (Withdraw, StopBehaviour)
+SAID = frozenset({"accepted", "feedback", "result"})
+"""Kinds of events by which a server shows that it was reached."""
 
 
 def weighty(step: Step) -> bool:
@@ -46,34 +49,60 @@ class Underway:
         """Of these, the goals that their server has accepted."""
         self.canceled: set[int] = set()
         """Of these, the goals whose end was asked for."""
-        self.unsure: tuple[Effect, ...] = ()
-        """The effects of the last step, where nothing says that they were carried out."""
+        self.unsure: dict[int, tuple[Effect, ...]] = {}
+        """Number of a step → those of its effects of which nothing says that they were carried out."""
         self.handover: Handover | None = None
         """Asked for and not acknowledged."""
-        self.holder_by = ""
-        """Who had control handed over last."""
+        self.is_held_for_mission = False
+        """Whoever holds control was given it by the mission."""
 
     def follow(self, row: Row) -> None:
         """Take the next row."""
         if isinstance(row, Confirmation):
-            self.unsure = ()
+            left = self.unsure.pop(row.number, ())
+            if row.how == "repeated" and (open_ends := tuple(each for each in left if isinstance(each, OPENING))):
+                self.unsure[row.number] = open_ends
         elif isinstance(row, StepRow):
             self._step(row.step)
 
+    @property
+    def unconfirmed(self) -> tuple[Effect, ...]:
+        """All effects of which nothing says that they were carried out."""
+        return tuple(effect for effects in self.unsure.values() for effect in effects)
+
     def _step(self, step: Step) -> None:
         event = step.event
+        if event.kind in SAID:
+            self._settle(lambda effect: isinstance(effect, StartGoal | CallService) and effect.number == event.number)
+        elif event.kind == "doubt":
+            name = event.data.get("name")
+            self._settle(
+                lambda effect: (
+                    isinstance(effect, SayAloud) or (isinstance(effect, PublishMessage) and effect.topic == name)
+                )
+            )
         if event.kind in ("result", "proposal", "behaviour"):
             self._close(event.number)
         elif event.kind == "accepted" and event.number in self.open:
             self.accepted.add(event.number)
         elif event.kind == "control":
-            self.holder_by = str(event.data.get("by", ""))
-            if self.handover is not None and self.handover.to == event.name:
-                self.handover = None
+            self._control(event)
         for effect in step.effects:
             self._effect(effect)
-        is_done = event.kind == "command" and event.name == "kill"  # a kill is written after it was carried out
-        self.unsure = step.effects if weighty(step) and not is_done else ()
+        if not (event.kind == "command" and event.name == "kill"):  # one is written after it was carried out
+            weighs = tuple(effect for effect in step.effects if isinstance(effect, WEIGHTY))
+            self.unsure |= {step.seq: weighs} if weighs else {}
+
+    def _settle(self, is_settled: Callable[[Effect], bool]) -> None:
+        """What came back since says that they were carried out, or the mission has heard of the doubt."""
+        left = {seq: tuple(each for each in effects if not is_settled(each)) for seq, effects in self.unsure.items()}
+        self.unsure = {seq: effects for seq, effects in left.items() if effects}
+
+    def _control(self, event: Event) -> None:
+        is_asked_for = self.handover is not None and self.handover.to == event.name
+        self.is_held_for_mission = is_asked_for or event.data.get("by") == "mission"
+        if is_asked_for:
+            self.handover = None
 
     def _effect(self, effect: Effect) -> None:
         if isinstance(effect, OPENING):

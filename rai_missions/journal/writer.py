@@ -85,11 +85,16 @@ class Journal:
         return journal
 
     @classmethod
-    def open(cls, path: Path | str, *, redact: Redact | None = None, witness: Witness | None = None) -> Self:
+    def open(
+        cls, path: Path | str, *, redact: Redact | None = None, witness: Witness | None = None, seal: str | None = None
+    ) -> Self:
         """A journal that is there, to go on with.
 
+        Args:
+            seal: The hash of its last row, as `Record.seal` read it; left out, any will do.
+
         Raises:
-            UsageError: There is none, or another process writes it.
+            UsageError: There is none, or another process writes it, or has written on since it was read.
             DefinitionError: It is no journal of this format.
         """
         path = Path(path)
@@ -99,6 +104,9 @@ class Journal:
             last = journal._database.execute("SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1").fetchone()
             if last is not None:
                 journal._number, journal._hash = last
+            if seal is not None and journal._hash != seal:
+                journal.close()
+                raise UsageError(f"another process has gone on with the run of {path} meanwhile; start once more")
         except BaseException:
             lock.release()
             raise

@@ -32,7 +32,7 @@ class World(Protocol):
 
     @property
     def at(self) -> float:
-        """Simulated seconds since the start."""
+        """What its clock shows, simulated seconds: 0 at the start, or the option `start_s`."""
 
     def open(self, connector: Connector) -> None:
         """Put the robot's topics, services and actions on a connector."""

@@ -48,6 +48,7 @@ class House:
         recoveries: How many the navigation tries before it gives up.
         battery: `capacity_wh` and `charge` (0 to 1).
         camera: Without it there are no pictures, and no OpenGL is needed.
+        start_s: What its clock shows at the start.
     """
 
     period_s = 0.05
@@ -60,6 +61,7 @@ class House:
         recoveries: int = 6,
         battery: Mapping[str, float] | None = None,
         camera: bool = True,
+        start_s: float = 0.0,
     ) -> None:
         if recoveries < 0:
             raise UsageError(f"recoveries: {recoveries} is no number of attempts; give 0 or more")
@@ -78,14 +80,16 @@ class House:
         }
         self._command, self._command_until = (0.0, 0.0), -math.inf
         self._closes: list[Close] = []
-        self._steps = 0
+        self._steps, self._start_s = 0, start_s
+        for server in self._servers.values():
+            server.at = start_s
         self.substeps = round(self.period_s / scene.TIMESTEP_S)
         mujoco.mj_forward(self.model, self.data)
 
     @property
     def at(self) -> float:
-        """Simulated seconds since the start."""
-        return round(self._steps * self.period_s, 9)
+        """What its clock shows, simulated seconds."""
+        return round(self._start_s + self._steps * self.period_s, 9)
 
     @property
     def pose(self) -> Pose:
@@ -111,7 +115,7 @@ class House:
     def step(self) -> None:
         """Go one period on: look, drive, let physics happen, and publish what happened."""
         with self._outbox.lock:
-            self.doors.step(self.at, self.pose[:2])
+            self.doors.step(self.at - self._start_s, self.pose[:2])
             if self._steps % FAST == 0:
                 self._scan()
             self._drive()

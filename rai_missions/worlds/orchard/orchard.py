@@ -58,6 +58,7 @@ class Orchard:
         camera: Without it there are no pictures and no detected obstacles, and no OpenGL is needed.
         shadows: Prettier, slower pictures.
         robot: The name that topics and services begin with.
+        start_s: What its clock shows at the start.
     """
 
     period_s = 0.05
@@ -75,6 +76,7 @@ class Orchard:
         camera: bool = True,
         shadows: bool = False,
         robot: str = "tractor1",
+        start_s: float = 0.0,
     ) -> None:
         self.layout = Layout(alleys, length_m)
         self.obstacles = place(seed, self.layout, obstacles)
@@ -92,20 +94,21 @@ class Orchard:
         )
         self._beams = Beams(self.model, self.data)
         self._walkers = {n: Walker(o, self.layout) for n, o in enumerate(self.obstacles) if o.living}
-        self._steps = 0
+        self._steps, self._start_s = 0, start_s
         self._range_m: float | None = None
         self._saw_at, self._bumps = -math.inf, 0
         self._outbox = Outbox(f"/{robot}", interface.TOPICS)
         self._home = NavigateToPose(self.autonomy, self._outbox.add, lattice)
         self._cross = Cross(self.autonomy, self._outbox.add, self.judge)
+        self._home.at = self._cross.at = start_s
         self._closes: list[Close] = []
         self.substeps = round(self.period_s / scene.TIMESTEP_S)
         mujoco.mj_forward(self.model, self.data)
 
     @property
     def at(self) -> float:
-        """Simulated seconds since the start."""
-        return round(self._steps * self.period_s, 9)
+        """What its clock shows, simulated seconds."""
+        return round(self._start_s + self._steps * self.period_s, 9)
 
     @property
     def pose(self) -> Pose:

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a process goes on with a run that another was killed in: what was under way first, then what is so now.
+
+Rule: nobody is asked, and nothing is decided, on what the robot said before the process died.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rai_missions.blackboard import fits, stale_at
+from rai_missions.chart import Chart
+from rai_missions.event import Event
+from rai_missions.journal.scribe import Scribe
+from rai_missions.performer import Performer
+from rai_missions.resume import Resumption
+from rai_missions.step import StartGoal
+
+__all__ = ("Hearing", "carry_on")
+
+
+def carry_on(resumed: Resumption, performer: Performer, scribe: Scribe) -> None:
+    """Go on with what was under way, and write down what was done again; raises what the journal raises."""
+    chart, under = resumed.chart, resumed.under
+    scribe.go_on(resumed.at)
+    performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.anew)
+    for seq, effects in under.unsure.items():
+        if resumed.anew or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):
+            scribe.settle(seq, "performed")
+        elif not any(performer.is_doubtful(each) for each in effects):
+            scribe.settle(seq, "repeated")
+
+
+class Hearing:
+    """What the robot says to the process that goes on, until all that was known has been heard again.
+
+    Args:
+        chart: Where the run stood.
+        now: The instant on the run's clock from which it goes on.
+    """
+
+    def __init__(self, chart: Chart, now: float) -> None:
+        self._keys, board = chart.mission.blackboard, chart.view.board
+        known = {name: entry for name, entry in board.items() if self._keys[name].source == "robot"}
+        waits = chart.mode not in ("ready", "ended")
+        self._missing = {
+            name: stale_at(self._keys[name], entry) - entry.at
+            for name, entry in known.items()
+            if waits and now < stale_at(self._keys[name], entry) < math.inf
+        }
+        self._start, self._patience_s = now, chart.mission.ready_s
+        self.heard: dict[str, tuple[object, float]] = {}
+        """Key → its value and stamp."""
+        self.rest: list[Event] = []
+        """Whatever else has happened meanwhile."""
+
+    @property
+    def until(self) -> float:
+        """When it has waited long enough: a key that need not be there is missed for as long as it would last."""
+        if any(not self._keys[name].optional for name in self._missing):
+            return self._start + self._patience_s
+        return self._start + min(self._patience_s, max(self._missing.values(), default=-math.inf))
+
+    def take(self, event: Event) -> None:
+        """Something has come."""
+        key, value = self._keys.get(event.name), event.data.get("value")
+        if event.kind != "write" or key is None or fits(key, value):
+            self.rest.append(event)
+            return
+        stamp = min(float(event.data.get("stamp", event.at)), event.at)
+        if event.name not in self.heard or self.heard[event.name][1] <= stamp:
+            self.heard[event.name] = (value, stamp)
+        self._missing.pop(event.name, None)
+
+    def event(self, at: float) -> Event:
+        """What the chart is told of it."""
+        return Event("take_up", at, {"heard": {name: list(each) for name, each in self.heard.items()}}, "command")
