@@ -90,7 +90,8 @@ def _outline(picture: Picture) -> _Outline:
 def _states(parent: str, indent: str, outline: _Outline) -> Iterator[str]:
     ids, children, initials = outline
     for target in initials[parent]:
-        yield f"{indent}[*] --> {ids[target]}"
+        if target in ids:  # a mission that no check has passed may name any
+            yield f"{indent}[*] --> {ids[target]}"
     for index, node in enumerate(children[parent]):
         if index and node.region:
             yield f"{indent}--"
