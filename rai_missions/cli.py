@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: `rai-missions run check draw diff replay schema new doctor world gate`.
+"""The command line: `rai-missions run check draw diff replay schema new doctor world gate watch`.
 
 Rule: exit 0 the mission succeeded (or the check or replay holds), 1 it ended otherwise, 2 the input is at fault.
 What a command needs is imported when it runs.
@@ -34,7 +34,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         metavar="PROVIDER:NAME",
         help="who answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, local[:FILE.gguf]",
     )
-    run.add_argument("--no-operator", action="store_true", help="ask nobody on the terminal")
+    run.add_argument("--no-operator", action="store_true", help="ask no operator, on the terminal or elsewhere")
     run.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
     run.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     run.add_argument(
@@ -66,6 +66,11 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         "--managed", action="store_true", help="a node that runs the mission whenever it is told to, until shut down"
     )
     run.add_argument(
+        "--watch", metavar="PORT", nargs="?", const="8765",
+        help="show the run on a web page, with what the operator may do (default: port 8765; 0: any; extra 'watch')",
+    )  # fmt: skip
+    _add_place(run)
+    run.add_argument(
         "--ros-args",
         metavar="…",
         nargs=argparse.REMAINDER,
@@ -73,6 +78,29 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         help="what ROS is told; ros2 launch appends it",
     )
     run.set_defaults(command="run")
+
+
+def _add_place(command: argparse.ArgumentParser) -> None:
+    """Where a page is served."""
+    command.add_argument("--host", metavar="ADDRESS", help="where the page listens (default: 127.0.0.1); needs TLS")
+    command.add_argument("--tls-cert", metavar="FILE", help="the page's certificate, PEM")
+    command.add_argument("--tls-key", metavar="FILE", help="its private key, PEM")
+
+
+def _add_watch(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    watch = commands.add_parser(
+        "watch",
+        help="look on at a run in a browser",
+        description="Prints the address of the page that a run serves (run --watch). For a JOURNAL or RUN that is"
+        " named, or where no run serves one, serves a page that follows the journal, and only looks on.",
+        epilog="exit status: 0 it was ended (Ctrl-C, SIGTERM), 2 the input is at fault",
+    )
+    watch.add_argument(
+        "journal", metavar="JOURNAL|RUN", nargs="?",
+        help="a journal or recording, or a run's id or name in journals/ (default: the run with a page, or the newest)",
+    )  # fmt: skip
+    watch.add_argument("--port", metavar="PORT", type=int, default=8765, help="default: 8765; 0: any that is free")
+    _add_place(watch)
 
 
 def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -199,6 +227,7 @@ def parser() -> argparse.ArgumentParser:
     _add_tools(commands)
     _add_gate(commands)
     _add_world(commands)
+    _add_watch(commands)
     return made
 
 

@@ -13,7 +13,7 @@ __all__ = ("COMMANDS", "command")
 COMMANDS: Mapping[str, str] = {
     "run": "run.run", "check": "review.check_mission", "draw": "review.draw", "diff": "review.diff",
     "replay": "replay.replay", "schema": "workbench.schema", "new": "workbench.new", "doctor": "workbench.doctor",
-    "world": "world.world", "gate": "gate.gate",
+    "world": "world.world", "gate": "gate.gate", "watch": "watch.watch",
 }  # fmt: skip
 """Command → its room and function."""
 

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions watch`: the page of a run that goes on, or one that follows a journal and only looks."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import socket
+import stat
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+from rai_missions.commands.given import warn
+from rai_missions.commands.live import opened, place_of
+from rai_missions.errors import MissionError, UsageError
+
+__all__ = ("found", "serving", "watch")
+
+FOLDER = Path("journals")
+ANSWERS_S = 1.0
+
+
+def watch(given: argparse.Namespace) -> int:
+    """Print the address of a run's own page, or serve one that follows its journal."""
+    path = found(given.journal)
+    own = serving(path)
+    if own is not None and given.journal is None:
+        print(f"watch: {own['url']}", flush=True)
+        return 0
+    page = opened(place_of(given, given.port))
+    try:
+        _follow(given, page, path, own)
+    finally:
+        page.stop()
+    return 0
+
+
+def _follow(given: argparse.Namespace, page: Any, path: Path, own: dict[str, Any] | None) -> None:
+    from rai_missions.recording import journal_of
+    from visualize.live import JournalFeed
+
+    with journal_of(str(path)) as journal:
+        warn(journal.warning)
+        feed = JournalFeed(journal.path)
+        page.start(feed.mission, feed, None, {"run": feed.header.run, "journal": str(path), "answers": False})
+        print(f"watch: {page.url}", flush=True)
+        if own is not None:
+            print(f"this page only looks on; the run's own page, which takes orders: {own['url']}", file=sys.stderr)
+        with _until_ended() as ended:
+            while not ended.wait(0.5) and page.serves:
+                pass
+
+
+def found(name: str | None) -> Path:
+    """The journal that is meant: a file, or a run in `journals/` by its id or its name; else the newest.
+
+    Raises:
+        UsageError: There is none.
+    """
+    if name is not None and Path(name).exists():
+        return Path(name)
+    journals = sorted(FOLDER.glob("*.journal"), key=_changed, reverse=True)
+    if name is None:
+        running = [path for path in journals if serving(path) is not None]
+        if not (running or journals):
+            raise UsageError(f"no run has written a journal in {FOLDER}/; begin one with: rai-missions run --watch …")
+        return (running or journals)[0]
+    named = [path for path in journals if name in (path.stem, path.name) or _run_of(path) == name]
+    if not named:
+        known = ", ".join(path.stem for path in journals[:5])
+        raise UsageError(
+            f"there is no journal '{name}', and no run of that name in {FOLDER}/{': ' if known else ''}{known}"
+        )
+    return named[0]
+
+
+def serving(journal: Path) -> dict[str, Any] | None:
+    """What the run of a journal says of its own page, if it is there and answers."""
+    path = Path(f"{journal}.watch")
+    try:
+        about = path.stat()
+        told = json.loads(path.read_text(encoding="utf-8"))
+        if about.st_uid != os.getuid() or stat.S_IMODE(about.st_mode) & 0o077 or not isinstance(told["url"], str):
+            return None
+        place = urlsplit(told["url"])
+        with socket.create_connection((place.hostname or "", place.port or 0), timeout=ANSWERS_S):
+            return dict(told)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _changed(path: Path) -> float:
+    log = path.with_name(f"{path.name}-wal")
+    return max((each.stat().st_mtime for each in (path, log) if each.exists()), default=0.0)
+
+
+def _run_of(path: Path) -> str:
+    from rai_missions.journal.record import Record
+
+    try:
+        with Record(path) as record:
+            return record.header.run
+    except MissionError:
+        return ""
+
+
+@contextmanager
+def _until_ended() -> Iterator[threading.Event]:
+    """Set once the program is interrupted or told to end."""
+    ended = threading.Event()
+    before = {each: signal.signal(each, lambda *_: ended.set()) for each in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield ended
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The live page: a run in a browser while it goes on, served beside it, and the operator's hands on it.
+
+Rule: the engine waits for nobody. It leaves its steps in a queue; what a viewer costs, the server pays.
+"""
+
+from visualize.live.feed import Feed, RunFeed
+from visualize.live.following import JournalFeed
+from visualize.live.scene import Scene
+from visualize.live.server import Desk, LivePage, Place
+
+__all__ = ("Desk", "Feed", "JournalFeed", "LivePage", "Place", "RunFeed", "Scene")

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the page asks of its server: the mission, the stream, pictures, and orders.
+
+Rule: an order is carried as it came to whoever carries it out; here only its size and its rate are judged.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections import OrderedDict
+from contextlib import suppress
+from typing import Any, Protocol
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from rai_missions.errors import UsageError
+from rai_missions.mission import Mission
+from visualize.live.door import ASGI, Allowance, Receive, Scope, Send
+from visualize.live.hub import Hub, Viewer
+from visualize.live.pictures import Camera
+from visualize.live.shell import page, script, style
+from visualize.page.chart_data import chart_data
+from visualize.page.plain import Json
+from visualize.picture import picture
+
+__all__ = ("Desk", "Told", "application")
+
+LARGEST_ORDER = 65_536
+"""Bytes."""
+PATIENCE_S = 3.0
+"""How long an order's reply waits for the run to take it."""
+STALLED_S = 10.0
+"""A viewer that takes nothing for so long is gone."""
+MOST_CAMERAS = 32
+
+
+class Told(Protocol):
+    """Hears once, from any thread, what became of an order."""
+
+    def __call__(self, success: bool, why: str) -> None: ...
+
+
+class Desk(Protocol):
+    """Takes the operator's orders."""
+
+    def submit(self, text: str, told: Told) -> None:
+        """Take an order, as JSON; never waits."""
+
+
+class Stream(Response):
+    """Messages to one viewer until either side is gone."""
+
+    def __init__(self, hub: Hub, viewer: Viewer) -> None:
+        super().__init__()
+        self._hub, self._viewer = hub, viewer
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        gone = asyncio.create_task(_gone(receive))
+        gone.add_done_callback(lambda _: self._viewer.drop())
+        try:
+            headers = [(b"content-type", b"text/event-stream"), (b"x-accel-buffering", b"no")]
+            await send({"type": "http.response.start", "status": 200, "headers": headers})
+            while (message := await self._viewer.next()) is not None:
+                body = {"type": "http.response.body", "body": message, "more_body": True}
+                await asyncio.wait_for(send(body), STALLED_S)
+            with suppress(TimeoutError):
+                await asyncio.wait_for(send({"type": "http.response.body", "body": b""}), 1.0)
+        finally:
+            gone.cancel()
+            self._hub.leave(self._viewer)
+
+
+async def _gone(receive: Receive) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass
+
+
+class Pages:
+    """The routes.
+
+    Args:
+        mission: Whose run is shown.
+        hub: Its viewers.
+        desk: Who takes orders; None: the page may look and do nothing.
+        about: What the page says of the run beside what happens: `run`, `journal`, `answers`.
+    """
+
+    def __init__(self, mission: Mission, hub: Hub, desk: Desk | None, about: Json) -> None:
+        self._hub, self._desk = hub, desk
+        self._mission = {"chart": chart_data(picture(mission), mission), "acts": desk is not None, **about}
+        self._cameras: OrderedDict[tuple[str, int], Camera] = OrderedDict()
+        self._orders, self._stops = Allowance(0.2, 20), Allowance(0.5, 10)
+
+    def routes(self) -> list[Route]:
+        """By path."""
+        return [
+            Route("/", self.shell), Route("/live.js", self.script), Route("/live.css", self.style),
+            Route("/mission", self.mission), Route("/events", self.events), Route("/picture", self.picture),
+            Route("/orders", self.orders, methods=["POST"]),
+        ]  # fmt: skip
+
+    async def shell(self, request: Request) -> Response:
+        return Response(page(), media_type="text/html")
+
+    async def script(self, request: Request) -> Response:
+        return Response(script(), media_type="text/javascript")
+
+    async def style(self, request: Request) -> Response:
+        return Response(style(), media_type="text/css")
+
+    async def mission(self, request: Request) -> Response:
+        return JSONResponse(self._mission)
+
+    async def events(self, request: Request) -> Response:
+        try:
+            viewer = await self._hub.join(request.headers.get("last-event-id", ""))
+        except UsageError as error:
+            return _refused(503, str(error))
+        return Stream(self._hub, viewer)
+
+    async def picture(self, request: Request) -> Response:
+        key, number = request.query_params.get("key", ""), request.query_params.get("question", "0")
+        question = int(number) if number.isascii() and number.isdigit() and len(number) < 10 else -1
+        if self._hub.scene.picture(key, question) is None:
+            return _refused(404, "there is no such picture now")
+        camera = self._cameras.setdefault((key, question), Camera())
+        self._cameras.move_to_end((key, question))
+        while len(self._cameras) > MOST_CAMERAS:
+            self._cameras.popitem(last=False)
+        kind, data = await camera.show(lambda: self._hub.scene.picture(key, question))
+        return Response(data, media_type=kind) if kind else _refused(404, data.decode("utf-8", "replace"))
+
+    async def orders(self, request: Request) -> Response:
+        if self._desk is None:
+            return _refused(403, "this page only looks on; orders go to the page that the run itself serves")
+        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        if kind != "application/json":
+            return _refused(415, "an order is application/json")
+        text = await _body(request)
+        if text is None:
+            return _refused(413, f"an order has at most {LARGEST_ORDER} bytes")
+        allowance = self._stops if _is_stop(text) else self._orders
+        if not allowance.take():
+            return _refused(429, "too many orders at once; wait a second")
+        return await self._carry(self._desk, text)
+
+    async def _carry(self, desk: Desk, text: str) -> Response:
+        loop = asyncio.get_running_loop()
+        receipt: asyncio.Future[tuple[bool, str]] = loop.create_future()
+
+        def settle(success: bool, why: str) -> None:
+            if not receipt.done():
+                receipt.set_result((success, why))
+
+        def told(success: bool, why: str) -> None:
+            with suppress(RuntimeError):  # the server has ended
+                loop.call_soon_threadsafe(settle, success, why)
+
+        desk.submit(text, told)
+        try:
+            success, why = await asyncio.wait_for(receipt, PATIENCE_S)
+        except TimeoutError:
+            return _refused(202, "the run has not taken it yet; the journal will say what became of it")
+        return JSONResponse({"success": success, "why": why}, 200 if success else 409)
+
+
+def application(mission: Mission, hub: Hub, desk: Desk | None, about: dict[str, Any]) -> ASGI:
+    """What stands behind the door."""
+    return Starlette(routes=[*Pages(mission, hub, desk, about).routes()])
+
+
+def _refused(status: int, why: str) -> Response:
+    return JSONResponse({"success": False, "why": why}, status)
+
+
+async def _body(request: Request) -> str | None:
+    """The body as text; None where it is too large. What is no UTF-8 is judged with the rest of the order."""
+    found = bytearray()
+    async for piece in request.stream():
+        found += piece
+        if len(found) > LARGEST_ORDER:
+            return None
+    return found.decode("utf-8", "replace")
+
+
+def _is_stop(text: str) -> bool:
+    """An emergency stop has an allowance of its own, so that nothing else uses it up."""
+    try:
+        given = json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(given, dict) and given.get("command") == "e_stop"

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the operator may do: each button an order, and what became of it in words.
+
+const GOES_ON = ["ready", "running", "paused", "canceling"];
+const SURE_MS = 4000;
+
+class Acts {
+  /** @param host element  @param line Line  @param told {said(words, good)} */
+  constructor(host, line, told) {
+    Object.assign(this, { host, line, told });
+    const button = (id, words, title, order) => make("button", { type: "button", "data-act": id, title, on: { click: () => order() } }, words);
+    this.who = make("input", { id: "who", placeholder: "your name", title: "stands in the journal beside what you do", maxlength: "40", autocomplete: "off" });
+    this.who.value = remembered("operator");
+    this.who.addEventListener("input", () => remember("operator", this.who.value));
+    this.buttons = {
+      pause: button("pause", "pause", "timers keep the time left, goals are canceled and begun again", () => this.order({ command: "pause" })),
+      resume: button("resume", "resume", "go on", () => this.order({ command: "resume" })),
+      cancel: button("cancel", "cancel", "leave everything in good order and end the mission", () => this.sure("cancel", "really cancel?", { command: "cancel" })),
+      take: button("take", "take control", "commands of everybody else are refused until you give it back", () => this.order({ command: "control", to: "operator" })),
+      autonomy: button("autonomy", "control to autonomy", "give control back to the autonomy stack", () => this.order({ command: "control", to: "autonomy" })),
+      agent: button("agent", "control to agent", "give control back to the mission's agent", () => this.order({ command: "control", to: "agent" })),
+      stop: button("e_stop", "E-STOP", "stop everything now, before it is even written down", () => this.order({ command: "e_stop" })),
+    };
+    host.replaceChildren(this.who, ...Object.values(this.buttons));
+    host.hidden = false;
+  }
+
+  /** Shows what may be done now. */
+  show({ mode, control }, reached) {
+    const on = GOES_ON.includes(mode), { pause, resume, cancel, take, autonomy, agent, stop } = this.buttons;
+    pause.hidden = mode === "paused";
+    resume.hidden = mode !== "paused";
+    pause.disabled = !reached || mode !== "running";
+    resume.disabled = !reached;
+    cancel.disabled = !reached || !on || mode === "canceling";
+    take.hidden = control === "operator";
+    take.disabled = !reached || !on;
+    for (const give of [autonomy, agent]) {
+      give.hidden = control !== "operator";
+      give.disabled = !reached || !on;
+    }
+    stop.disabled = !on;
+  }
+
+  /** What cannot be taken back is asked twice. */
+  sure(name, words, order) {
+    const button = this.buttons[name];
+    if (button.dataset.sure) {
+      this.calm(button);
+      this.order(order);
+      return;
+    }
+    button.dataset.sure = "yes";
+    button.dataset.words = button.textContent;
+    button.textContent = words;
+    this.timer = setTimeout(() => this.calm(button), SURE_MS);
+  }
+
+  calm(button) {
+    clearTimeout(this.timer);
+    if (!button.dataset.sure) return;
+    delete button.dataset.sure;
+    button.textContent = button.dataset.words;
+  }
+
+  async order(order) {
+    const name = this.who.value.trim();
+    const receipt = await this.line.order({ ...order, by: name ? `operator ${name} (page)` : "operator (page)" });
+    const what = order.option ? `answer '${order.option}'` : order.command.replace("_", "-") + (order.to ? ` to ${order.to}` : "");
+    this.told.said(receipt.success ? `${what}: done${receipt.why ? `, ${receipt.why}` : ""}` : `${what}: refused. ${receipt.why}`, receipt.success);
+    return receipt;
+  }
+}
+
+function remembered(name) {
+  try {
+    return localStorage.getItem(`rai-missions ${name}`) || "";
+  } catch {
+    return "";
+  }
+}
+
+function remember(name, value) {
+  try {
+    localStorage.setItem(`rai-missions ${name}`, value);
+  } catch {
+    return;
+  }
+}

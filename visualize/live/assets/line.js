@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line to the server: a stream that comes back by itself, and requests that carry the token.
+// Rule: the token travels in a header alone, never in an address.
+
+const SILENT_MS = 7000, FIRST_MS = 150, LONGEST_MS = 4000;
+
+class Line {
+  /** @param token text  @param told {message(kind, data), line(word, why)} */
+  constructor(token, told) {
+    Object.assign(this, { token, told, last: "", wait: FIRST_MS, over: false });
+  }
+
+  headers(more) {
+    return { "X-Mission-Token": this.token, ...more };
+  }
+
+  async get(path) {
+    return fetch(path, { headers: this.headers(), cache: "no-store", redirect: "error" });
+  }
+
+  /** Gives an order; what became of it. */
+  async order(order) {
+    try {
+      const answer = await fetch("/orders", { method: "POST", headers: this.headers({ "Content-Type": "application/json" }), body: JSON.stringify(order), redirect: "error" });
+      return await answer.json();
+    } catch (error) {
+      return { success: false, why: `the run could not be reached (${error.message}); the order may not have arrived` };
+    }
+  }
+
+  async run() {
+    while (!this.over) {
+      try {
+        await this.once();
+        this.told.line("away", "the line was cut; trying again");
+      } catch (error) {
+        this.told.line("away", `no answer (${error.message}); trying again`);
+      }
+      if (this.over) break;
+      await new Promise((done) => setTimeout(done, this.wait * (0.75 + Math.random() / 2)));
+      this.wait = Math.min(LONGEST_MS, this.wait * 2);
+    }
+  }
+
+  async once() {
+    const cut = new AbortController();
+    this.cut = cut;
+    let watch = 0;
+    const heard = () => {
+      clearTimeout(watch);
+      watch = setTimeout(() => cut.abort(), SILENT_MS);
+    };
+    heard();
+    try {
+      const answer = await fetch("/events", { headers: this.headers(this.last ? { "Last-Event-ID": this.last } : {}), cache: "no-store", signal: cut.signal, redirect: "error" });
+      if (!answer.ok) return await this.refused(answer);
+      this.told.line("live", "");
+      this.wait = FIRST_MS;
+      await this.read(answer.body.pipeThrough(new TextDecoderStream()).getReader(), heard);
+    } finally {
+      clearTimeout(watch);
+    }
+  }
+
+  async refused(answer) {
+    const why = (await answer.json().catch(() => ({}))).why || `the server said ${answer.status}`;
+    this.over = answer.status === 401 || answer.status === 403;
+    this.told.line(this.over ? "refused" : "away", why);
+  }
+
+  async read(reader, heard) {
+    let text = "";
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) return;
+      heard();
+      text += value;
+      let end;
+      while ((end = text.indexOf("\n\n")) >= 0) {
+        this.message(text.slice(0, end));
+        text = text.slice(end + 2);
+      }
+    }
+  }
+
+  message(block) {
+    const fields = Object.fromEntries(block.split("\n").map((each) => [each.slice(0, each.indexOf(": ")), each.slice(each.indexOf(": ") + 2)]));
+    const kind = fields.event, data = JSON.parse(fields.data);
+    this.told.message(kind, data);
+    if (fields.id) this.last = fields.id;
+    if (kind === "end") this.over = true;
+  }
+}

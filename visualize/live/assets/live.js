@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// The live page put together: what comes over the line is kept as it stands, and drawn at most once a frame.
+
+const FADES_MS = 4000, TICK_MS = 200;
+
+class Live {
+  constructor(token) {
+    this.line = new Line(token, { message: (kind, data) => this.message(kind, data), line: (word, why) => this.lineIs(word, why) });
+    this.state = { mode: "ready", control: "", active: [], questions: [], board: {}, outcome: "", why: "", paused_at: null, faults: [] };
+    this.taken = new Map();
+    this.dirty = new Set();
+    this.reached = false;
+    this.clock = { now: 0, heard: performance.now() };
+    this.asked = new Map();
+  }
+
+  async begin() {
+    const answer = await this.line.get("/mission");
+    if (!answer.ok) return needed((await answer.json().catch(() => ({}))).why || `the server said ${answer.status}`);
+    this.data = await answer.json();
+    byId("entry").hidden = true;
+    this.build();
+    this.line.run();
+    setInterval(() => this.tick(), TICK_MS);
+  }
+
+  build() {
+    const { chart, acts } = this.data;
+    this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
+    this.chart.svg.addEventListener("click", () => this.select("", ""));
+    const go = (kind, name) => this.go(kind, name);
+    this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go });
+    this.details.nothing();
+    this.board = new Board(byId("board"), chart.keys);
+    this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
+    this.tail = new Tail(byId("steps"), { go });
+    if (acts) this.acts = new Acts(byId("acts"), this.line, { said: (words, good) => this.said(words, good) });
+    byId("name").textContent = shown(chart.name);
+    byId("version").textContent = shown(chart.version);
+    byId("where").textContent = shown([this.data.run && `run ${this.data.run}`, this.data.journal].filter(Boolean).join(" · "));
+    document.title = shown(chart.name);
+    this.listen();
+    this.chart.fit(READABLE);
+  }
+
+  listen() {
+    const click = (id, act) => byId(id).addEventListener("click", act);
+    click("fit", () => this.chart.fit());
+    click("nearer", () => this.chart.gestures.zoom(1.25));
+    click("farther", () => this.chart.gestures.zoom(0.8));
+    click("theme", () => theme());
+    click("follow", () => {
+      const on = byId("follow").getAttribute("aria-pressed") !== "true";
+      byId("follow").setAttribute("aria-pressed", String(on));
+      this.mark("active");
+    });
+    for (const name of ["now", "journal", "details"]) click(`tab-${name}`, () => tab(name));
+  }
+
+  // -- what comes -------------------------------------------------------------------------------------------------
+
+  message(kind, data) {
+    this.clock = { now: data.now, heard: performance.now() };
+    if (kind === "end") return this.lineIs("over", "the run has ended, and its page with it");
+    if (kind === "state") this.restart(data);
+    else if (kind === "change") this.change(data);
+  }
+
+  restart(data) {
+    this.state = { ...this.state, ...data };
+    this.taken.clear();
+    this.tail.begin(data.steps);
+    delete this.state.steps;
+    for (const each of ["active", "board", "status", "questions"]) this.mark(each);
+  }
+
+  change({ steps, board, ...fields }) {
+    Object.assign(this.state, fields);
+    if (board) {
+      this.state.board = { ...this.state.board, ...board };
+      this.mark("board");
+    }
+    for (const step of steps || []) for (const row of step.rows || []) this.taken.set(row, performance.now());
+    if (steps) {
+      this.tail.add(steps);
+      this.mark("active");
+    }
+    if (fields.active) this.mark("active");
+    if (fields.questions) this.mark("questions");
+    this.mark("status");
+  }
+
+  lineIs(word, why) {
+    this.reached = word === "live";
+    const element = byId("line");
+    element.dataset.line = word;
+    element.textContent = word === "live" ? "live" : shown(why);
+    if (word === "refused") needed(why);
+    this.mark("status");
+  }
+
+  /** The run's clock now, as far as it can be told from here. */
+  get now() {
+    const goes = this.reached && GOES_ON.includes(this.state.mode);
+    return this.clock.now + (goes ? (performance.now() - this.clock.heard) / 1000 : 0);
+  }
+
+  // -- what is shown ----------------------------------------------------------------------------------------------
+
+  mark(what) {
+    if (!this.dirty.size) requestAnimationFrame(() => this.draw());
+    this.dirty.add(what);
+  }
+
+  draw() {
+    const dirty = this.dirty;
+    this.dirty = new Set();
+    if (!this.chart) return;
+    if (dirty.has("active")) this.light();
+    if (dirty.has("board")) {
+      this.board.write(this.state.board);
+      this.cameras.look(this.state.board);
+    }
+    if (dirty.has("questions")) this.ask();
+    if (dirty.has("status")) this.status();
+    this.tick();
+    document.documentElement.dataset.ready = "yes";
+  }
+
+  light() {
+    const active = new Set(this.state.active), recent = performance.now() - FADES_MS;
+    for (const [row, at] of this.taken) if (at < recent) this.taken.delete(row);
+    this.chart.show({ active, taken: new Set(this.taken.keys()) });
+    for (const { group, rows } of this.chart.arrows) {
+      const at = Math.max(0, ...rows.map((row) => this.taken.get(row) || 0));
+      if (at) for (const fading of group.getAnimations({ subtree: true })) fading.currentTime = performance.now() - at;
+    }
+    if (this.taken.size) {
+      clearTimeout(this.fading);
+      this.fading = setTimeout(() => this.mark("active"), FADES_MS + 50);
+    }
+    if (byId("follow").getAttribute("aria-pressed") === "true") this.followActive(active);
+  }
+
+  followActive(active) {
+    const inner = [...active].filter((name) => !this.chart.model.children.get(name)?.some((child) => active.has(child)));
+    const name = inner[0];
+    if (!name || name === this.followed) return;
+    this.followed = name;
+    this.chart.reveal(name);
+    this.chart.center(name);
+  }
+
+  status() {
+    const { mode, control, outcome, why, faults } = this.state;
+    byId("mode").textContent = mode;
+    byId("mode").dataset.mode = mode;
+    byId("control").textContent = control;
+    byId("control").dataset.control = control;
+    byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why) : "");
+    byId("banner").hidden = !faults.length;
+    byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)));
+    document.title = shown(`${outcome || mode} – ${this.data ? this.data.chart.name : ""}`);
+    if (this.acts) this.acts.show(this.state, this.reached);
+  }
+
+  ask() {
+    const open = new Set(this.state.questions.map((each) => each.number));
+    for (const [number, each] of this.asked) {
+      if (open.has(number)) continue;
+      each.element.remove();
+      this.asked.delete(number);
+    }
+    for (const question of this.state.questions) {
+      const known = this.asked.get(question.number);
+      if (known) known.question = question;
+      else this.put(question);
+    }
+  }
+
+  put(question) {
+    const made = new Asked(question, Boolean(this.acts) && this.data.answers, {
+      answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, option, parameters }),
+      picture: (canvas, query) => this.cameras.picture(canvas, query),
+      said: (words) => this.said(words, false), go: (name) => this.go("state", name),
+    });
+    this.asked.set(question.number, made);
+    byId("asked").append(made.element);
+  }
+
+  tick() {
+    if (!this.board) return;
+    this.board.tick(this.now);
+    const now = this.state.mode === "paused" && this.state.paused_at !== null ? this.state.paused_at : this.now;
+    for (const each of this.asked.values()) each.tick(now, this.reached);
+    this.cameras.look(this.state.board);
+  }
+
+  said(words, good) {
+    const element = byId("said");
+    element.hidden = false;
+    element.className = good ? "good" : "bad";
+    element.textContent = shown(words);
+    clearTimeout(this.quiet);
+    this.quiet = setTimeout(() => { element.hidden = true; }, good ? 4000 : 15000);
+  }
+
+  select(kind, name, places) {
+    if (kind === "state") this.details.state(name);
+    else if (kind === "row") this.details.rows(places || [name]);
+    else this.details.nothing();
+    this.chart.show({ selected: kind === "state" || kind === "row" ? `${kind} ${name}` : null });
+    if (kind) tab("details");
+  }
+
+  go(kind, name) {
+    const row = kind === "row" ? (this.chart.model.rows.get(name) || [])[0] : null;
+    const state = kind === "state" ? name : row ? row.source || row.target : "";
+    if (!this.chart.model.states.has(state)) return;
+    this.chart.reveal(state);
+    this.chart.center(state);
+    this.select(kind, name);
+  }
+}
+
+function theme() {
+  const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
+  document.documentElement.dataset.theme = dark ? "light" : "dark";
+}
+
+function tab(name) {
+  for (const each of ["now", "journal", "details"]) {
+    byId(each).hidden = each !== name;
+    byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
+  }
+}
+
+/** Without the token there is nothing to see. */
+function needed(why) {
+  byId("entry").hidden = false;
+  byId("entry-why").textContent = shown(`${why}. The run prints an address with a token in it; open that, or give the token here.`);
+  document.documentElement.dataset.ready = "refused";
+}
+
+/** The token of the address; it is taken out of the address, and kept for this window alone. */
+function tokenHere() {
+  const given = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (given) {
+    sessionStorage.setItem("token", given);
+    history.replaceState(null, "", location.pathname);
+  }
+  return given || sessionStorage.getItem("token") || "";
+}
+
+function open(token) {
+  window.live = new Live(token);
+  window.live.begin().catch((error) => needed(`the page could not be drawn (${error.message})`));
+}
+
+byId("entry").addEventListener("submit", (event) => {
+  event.preventDefault();
+  sessionStorage.setItem("token", byId("token").value.trim());
+  location.reload();
+});
+addEventListener("hashchange", () => { if (location.hash.includes("token=")) location.reload(); });
+const token = tokenHere();
+if (token) open(token);
+else needed("This page shows a run to who has its token");

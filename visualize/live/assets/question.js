@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// A question that is open: what is known, what is offered, how long there is, and the fields that an answer needs.
+// Rule: it is built once a question, so that nothing typed is lost while the run goes on.
+
+class Asked {
+  /** @param question data  @param can whether it may be answered here  @param told {answer(question, option, parameters), picture(canvas, query), go(name)} */
+  constructor(question, can, told) {
+    Object.assign(this, { question, told });
+    this.left = make("b", {});
+    this.bar = make("progress", { max: "1", value: "1", "aria-label": "time left" });
+    const mine = can && question.asked === "operator";
+    this.buttons = [];
+    this.element = make("section", { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number) },
+      make("h3", {}, mine ? "You are asked" : `${question.asked} is asked`, make("small", {}, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""}, `, this.state(), " ", this.left)),
+      make("p", { class: "text" }, question.text || ""), this.bar,
+      make("table", { class: "board" }, make("tbody", {}, question.evidence.map((each) => this.evidence(each)))),
+      (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
+      mine ? question.options.map((option) => this.offer(option)) : make("p", {}, "offered: ", question.options.map((option) => option.name).join(", ")));
+  }
+
+  state() {
+    return make("a", { href: hashOf({ state: this.question.state }), on: { click: (event) => { event.preventDefault(); this.told.go(this.question.state); } } }, this.question.state);
+  }
+
+  evidence(each) {
+    const picture = each.picture ? make("canvas", { class: "shot", width: "0", height: "0", role: "img", "aria-label": `${each.key} as it was shown` }) : null;
+    if (picture) this.told.picture(picture, { key: each.key, question: String(this.question.number) });
+    return make("tr", { class: each.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, each.key)),
+      make("td", {}, picture || (each.fresh ? said(each.value) : "unknown")),
+      make("td", {}, each.age_s === null ? "never heard" : `${Number(each.age_s).toFixed(1)} s old`));
+  }
+
+  offer(option) {
+    const fields = fieldsOf(option.parameters);
+    const button = make("button", { type: fields.length ? "submit" : "button", "data-option": option.name }, make("b", {}, option.name), option.about ? ` – ${option.about}` : "");
+    this.buttons.push(button);
+    if (!fields.length) {
+      button.addEventListener("click", () => this.told.answer(this.question, option.name, {}));
+      return make("div", { class: "offer" }, button);
+    }
+    const send = (event) => {
+      event.preventDefault();
+      const parameters = {};
+      try {
+        for (const field of fields) field.read(parameters);
+      } catch (error) {
+        this.told.said(error.message);
+        return;
+      }
+      this.told.answer(this.question, option.name, parameters);
+    };
+    return make("form", { class: "offer", on: { submit: send } }, fields.map((field) => field.element), button);
+  }
+
+  /** The time left; `now` is the run's. */
+  tick(now, reached) {
+    const { at, until } = this.question;
+    if (until === null) {
+      this.left.textContent = "no deadline";
+      this.bar.hidden = true;
+    } else {
+      const left = Math.max(0, until - now);
+      this.left.textContent = `${left.toFixed(left < 10 ? 1 : 0)} s left`;
+      this.bar.value = until > at ? Math.min(1, left / (until - at)) : 0;
+    }
+    for (const button of this.buttons) button.disabled = !reached;
+  }
+}
+
+/** A field for each parameter that a JSON Schema names. */
+function fieldsOf(schema) {
+  if (!schema) return [];
+  const needed = schema.required || [];
+  return Object.entries(schema.properties || {}).map(([name, of]) => fieldOf(name, of || {}, needed.includes(name)));
+}
+
+function fieldOf(name, of, needed) {
+  const choices = Array.isArray(of.enum) ? of.enum : of.type === "boolean" ? [true, false] : null;
+  const input = choices
+    ? make("select", { name }, needed ? "" : make("option", { value: "" }, "–"), choices.map((each, index) => make("option", { value: String(index) }, said(each))))
+    : make("input", { name, type: "text", autocomplete: "off", placeholder: of.default !== undefined ? said(of.default) : "" });
+  const read = (parameters) => {
+    if (input.value === "") {
+      if (needed && of.default === undefined) throw new Error(`'${name}' is needed`);
+      if (of.default !== undefined) parameters[name] = of.default;
+      return;
+    }
+    parameters[name] = choices ? choices[Number(input.value)] : valueOf(name, of, input.value);
+  };
+  return { element: make("label", {}, `${name}${of.description ? ` (${said(of.description)})` : ""} `, input), read };
+}
+
+function valueOf(name, of, text) {
+  const kinds = [of.type].flat();
+  if (kinds.includes("string") || of.type === undefined) return text;
+  if (kinds.includes("number") || kinds.includes("integer")) {
+    const number = Number(text);
+    if (!Number.isFinite(number)) throw new Error(`'${name}' is a number`);
+    return number;
+  }
+  try {
+    return JSON.parse(text);
+  } catch {
+    throw new Error(`'${name}' is JSON (${kinds.join(" or ")})`);
+  }
+}

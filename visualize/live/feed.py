@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where steps come from: a run in this process, which leaves them in a queue and goes on.
+
+Rule: `step` runs on the engine's thread. It does no more than append, and wakes the server once however much there is.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from rai_missions.step import Step
+from visualize.live.scene import TAIL, Scene
+
+__all__ = ("Feed", "RunFeed")
+
+MOST_WAITING = 512
+"""Steps between the engine and the server; a server that falls behind looks again at the whole."""
+
+
+class Feed(Protocol):
+    """What a page follows. All of it is called on the server's loop."""
+
+    async def begin(self, wake: Callable[[], None]) -> Scene:
+        """Somebody watches: how it stands, and `wake` (from any thread) once there is more."""
+
+    async def take(self, scene: Scene) -> Scene:
+        """Bring a scene up to date; a new one where what happened in between was not kept."""
+
+    def end(self) -> None:
+        """Nobody watches any more."""
+
+    def now(self) -> float:
+        """The run's clock."""
+
+
+class RunFeed:
+    """Follows a run of this process.
+
+    Args:
+        look: Says how the run stands, from any thread. What it says is at least as new as the step it names.
+        now: The run's clock.
+    """
+
+    def __init__(self, look: Callable[[], Scene], now: Callable[[], float]) -> None:
+        self._look, self._now = look, now
+        self._waiting: deque[Step] = deque(maxlen=MOST_WAITING)
+        self._past: deque[Step] = deque(maxlen=TAIL)
+        self._wake: Callable[[], None] | None = None
+        self._is_told = False
+
+    def step(self, step: Step) -> None:
+        """The run has made a step; on its own thread."""
+        if self._wake is not None:
+            self._waiting.append(step)
+            if not self._is_told:
+                self._is_told = True
+                self._wake()
+        if step.moves or step.effects or step.why:
+            self._past.append(step)
+
+    async def begin(self, wake: Callable[[], None]) -> Scene:
+        self._waiting.clear()
+        self._is_told, self._wake = False, wake
+        return self._whole()
+
+    async def take(self, scene: Scene) -> Scene:
+        self._is_told = False
+        while True:
+            try:
+                step = self._waiting.popleft()
+            except IndexError:
+                return scene
+            if step.seq > scene.seq + 1:
+                self._waiting.clear()
+                return self._whole()
+            scene.take(step)
+
+    def end(self) -> None:
+        self._wake = None
+        self._waiting.clear()
+
+    def now(self) -> float:
+        return self._now()
+
+    def _whole(self) -> Scene:
+        scene = self._look()
+        scene.recall(step for step in tuple(self._past) if step.seq <= scene.seq)
+        return scene
