@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 from rai_missions.connectors.connector import Connector, Reply
 from rai_missions.event import Event
+from rai_missions.lifecycle import is_operator
 from rai_missions.robot import Robot, ServiceEntry
 
 __all__ = ("Handovers",)
@@ -87,7 +88,7 @@ class Handovers:
                 self._acknowledged(to, by)
             done()
 
-        service = entry.service.replace("{by}", "operator" if by == "operator" else "agent")
+        service = entry.service.replace("{by}", "operator" if is_operator(by) else "agent")
         try:
             connector.call(service, entry.type, entry.request_of({}), answered=answered, timeout_s=ANSWERED_S)
         except Exception:

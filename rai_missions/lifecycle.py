@@ -13,7 +13,7 @@ from transitions import Machine, MachineError
 from rai_missions.errors import UsageError
 from rai_missions.step import Step
 
-__all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status")
+__all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
 
 MODES = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
 CONTROLLERS = ("autonomy", "agent", "operator", "nobody")
@@ -53,6 +53,11 @@ class Status(NamedTuple):
     why: str = ""
 
 
+def is_operator(by: str) -> bool:
+    """Whether somebody acts as the operator: `operator`, or that and who it is, as in `operator Anna (page)`."""
+    return by == "operator" or by.startswith("operator ")
+
+
 def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:
     """A flat machine in the only setting that is safe: no `to_…` shortcuts, an illegal trigger is an error."""
     return Machine(
@@ -85,9 +90,9 @@ class Control:
         """
         if to not in CONTROLLERS:
             raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(CONTROLLERS)}")
-        if self.holder == "nobody" and by != "operator":
+        if self.holder == "nobody" and not is_operator(by):
             return "control is with nobody since the stop; only the operator can lift it"
-        if self.kept and by != "operator" and to != "nobody":
+        if self.kept and not is_operator(by) and to != "nobody":
             return "the operator has control and has not given it back"
         return ""
 
@@ -96,7 +101,7 @@ class Control:
         why = self.refuses(to, by)
         if not why:
             self.requested = to
-            if by == "operator":
+            if is_operator(by):
                 self.kept = to == "operator"
         return why
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import threading
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.agents.node.bulletin import Open
 from rai_missions.agents.node.order import Order, Receipt, Told
 from rai_missions.blackboard import stale_at
 from rai_missions.event import Event
-from rai_missions.lifecycle import CONTROLLERS, Status
+from rai_missions.lifecycle import CONTROLLERS, Status, is_operator
 from rai_missions.robot import Robot
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Ask, Step
@@ -88,7 +88,8 @@ class Course:
         if why:
             told(Receipt(False, why, order.id))
         elif order.command == "control":
-            why = self.runner.control(order.to, order.by if order.by in CONTROLLERS else "operator")
+            is_known = order.by in CONTROLLERS or is_operator(order.by)
+            why = self.runner.control(order.to, order.by if is_known else f"operator ({order.by})")
             told(Receipt(not why, why, order.id))
         else:
             self._post(order, told)
@@ -141,11 +142,11 @@ class Course:
 
     # -- the run --------------------------------------------------------------------------------------------------
 
-    def run(self) -> Result:
-        """Run to the end on this thread; what is raised is raised on."""
+    def run(self, by: Callable[[], Result] | None = None) -> Result:
+        """Run to the end on this thread, by whoever else has the run in hand; what is raised is raised on."""
         self._thread = threading.current_thread()
         try:
-            self.result = self.runner.run()
+            self.result = by() if by is not None else self.runner.run()
         except BaseException as error:
             self.error = f"{error}" or type(error).__name__
             raise
