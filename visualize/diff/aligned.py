@@ -1,23 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two missions brought to the same names: which state of the one is which of the other, and which row which row.
+"""Two missions brought to the same names: what of the one is what of the other, and which row is which.
 
-Rule: a state is renamed where its definition is the same but for names, it stands in the same place, and no other fits.
+Rule: what is taken for a rename is compared all the same, so a wrong guess hides nothing.
 """
 
 from __future__ import annotations
 
-import json
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.mission import Mission
-from rai_missions.states.state import State, Transition
+from rai_missions.renaming import Names, renamed
+from rai_missions.states import Decision, State, Transition
+from visualize.diff.alike import Known, alike_keys, alike_options, alike_states
 
-__all__ = ("paired", "parents", "renamed", "with_names")
+__all__ = ("Renamed", "aligned", "original_place", "paired", "parents")
 
-DATA = ("goal", "request", "message", "value", "with", "data", "parameters", "result")
-"""The words under which nothing names a state."""
+
+class Renamed(NamedTuple):
+    """Something that is the same but for its name."""
+
+    sort: str
+    """`state`, `key`, `event` or `option`."""
+    old: str
+    new: str
+    score: float
+    """How alike they are, from 0 to 1; 1 is the same in all but names."""
+    where: str = ""
+    """For an option the state that asks, as the new mission calls it."""
 
 
 def parents(mission: Mission) -> dict[str, str]:
@@ -28,74 +38,102 @@ def parents(mission: Mission) -> dict[str, str]:
     return found
 
 
-def renamed(old: Mission, new: Mission) -> dict[str, str]:
-    """Old name → new name, for the states that are called otherwise now."""
-    before, after = parents(old), parents(new)
-    gone, come = before.keys() - after.keys(), after.keys() - before.keys()
-    names: dict[str, str] = {}
-    while True:
-        hidden = gone | come
-        left = _by_definition(
-            old, gone - names.keys(), hidden, {name: names.get(at, at) for name, at in before.items()}
-        )
-        right = _by_definition(new, come - set(names.values()), hidden, after)
-        found = {
-            left[key][0]: right[key][0] for key in left.keys() & right.keys() if len(left[key]) == len(right[key]) == 1
-        }
-        if not found:
-            return names
-        names |= found
+def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
+    """The old mission under the names of the new one, and what was renamed for it."""
+    found: list[Renamed] = []
+    for sort, of in (("key", "blackboard"), ("event", "events")):
+        for (was, now), score in alike_keys(old, new, of).items():
+            found.append(Renamed(sort, was, now, score))
+    old = _called(old, {each.old: each.new for each in found if each.sort == "key"},
+                  {each.old: each.new for each in found if each.sort == "event"}, {})  # fmt: skip
+    known = Known(old, new, parents(old), parents(new))
+    states = alike_states(known)
+    found += [Renamed("state", was, now, score) for (was, now), score in states.items()]
+    old = _called(old, {}, {}, dict(states.keys()))
+    options: dict[str, dict[str, str]] = {}
+    now_there = {name: state for _, name, state in new.walk()}
+    for _, name, state in old.walk():
+        other = now_there.get(name)
+        if isinstance(state, Decision) and isinstance(other, Decision):
+            options[name] = alike_options(state, other)
+            found += [Renamed("option", was, now, 1.0, name) for was, now in options[name].items()]
+    if any(options.values()):
+        old = old.model_copy(update={"states": _with_options(old.states, options)})
+    return old, tuple(found)
 
 
-def _by_definition(
-    mission: Mission, wanted: set[str], hidden: set[str], within: Mapping[str, str]
-) -> dict[tuple[str, str], list[str]]:  # fmt: skip
-    found: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for _, name, state in mission.walk():
-        if name in wanted:
-            found[within[name], _definition(state, hidden)].append(name)
+def _called(
+    mission: Mission, keys: Mapping[str, str], events: Mapping[str, str], states: Mapping[str, str]
+) -> Mission:  # fmt: skip
+    """The same mission with some things called otherwise."""
+    if not (keys or events or states):
+        return mission
+
+    def by(names: Mapping[str, str]) -> Any:
+        return lambda given: names.get(given, given)
+
+    def trigger(given: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(map(by(events), given))
+
+    names = Names(by(states), by(keys), by(events), lambda timer: timer, trigger)
+    update: dict[str, Any] = {
+        "blackboard": {by(keys)(name): key for name, key in mission.blackboard.items()},
+        "events": {by(events)(name): event for name, event in mission.events.items()},
+        "states": {by(states)(name): renamed(state, names) for name, state in mission.states.items()},
+        "transitions": tuple(renamed(row, names) for row in mission.transitions),
+        "invariants": {name: renamed(guard, names) for name, guard in mission.invariants.items()},
+        "initial": tuple(map(by(states), mission.initial)),
+        "on_cancel": by(states)(mission.on_cancel),
+    }
+    return mission.model_copy(update={word: update[word] for word in update if word in mission.model_fields_set})
+
+
+def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str, str]]) -> dict[str, State]:
+    found: dict[str, State] = {}
+    for name, state in states.items():
+        found[name] = state
+        if isinstance(state, Decision) and options.get(name):
+            found[name] = _one_with_options(state, options[name])
+        elif state.children():
+            found[name] = state.model_copy(update={state.child_place(): _with_options(state.children(), options)})
     return found
 
 
-def _definition(state: State, hidden: set[str]) -> str:
-    """A state as text, without the names that only one of the missions has and without what stands inside."""
-    own = state.written()
-    if state.children():
-        own[state.child_place()] = len(state.children())
-    return json.dumps(_mapped(own, dict.fromkeys(hidden, "?")), sort_keys=True)
+def _one_with_options(state: Decision, names: Mapping[str, str]) -> Decision:
+    asked = state.decision
+    update: dict[str, Any] = {"options": {names.get(name, name): option for name, option in asked.options.items()}}
+    if asked.fallback:
+        update["fallback"] = names.get(asked.fallback, asked.fallback)
+    rows = tuple(
+        row.model_copy(update={"on": tuple(names.get(word, word) for word in row.on)}) if row.on else row
+        for row in state.transitions
+    )
+    return state.model_copy(update={"decision": asked.model_copy(update=update), "transitions": rows})
 
 
-def with_names(mission: Mission, names: Mapping[str, str]) -> Mission:
-    """The same mission with some states called otherwise."""
-    return Mission.model_validate(_mission(mission.written(), names)) if names else mission
+def original_place(place: str, under_new_names: Any, as_written: Any) -> str:
+    """A JSON pointer into the renamed mission as one into the mission that was given.
 
-
-def _mission(document: dict[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
-    reached = ("states", "transitions", "initial", "on_cancel", "invariants")
-    return {word: _mapped({word: value}, names)[word] if word in reached else value for word, value in document.items()}
-
-
-def _mapped(given: Any, names: Mapping[str, str]) -> Any:
-    """A part of a mission with the names of states replaced wherever they are meant."""
-    if isinstance(given, list):
-        return [_mapped(item, names) for item in given]
-    if not isinstance(given, dict):
-        return given
-    found: dict[str, Any] = {}
-    for word, value in given.items():
-        if word in ("to", "initial", "of", "on_cancel") or (word == "in" and "key" not in given):
-            found[word] = (
-                [names.get(each, each) for each in value] if isinstance(value, list) else names.get(value, value)
-            )
-        elif word == "states" or (word == "parallel" and isinstance(value, dict)):
-            found[word] = (
-                {names.get(name, name): _mapped(state, names) for name, state in value.items()}
-                if isinstance(value, dict)
-                else value
-            )
+    Args:
+        place: The pointer.
+        under_new_names: The renamed mission's document.
+        as_written: The given one's; a rename keeps the order of what an object holds.
+    """
+    steps: list[str] = []
+    for step in place.split("/")[1:]:
+        here, there = under_new_names, as_written
+        name = step.replace("~1", "/").replace("~0", "~")
+        if isinstance(here, Mapping) and isinstance(there, Mapping) and name in here:
+            was = list(there)[list(here).index(name)]
+            steps.append(was.replace("~", "~0").replace("/", "~1"))
+            under_new_names, as_written = here[name], there[was]
+        elif isinstance(here, list) and name.isdigit() and int(name) < len(here):
+            steps.append(step)
+            under_new_names, as_written = here[int(name)], there[int(name)]
         else:
-            found[word] = value if word in DATA else _mapped(value, names)
-    return found
+            steps.append(step)
+            under_new_names, as_written = None, None
+    return "".join(f"/{step}" for step in steps)
 
 
 def paired(old: Sequence[Transition], new: Sequence[Transition]) -> list[tuple[int | None, int | None]]:

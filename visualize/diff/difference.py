@@ -1,19 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a change to a mission changed, by meaning: as sentences, what loosens first, and as one picture of both."""
+"""What a change to a mission changed, by meaning: what a reviewer must not miss first, and as one picture of both."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
+from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
-from visualize.diff.aligned import renamed, with_names
-from visualize.diff.changes import Change, changes
+from visualize.diff.aligned import Renamed, aligned, original_place
+from visualize.diff.change import Change, weight
+from visualize.diff.changes import changes
 from visualize.diff.merged import merged
+from visualize.diff.told import lines
 from visualize.picture import picture
 from visualize.shapes import Picture
+from visualize.words import child_pointer
 
-__all__ = ("Change", "Difference", "difference")
+__all__ = ("Difference", "difference")
 
 
 @dataclass(frozen=True)
@@ -21,44 +26,43 @@ class Difference:
     """How two missions differ."""
 
     old: Mission
-    """With the names of the new one, where a state was only renamed."""
+    """With the names of the new one, for what was only renamed."""
     new: Mission
-    renamed: tuple[tuple[str, str], ...]
-    """Old and new names of the states that are called otherwise and are the same in all else."""
+    names: tuple[Renamed, ...]
+    """What is called otherwise: states, keys, events and options."""
     changes: tuple[Change, ...]
-    """What loosens first, else in the order of the new mission."""
+    """What is for a reviewer to judge first, by what it is about, else in the order of the new mission."""
     versions: tuple[str, str] = ("", "")
+
+    @property
+    def renamed(self) -> tuple[tuple[str, str], ...]:
+        """Old and new names of the states that are called otherwise."""
+        return tuple((each.old, each.new) for each in self.names if each.sort == "state")
 
     @property
     def empty(self) -> bool:
         """Both mean the same; name and version do not count."""
-        return not (self.changes or self.renamed)
+        return not self.changes
 
     @property
-    def loosening(self) -> tuple[Change, ...]:
-        """The changes a reviewer must agree to."""
-        return tuple(change for change in self.changes if change.loosens)
+    def safety(self) -> tuple[Change, ...]:
+        """The changes that a reviewer must agree to."""
+        return tuple(change for change in self.changes if change.safety)
+
+    @property
+    def others(self) -> tuple[Change, ...]:
+        """The rest."""
+        return tuple(change for change in self.changes if not change.safety)
 
     def lines(self) -> tuple[str, ...]:
-        """As a reader at a terminal wants it: a line a change, marked `+`, `-` or `~`."""
-        head = f"{self.new.name}: {self.versions[0]} → {self.versions[1]}"
-        if self.empty:
-            return (f"{head}: no difference in meaning",)
-        rest = [change for change in self.changes if not change.loosens]
-        others = len(rest) + len(self.renamed)
-        lines = [f"{head}: {len(self.loosening)} changes that may loosen what protects, {others} others"]
-        lines += ["", "May loosen what protects:"] if self.loosening else []
-        lines += [f"  {change}  ({change.place or '/'})" for change in self.loosening]
-        lines += ["", "Others:"] if rest or self.renamed else []
-        lines += [f"  ~ state '{before}' renamed to '{after}'" for before, after in self.renamed]
-        lines += [f"  {change}  ({change.place or '/'})" for change in rest]
-        return tuple(lines)
+        """As a reader at a terminal wants it."""
+        return lines(self)
 
     @cached_property
     def picture(self) -> Picture:
         """Both in one: what was added, removed and changed is marked."""
         both = merged(picture(self.old), picture(self.new), self)
-        return both._replace(notes=tuple(f"may loosen: {change}" for change in self.loosening))
+        return both._replace(notes=tuple(f"for review: {change}" for change in self.safety))
 
 
 def difference(old: Mission, new: Mission) -> Difference:
@@ -68,7 +72,41 @@ def difference(old: Mission, new: Mission) -> Difference:
         old: As it was reviewed.
         new: As it is now.
     """
-    names = renamed(old, new)
-    before = with_names(old, names)
-    found = sorted(changes(before, new), key=lambda change: not change.loosens)
-    return Difference(before, new, tuple(names.items()), tuple(found), (old.version, new.version))
+    before, names = aligned(old, new)
+    found = [*_renames(names, old, new), *_as_written(changes(before, new), before, old)]
+    return Difference(before, new, names, tuple(sorted(found, key=weight)), (old.version, new.version))
+
+
+def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[Change]:
+    places = [{name: place for place, name, _ in each.walk()} for each in (old, new)]
+    around = {each.new: each.old for each in names if each.sort == "state"}
+    for each in names:
+        subject = ""
+        if each.sort == "state":
+            was, now, subject = places[0][each.old], places[1][each.new], each.new
+        elif each.sort == "option":
+            subject = each.where
+            was = child_pointer(places[0][around.get(subject, subject)], "decision", "options", each.old)
+            now = child_pointer(places[1][subject], "decision", "options", each.new)
+        else:
+            word = "blackboard" if each.sort == "key" else "events"
+            was, now = child_pointer("", word, each.old), child_pointer("", word, each.new)
+        alike = "" if each.score == 1 else f", {each.score:.0%} alike"
+        whose = f"{subject}: " if each.sort == "option" else ""
+        sentence = f"{whose}{each.sort} '{each.old}' renamed to '{each.new}'{alike}"
+        yield Change("~", "name", sentence, was, now, subject=subject)
+
+
+def _as_written(found: Iterable[Change], renamed: Mission, old: Mission) -> Iterator[Change]:
+    """Changes whose old places are those of the mission as it was given."""
+    if renamed is old:
+        yield from found
+        return
+    try:
+        documents = renamed.written(), old.written()
+    except UsageError:  # a behaviour in Python, which JSON cannot hold
+        yield from found
+        return
+    for change in found:
+        place = None if change.old_place is None else original_place(change.old_place, *documents)
+        yield change._replace(old_place=place)

@@ -55,7 +55,7 @@ class Roads:
             if name in entered or name not in self.states:
                 continue
             entered.add(name)
-            waiting += self._inside(name)
+            waiting += self.inside(name)
             chain = (name, *self.above(name))
             for around in (*chain, ""):
                 if around in heard:
@@ -68,7 +68,7 @@ class Roads:
                     waiting += row.to
         return Reached(frozenset(entered), frozenset(rows))
 
-    def _inside(self, name: str) -> Iterable[str]:
+    def inside(self, name: str) -> Iterable[str]:
         """What may be entered with a state: what it begins with, its regions, or all that a history remembers."""
         state = self.states[name]
         if isinstance(state, Compound | Each):

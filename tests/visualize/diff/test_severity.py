@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a reviewer must not miss is found, weighed and told first; what tightens raises no alarm."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from rai_missions.mission import Mission
+from tests.visualize.changed import changed
+from tests.visualize.runs import document, tractor
+from visualize import Difference, difference
+
+Json = dict[str, Any]
+Mutation = Callable[[Json], Any]
+
+
+def compared(change: Mutation) -> Difference:
+    new = document()
+    change(new)
+    return difference(tractor(), Mission.model_validate(new))
+
+
+def states(new: Json) -> Json:
+    found: Json = new["states"]
+    return found
+
+
+def decision(new: Json, **words: Any) -> None:
+    states(new)["assessing"]["decision"].update(words)
+
+
+def drive_over(new: Json) -> Json:
+    found: Json = states(new)["assessing"]["decision"]["options"]["drive_over"]
+    return found
+
+
+def row(new: Json, state: str, index: int) -> Json:
+    found: Json = states(new)[state]["transitions"][index]
+    return found
+
+
+def reverse(new: Json) -> None:
+    """A new option that leads where another leads."""
+    states(new)["assessing"]["decision"]["options"]["reverse"] = {"about": "drive back"}
+    states(new)["assessing"]["transitions"].append({"on": "reverse", "to": "replanning"})
+
+
+def by_hand(new: Json) -> None:
+    """Another way to the end, past the drive along the alleys."""
+    states(new)["by_hand"] = {"action": "drive", "timeout_s": 9, "transitions": [{"on": "succeeded", "to": "done"}]}
+    row(new, "assessing", 1)["to"] = "by_hand"
+
+
+MUST_NOT_BE_MISSED: list[tuple[str, Mutation, str, str]] = [
+    ("option_added", reverse, "offered", "assessing: a model is newly offered 'reverse'"),
+    ("option_guard_gone", lambda new: drive_over(new).pop("when"), "guard",
+     "assessing: option 'drive_over': guard removed"),
+    ("option_guard_weaker", lambda new: drive_over(new)["when"]["all"].pop(), "guard",
+     "assessing: option 'drive_over': guard weakened"),
+    ("option_guard_incomparable", lambda new: drive_over(new).update(when={"fresh": "camera"}), "guard",
+     "assessing: option 'drive_over': guard changed"),
+    ("parameters", lambda new: drive_over(new).update(parameters={"type": "object"}), "asked",
+     "assessing: option 'drive_over': 'parameters' changed"),
+    ("deadline_grew", lambda new: decision(new, deadline_s=60), "limit", "assessing: 'deadline_s' grew"),
+    ("deadline_gone", lambda new: decision(new, deadline_s=None), "limit", "assessing: 'deadline_s' removed"),
+    ("attempts", lambda new: decision(new, attempts=5), "limit", "assessing: 'attempts' grew"),
+    ("budget", lambda new: decision(new, budget={"calls": 99}), "limit", "assessing: 'calls' grew"),
+    ("timeout_grew", lambda new: states(new)["crossing"].update(timeout_s=99), "limit", "crossing: 'timeout_s' grew"),
+    ("timeout_gone", lambda new: states(new)["crossing"].pop("timeout_s"), "limit", "crossing: 'timeout_s' removed"),
+    ("settle", lambda new: new.update(settle_s=9), "limit", "mission: 'settle_s' grew"),
+    ("cancel", lambda new: new.update(cancel_s=300), "limit", "mission: 'cancel_s' grew"),
+    ("tree_timeout", lambda new: states(new)["signalling"]["tree"]["sequence"][0].update(timeout_s=20), "limit",
+     "signalling: tree node 'sequence/0': 'timeout_s' grew"),
+    ("invariant_gone", lambda new: new["invariants"].clear(), "proof", "invariant 'nobody_is_driven_over': removed"),
+    ("invariant_weaker",
+     lambda new: new["invariants"]["nobody_is_driven_over"]["not"]["all"].append({"fresh": "camera"}), "proof",
+     "invariant 'nobody_is_driven_over': guard weakened"),
+    ("requires", lambda new: states(new)["done"].pop("requires"), "proof", "done: requires removed"),
+    ("achieved", lambda new: states(new)["crossing"].pop("achieved"), "proof", "crossing: achieved removed"),
+    ("fallback", lambda new: decision(new, fallback="replan"), "fallback", "assessing: fallback changed"),
+    ("operator_left_out", lambda new: decision(new, ask=["agent", "rules"]), "asked",
+     "assessing: who is asked changed"),
+    ("tools", lambda new: decision(new, tools=["look"]), "asked", "assessing: what a model may look with changed"),
+    ("way_to_succeeded", by_hand, "success", "by_hand: a new state that leads to 'done'"),
+    ("row_to_succeeded", lambda new: states(new)["crossing"]["transitions"].append({"on": "rejected", "to": "done"}),
+     "success", "crossing: a new row to 'done'"),
+    ("final_succeeds", lambda new: states(new)["aborted"].update(final="succeeded"), "success",
+     "aborted: the mission can succeed here now"),
+    ("control", lambda new: states(new)["crossing"].update(control="autonomy"), "control",
+     "crossing: 'control' changed"),
+    ("over_orphan", lambda new: states(new)["crossing"].update(over_orphan=True), "control",
+     "crossing: 'over_orphan' changed"),
+    ("max_age_grew", lambda new: new["blackboard"]["obstacle"].update(max_age_s=5), "trust",
+     "key 'obstacle': 'max_age_s' grew"),
+    ("max_age_gone", lambda new: new["blackboard"]["battery"].pop("max_age_s"), "trust",
+     "key 'battery': 'max_age_s' removed"),
+    ("optional", lambda new: new["blackboard"]["battery"].update(optional=True), "trust",
+     "key 'battery': 'optional' changed"),
+    ("source", lambda new: new["blackboard"]["obstacle"].update(source="mission"), "trust",
+     "key 'obstacle': 'source' changed"),
+    ("on_cancel", lambda new: new.update(on_cancel="driving"), "row", "mission: 'on_cancel' changed"),
+    ("protective_row_gone", lambda new: new["transitions"].clear(), "row", "mission: row removed"),
+    ("protective_row_narrower", lambda new: new["transitions"][0]["when"]["all"][1]["any"].pop(), "row",
+     "mission: row 'as soon as': guard strengthened"),
+    ("protective_row_elsewhere", lambda new: new["transitions"][0].update(to="driving"), "row",
+     "mission: row 'as soon as': 'to' changed"),
+    ("row_of_itself_gone", lambda new: states(new)["crossing"]["transitions"].pop(0), "row", "crossing: row removed"),
+    ("row_of_itself_weaker", lambda new: row(new, "crossing", 0).update(when={"fresh": "obstacle"}), "guard",
+     "crossing: row 'as soon as': guard weakened"),
+    ("answer_leads_elsewhere", lambda new: row(new, "assessing", 1).update(to="crossing"), "row",
+     "assessing: row 'replan': 'to' changed"),
+    ("failure_leads_elsewhere", lambda new: row(new, "crossing", 2).update(to="resume"), "row",
+     "crossing: row 'failed or unverified or timed_out': 'to' changed"),
+    ("failure_goes_on", lambda new: states(new)["replanning"]["transitions"].append({"on": "failed", "to": "resume"}),
+     "row", "replanning: row added"),
+    ("event_unheard", lambda new: states(new)["working"]["states"]["driving"]["transitions"].pop(0), "row",
+     "driving: row removed"),
+    ("rows_in_another_order", lambda new: states(new)["crossing"]["transitions"].reverse(), "row",
+     "crossing: rows are tried in another order"),
+    ("something_else", lambda new: states(new)["replanning"].update(action=states(new)["replanning"].pop("call")),
+     "form", "replanning: is something else"),
+    ("begins_elsewhere", lambda new: new.update(initial="crossing"), "form", "mission: 'initial' changed"),
+    ("tree_is_another", lambda new: states(new)["signalling"].update(tree={"wait_s": 9}), "tree",
+     "signalling: tree node 'the root': is something else"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "topic", "told"), [each[1:] for each in MUST_NOT_BE_MISSED],
+                         ids=[each[0] for each in MUST_NOT_BE_MISSED])  # fmt: skip
+def test_what_a_reviewer_must_not_miss_is_told_first(change: Mutation, topic: str, told: str) -> None:
+    found = compared(change)
+    assert (topic, told) in [(each.topic, each.sentence) for each in found.safety], "\n".join(found.lines())
+    severities = [each.severity for each in found.changes]
+    assert severities == sorted(severities, key=("safety", "other").index)
+    assert found.lines()[2] == "SAFETY-RELEVANT"
+    assert found.picture.notes[0].startswith("for review: ")
+
+
+def asked_of_people() -> Json:
+    old = document()
+    decision(old, ask=["operator", "rules"])
+    return old
+
+
+def test_a_model_that_is_newly_asked_is_newly_offered_every_option() -> None:
+    found = difference(Mission.model_validate(asked_of_people()), tractor())
+    told = [each.sentence for each in found.safety]
+    options = document()["states"]["assessing"]["decision"]["options"]
+    assert told[:4] == [f"assessing: a model is newly offered '{name}'" for name in options]
+    assert "assessing: a model is asked now" in told
+
+
+TIGHTENS: dict[str, Mutation] = {
+    "guard_stronger": lambda new: drive_over(new)["when"]["all"].append({"fresh": "camera"}),
+    "deadline_shrank": lambda new: decision(new, deadline_s=10),
+    "timeout_shrank": lambda new: states(new)["crossing"].update(timeout_s=3),
+    "words": lambda new: new.update(about="otherwise"),
+    "invariant_added": lambda new: new["invariants"].update(more={"fresh": "battery"}),
+    "row_that_gives_up": lambda new: new["transitions"].append({"on": "anomaly", "to": "aborted"}),
+    "protective_row_wider": lambda new: new["transitions"][0]["when"]["all"][1]["any"].append({"fresh": "camera"}),
+    "model_left_out": lambda new: decision(new, ask=["operator", "rules"]),
+    "max_age_shrank": lambda new: new["blackboard"]["battery"].update(max_age_s=1),
+    "answer_gives_up": lambda new: row(new, "assessing", 1).update(to="aborted"),
+    "question": lambda new: decision(new, question="What now?"),
+    "effect": lambda new: row(new, "assessing", 1).update(do=[{"log": "so be it"}]),
+    "event_added": lambda new: new["events"].update(rain={}),
+    "key_added": lambda new: new["blackboard"].update(rain={"type": "boolean", "initial": False}),
+    "same_guard_in_other_words": lambda new: drive_over(new).update(
+        when={"not": {"any": [{"key": "obstacle.living", "==": True}, {"key": "obstacle.height_m", ">=": 0.25}]}}
+    ),
+}
+
+
+@pytest.mark.parametrize("change", TIGHTENS.values(), ids=TIGHTENS)
+def test_what_tightens_is_told_but_does_not_alarm(change: Mutation) -> None:
+    found = compared(change)
+    assert found.changes
+    assert found.safety == (), "\n".join(found.lines())
+
+
+def line(*rows: tuple[str, str]) -> Mission:
+    """A mission of states that go on when they hear `go`."""
+    names = dict.fromkeys([*(name for row in rows for name in row)])
+    found: Json = {name: {"transitions": [{"on": "go", "to": to} for at, to in rows if at == name]} for name in names}
+    found |= {"done": {"final": "succeeded"}, "lost": {"final": "failed"}}
+    return Mission.model_validate({"name": "line", "events": ["go"], "initial": rows[0][0], "states": found})
+
+
+def test_a_way_around_what_every_way_went_through_is_told() -> None:
+    old = line(("ready", "looking"), ("looking", "driving"), ("driving", "done"))
+    new = line(("ready", "looking"), ("ready", "driving"), ("looking", "driving"), ("driving", "done"))
+    (found,) = (each for each in difference(old, new).safety if each.topic == "success")
+    assert found.sentence == "done: can be reached without passing 'looking' now"
+    assert found.after == "ready → driving → done"
+    assert not [each for each in difference(new, old).changes if each.topic == "success"]
+
+
+def test_a_state_from_which_it_may_succeed_again_is_told() -> None:
+    old = line(("ready", "driving"), ("driving", "done"), ("ready", "stuck"), ("stuck", "lost"))
+    new = line(("ready", "driving"), ("driving", "done"), ("ready", "stuck"), ("stuck", "driving"), ("stuck", "lost"))
+    told = [each.sentence for each in difference(old, new).safety if each.topic == "success"]
+    assert told == ["stuck: the mission can still succeed from here now"]
+
+
+def test_an_option_that_is_gone_is_told() -> None:
+    new = document()
+    del states(new)["assessing"]["decision"]["options"]["signal"]
+    del states(new)["assessing"]["transitions"][2]
+    told = [each.sentence for each in difference(tractor(), Mission.model_validate(new)).changes]
+    assert "assessing: option 'signal' removed" in told
+
+
+def test_an_option_with_another_name_is_a_rename() -> None:
+    new = json.loads(json.dumps(document()).replace('"replan"', '"next_alley"').replace(
+        '"call": "next_alley"', '"call": "replan"'))  # fmt: skip
+    found = difference(tractor(), Mission.model_validate(new))
+    assert [str(each) for each in found.changes] == ["~ assessing: option 'replan' renamed to 'next_alley'"]
+    assert found.changes[0].old_place == "/states/assessing/decision/options/replan"
+    assert found.changes[0].new_place == "/states/assessing/decision/options/next_alley"
+
+
+def test_a_state_that_was_renamed_and_changed_is_both() -> None:
+    new = json.loads(json.dumps(document()).replace('"crossing"', '"over"'))
+    new["states"]["over"]["timeout_s"] = 90
+    found = difference(tractor(), Mission.model_validate(new))
+    assert found.renamed == (("crossing", "over"),)
+    assert [str(each) for each in found.safety] == ["~ over: 'timeout_s' grew: was 30, is now 90"]
+    assert found.safety[0].old_place == "/states/crossing/timeout_s"
+    assert found.safety[0].new_place == "/states/over/timeout_s"
+    assert [each.score < 1 for each in found.names] == [True]
+
+
+def test_something_else_under_another_name_is_no_rename() -> None:
+    new = document()
+    new["states"]["waiting"] = {"about": "waits", "transitions": [{"on": "anomaly", "to": "aborted"}]}
+    del new["states"]["signalling"]
+    states(new)["assessing"]["transitions"][2]["to"] = "waiting"
+    assert difference(tractor(), Mission.model_validate(new)).renamed == ()
+
+
+def test_all_of_a_hasty_change_is_found() -> None:
+    found = difference(tractor(), changed())
+    assert found.renamed == (("replanning", "next_alley"),)
+    assert [change.mark for change in found.changes].count("+") == 3
+    assert [change.topic for change in found.safety] == ["offered", "guard", "limit", "proof", "trust", "row"]
+
+
+def test_a_difference_is_a_value() -> None:
+    assert difference(tractor(), changed()) == difference(tractor(), changed())

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The fields of two written things of a kind, compared one by one.
+
+Rule: a field that is not compared elsewhere is compared here, whatever it is; what is unclear counts as `safety`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from rai_missions.guards.guard import Guard
+from rai_missions.states.decision import Budget
+from rai_missions.written import Written
+from visualize.diff.change import Change, Severity
+from visualize.diff.weaker import relation
+from visualize.words import child_pointer, effects, template
+
+__all__ = ("LIMITS", "Spot", "fields", "guards", "said")
+
+LIMITS = (
+    "timeout_s", "deadline_s", "max_age_s", "settle_s", "handover_s", "cancel_s", "ready_s", "within_s", "attempts",
+    "calls", "tokens", "seconds", "num_failures", "duration_s",
+)  # fmt: skip
+"""What bounds something: to raise or to drop it loosens."""
+PROOFS = ("requires", "achieved")
+ALWAYS = {"control": "control", "source": "trust", "on_cancel": "row", "parameters": "asked", "initial": "form",
+          "policy": "tree"}  # fmt: skip
+"""Fields of which any change is for a reviewer to judge → what it is about."""
+WHEN_SET = {"over_orphan": "control", "optional": "trust"}
+"""What loosens when it is said, and tightens when it is not."""
+APART = (
+    "transitions", "states", "parallel", "decision", "tree", "options", "blackboard", "events", "invariants", "format",
+)  # fmt: skip
+"""Fields that are compared by hand."""
+
+
+class Spot(NamedTuple):
+    """Where two things that are compared stand."""
+
+    old: str
+    """JSON pointer into the old mission."""
+    new: str
+    whose: str
+    """How a sentence begins: `crossing`, `key 'battery'`."""
+    subject: str = ""
+
+    def inside(self, *words: str, whose: str = "") -> Spot:
+        """A part of it."""
+        return Spot(child_pointer(self.old, *words), child_pointer(self.new, *words), whose or self.whose, self.subject)
+
+    def changed(
+        self, topic: str, sentence: str, severity: Severity, *, before: str = "", after: str = ""
+    ) -> Change:  # fmt: skip
+        return Change(
+            "~", topic, f"{self.whose}: {sentence}", self.old, self.new, before, after, severity, self.subject
+        )
+
+    def came(self, topic: str, sentence: str, severity: Severity, *, after: str = "") -> Change:
+        return Change("+", topic, f"{self.whose}: {sentence}", None, self.new, "", after, severity, self.subject)
+
+    def went(self, topic: str, sentence: str, severity: Severity, *, before: str = "") -> Change:
+        return Change("-", topic, f"{self.whose}: {sentence}", self.old, None, before, "", severity, self.subject)
+
+
+def grave(yes: bool) -> Severity:
+    return "safety" if yes else "other"
+
+
+def fields(
+    old: Written, new: Written, spot: Spot, also_apart: Sequence[str] = (), *, of: type[Written] | None = None
+) -> Iterator[Change]:  # fmt: skip
+    """What is otherwise in two models, but for what they hold of states, rows and options.
+
+    Args:
+        old: As it was.
+        new: As it is.
+        spot: Where they stand.
+        also_apart: More fields that are compared by hand.
+        of: The kind whose fields both have, where they are not of one.
+    """
+    for name, field in (of or type(new)).model_fields.items():
+        before, after = getattr(old, name), getattr(new, name)
+        if name in APART or name in also_apart or before == after or _same_program(before, after):
+            continue
+        word = field.alias or name
+        here = spot.inside(word)
+        if isinstance(before, Guard) or isinstance(after, Guard):
+            called = "guard" if word == "when" else word
+            yield from guards(before, after, here, called, topic="proof" if name in PROOFS else "guard")
+        elif isinstance(before, Budget) and isinstance(after, Budget):
+            yield from fields(before, after, here)
+        elif name in LIMITS:
+            yield _limit(before, after, here, word)
+        else:
+            topic = ALWAYS.get(name) or WHEN_SET.get(name, "rest")
+            severity = grave(name in ALWAYS or (name in WHEN_SET and bool(after)))
+            yield here.changed(topic, f"'{word}' changed", severity, before=said(before), after=said(after))
+
+
+def _same_program(before: Any, after: Any) -> bool:
+    """A function is known by its name: that of a file which is loaded twice is not the same object."""
+    names = [getattr(each, "__qualname__", None) for each in (before, after) if callable(each)]
+    return len(names) == 2 and names[0] == names[1] is not None
+
+
+def _limit(before: Any, after: Any, spot: Spot, word: str) -> Change:
+    topic = "trust" if word == "max_age_s" else "limit"
+    if after is None:
+        return spot.changed(topic, f"'{word}' removed", "safety", before=said(before), after="without a limit")
+    if before is None:
+        return spot.changed(topic, f"'{word}' added", "other", before="without a limit", after=said(after))
+    how = "grew" if after > before else "shrank"
+    return spot.changed(topic, f"'{word}' {how}", grave(after > before), before=said(before), after=said(after))
+
+
+def guards(
+    before: Guard | None, after: Guard | None, spot: Spot, called: str, *, topic: str = "guard",
+    grave_if: Sequence[str] = ("weakened", "changed"),
+) -> Iterator[Change]:  # fmt: skip
+    """What became of a guard; `grave_if`: which of weakened, strengthened and changed a reviewer must judge."""
+    how = relation(before, after)
+    severity = grave(how in grave_if)
+    was, now = before.words() if before is not None else "always", after.words() if after is not None else "always"
+    if how != "same":
+        verb = "added" if before is None else "removed" if after is None else how
+        yield spot.changed(topic, f"{called} {verb}", severity, before=was, after=now)
+    elif before != after:
+        yield spot.changed("rest", f"{called} written otherwise, means the same", "other", before=was, after=now)
+
+
+def said(value: Any) -> str:
+    """A value in words."""
+    if isinstance(value, Written):
+        return template(value.written())
+    if isinstance(value, tuple) and value and all(hasattr(item, "words") for item in value):
+        return f"“{'; '.join(effects(value))}”"
+    if value in (None, "", (), {}):
+        return "nothing"
+    if isinstance(value, tuple):
+        return ", ".join(template(item) for item in value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return f"{value:g}"
+    if callable(value):
+        return str(getattr(value, "__qualname__", value))
+    return f"“{value}”" if isinstance(value, str) else template(value)

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What changed in the rows of a state, or of the mission.
+
+Rule: a row that gives up (it leads to where the mission can no longer succeed) protects: to narrow it, to lead it
+elsewhere or to drop it is `safety`. A row that goes on is one that must be earned: to widen it is. Of a row that needs
+no event both are, for it may be either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from rai_missions.mission import Mission
+from rai_missions.states import Transition
+from rai_missions.states.state import ANY_EVENT, OUTCOMES
+from visualize.diff.aligned import paired
+from visualize.diff.change import Change, Severity
+from visualize.diff.fields import Spot, grave, guards, said
+from visualize.diff.ways import Ways
+from visualize.words import effects, trigger
+
+__all__ = ("Rows", "row_changes")
+
+FAILURES = frozenset(OUTCOMES) - {"succeeded"}
+
+
+class Rows(NamedTuple):
+    """The rows of one state, in both missions."""
+
+    old: Sequence[Transition]
+    new: Sequence[Transition]
+    spot: Spot
+    """Of the state."""
+    before: Ways
+    after: Ways
+    mission: Mission
+    """The new one."""
+    options: frozenset[str] = frozenset()
+    """Of the state's own decision, in either."""
+
+
+def row_changes(rows: Rows) -> Iterator[Change]:
+    """What came, what went, what is otherwise, and in which order they are tried."""
+    pairs = paired(rows.old, rows.new)
+    kept = [(before, after) for before, after in pairs if before is not None and after is not None]
+    for before, after in pairs:
+        if before is None and after is not None:
+            shadowed = [index for _, index in kept if index > after and _meet(rows.new[after], rows.new[index])]
+            yield _added(rows, after, shadows=bool(shadowed))
+        elif after is None and before is not None:
+            yield _removed(rows, before)
+        elif before is not None and after is not None and rows.old[before] != rows.new[after]:
+            yield from _changed(rows, before, after)
+    if [before for before, _ in kept] != sorted(before for before, _ in kept):
+        yield rows.spot.inside("transitions").changed("row", "rows are tried in another order", "safety")
+
+
+def _added(rows: Rows, index: int, *, shadows: bool) -> Change:
+    row = rows.new[index]
+    spot = rows.spot.inside("transitions", str(index))
+    if rows.after.ends.intersection(row.to):
+        return spot.came("success", f"a new row to '{', '.join(row.to)}'", "safety", after=_row(row))
+    by_itself = not row.on or bool(FAILURES.intersection(row.on))
+    severity = grave((by_itself or shadows) and bool(row.to) and not rows.after.gives_up(row.to))
+    said_ = "row added, tried before one that it may keep from firing" if shadows else "row added"
+    return spot.came("row" if severity == "safety" else "rest", said_, severity, after=_row(row))
+
+
+def _removed(rows: Rows, index: int) -> Change:
+    row = rows.old[index]
+    own = set(OUTCOMES) | rows.options
+    severity = grave(rows.before.gives_up(row.to) or not row.on or not own.issuperset(row.on))
+    spot = rows.spot.inside("transitions", str(index))
+    return spot.went("row" if severity == "safety" else "rest", "row removed", severity, before=_row(row))
+
+
+def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
+    old, new = rows.old[before], rows.new[after]
+    name = trigger(new) or "as soon as"
+    spot = Spot(
+        f"{rows.spot.old}/transitions/{before}", f"{rows.spot.new}/transitions/{after}",
+        f"{rows.spot.whose}: row '{name}'", rows.spot.subject,
+    )  # fmt: skip
+    for field in ("on", "of", "after_s", "to", "do", "internal", "about"):
+        was, now = getattr(old, field), getattr(new, field)
+        if was != now and not (field == "on" and set(was) == set(now)):
+            topic, severity = _weighed(rows, field, old, new)
+            yield spot.inside(field).changed(topic, f"'{field}' changed", severity, before=said(was), after=said(now))
+    if old.when != new.when:
+        widened, narrowed = ("weakened", "changed"), ("strengthened", "changed")
+        shields = rows.before.gives_up(old.to)
+        both = () if shields or not new.eventless else ("strengthened",)
+        yield from guards(
+            old.when, new.when, spot.inside("when"), "guard", topic="row" if shields else "guard",
+            grave_if=narrowed if shields else (*widened, *both),
+        )  # fmt: skip
+
+
+def _weighed(rows: Rows, field: str, old: Transition, new: Transition) -> tuple[str, Severity]:
+    """What a change of a row's field is about, and whether it is for a reviewer to judge."""
+    if field in ("do", "internal", "about"):
+        return "rest", "other"
+    if field == "to" and rows.after.ends.intersection(set(new.to) - set(old.to)):
+        return "success", "safety"
+    gave_up, gives_up = rows.before.gives_up(old.to), rows.after.gives_up(new.to)
+    if field == "to":
+        plain = set(old.on) == {"succeeded"} and not gave_up
+        return "row", grave(not plain and not (gives_up and not gave_up))
+    if field == "after_s" and gave_up and old.after_s is not None and new.after_s is not None:
+        return "limit", grave(new.after_s > old.after_s)
+    more = field == "on" and set(old.on) <= set(new.on)
+    return "row", grave(not (gives_up and gave_up and more))
+
+
+def _meet(one: Transition, other: Transition) -> bool:
+    """Whether one event may find both."""
+    if one.eventless or other.eventless:
+        return one.eventless and other.eventless
+    return bool(set(one.on) & set(other.on)) or ANY_EVENT in (*one.on, *other.on)
+
+
+def _row(row: Transition) -> str:
+    to = f" → {', '.join(row.to)}" if row.to else ", stays"
+    do = f", does {'; '.join(effects(row.do))}" if row.do else ""
+    return f"{row.words() or 'as soon as'}{to}{do}"

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where a mission can go by its rows, as far as it matters to a reviewer: which ways lead to `succeeded`.
+
+Rule: guards are taken as if they could always hold. A way that is said to be new is one of rows that were not there; a
+state that is said to be avoidable was on every such way before.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+
+from rai_missions.mission import Mission
+from rai_missions.states import Final
+from visualize.diff.change import Change
+from visualize.page.reach import Roads
+
+__all__ = ("Ways", "new_ways")
+
+
+class Ways:
+    """A mission as a graph: which state may be entered when another is active."""
+
+    def __init__(self, mission: Mission) -> None:
+        self.roads = Roads(mission)
+        self.places = {name: place for place, name, _ in mission.walk()}
+        self.ends = frozenset(
+            name for name, state in mission.states.items() if isinstance(state, Final) and state.final == "succeeded"
+        )
+        """The states in which the whole mission has succeeded."""
+        self.initial = mission.initial
+        self.onward = {name: frozenset(self._next(name)) for name in self.places}
+        self.hopeful = self._before(self.ends)
+        """The states from which it may still succeed."""
+
+    def _next(self, name: str) -> Iterator[str]:
+        yield from self.roads.inside(name)
+        chain = (name, *self.roads.above(name))
+        for around in (*chain, ""):
+            if around and around != name and self.roads.states[around].word == "parallel":
+                yield from (region for region in self.roads.states[around].children() if region not in chain)
+            for _, row in self.roads.rows[around]:
+                yield from row.to
+
+    def _before(self, targets: Iterable[str]) -> frozenset[str]:
+        sources: dict[str, set[str]] = defaultdict(set)
+        for name, after in self.onward.items():
+            for each in after:
+                sources[each].add(name)
+        found, waiting = set[str](), list(targets)
+        while waiting:
+            if (name := waiting.pop()) not in found:
+                found.add(name)
+                waiting += sources[name]
+        return frozenset(found)
+
+    def gives_up(self, targets: Iterable[str]) -> bool:
+        """Whether a row to these ends the mission sooner or later, and never as succeeded."""
+        given = tuple(targets)
+        return bool(given) and not any(target in self.hopeful for target in given)
+
+    def ways(self, without: str = "") -> dict[str, str]:
+        """Every state that can be entered from the start → the one before it on a shortest way there.
+
+        Args:
+            without: A state that is kept clear of, with all that is inside it.
+        """
+        came = {name: "" for name in self.initial if not self._lies_in(name, without)}
+        waiting = list(came)
+        for name in waiting:
+            for each in sorted(self.onward.get(name, ())):
+                if each not in came and not self._lies_in(each, without):
+                    came[each] = name
+                    waiting.append(each)
+        return came
+
+    def _lies_in(self, name: str, around: str) -> bool:
+        return bool(around) and (name == around or around in self.roads.above(name))
+
+    def passed(self, end: str) -> Iterator[str]:
+        """The states that every way to an end goes through; of those inside each other the outermost."""
+        on_the_way = way(self.ways(), end)[:-1]
+        tried: set[str] = set()
+        found: set[str] = set()
+        for name in on_the_way:
+            for each in (*reversed(tuple(self.roads.above(name))), name):
+                if each not in tried and not found.intersection(self.roads.above(each)):
+                    tried.add(each)
+                    if end not in self.ways(without=each):
+                        found.add(each)
+                        yield each
+
+
+def way(came: Mapping[str, str], end: str) -> list[str]:
+    """From the start to a state, both included; empty where there is no way."""
+    found, here = list[str](), end if end in came else ""
+    while here:
+        found.append(here)
+        here = came[here]
+    return found[::-1]
+
+
+def new_ways(old: Ways, new: Ways) -> Iterator[Change]:
+    """How the mission can succeed that it could not before."""
+    was, now = old.ways(), new.ways()
+    for end in sorted(new.ends & now.keys()):
+        place = new.places[end]
+        if end not in old.ends or end not in was:
+            sentence = f"{end}: the mission can succeed here now"
+            yield Change("+", "success", sentence, None, place, "", _road(way(now, end)), "safety", end)
+            continue
+        for name in old.passed(end):
+            around = new.ways(without=name) if name in new.places else {}
+            if end in around:
+                sentence = f"{end}: can be reached without passing '{name}' now"
+                before, after = f"every way went through '{name}'", _road(way(around, end))
+                yield Change("~", "success", sentence, old.places[end], place, before, after, "safety", end)
+    yield from _hope(old, new, was.keys(), now.keys())
+
+
+def _hope(old: Ways, new: Ways, was: AbstractSet[str], now: AbstractSet[str]) -> Iterator[Change]:
+    """States from which nothing led to succeeded, and now something does; and new ones that lead there at once."""
+    for name, place in new.places.items():
+        if name in was and name in now and name in new.hopeful - old.hopeful - new.ends:
+            sentence = f"{name}: the mission can still succeed from here now"
+            yield Change("~", "success", sentence, old.places[name], place, "it could not", "", "safety", name)
+        for target in sorted(new.ends & _targets(new, name)) if name in now and name not in old.places else ():
+            sentence = f"{name}: a new state that leads to '{target}'"
+            yield Change("+", "success", sentence, None, place, "", "", "safety", name)
+
+
+def _targets(ways: Ways, name: str) -> set[str]:
+    return {target for _, row in ways.roads.rows[name] for target in row.to}
+
+
+def _road(names: list[str]) -> str:
+    """Of a long way the begin and the end."""
+    return " → ".join(names if len(names) <= 9 else [*names[:4], "…", *names[-4:]])
