@@ -13,11 +13,13 @@ __all__ = ("Redaction",)
 HIDDEN = "[hidden]"
 SHORTEST = 6
 """A shorter value is no secret, and hiding it would garble the text."""
-VARIABLES = ("_API_KEY", "_API_TOKEN", "_ACCESS_KEY", "_AUTH_TOKEN", "_SECRET")
+VARIABLES = ("API_KEY", "ACCESS_KEY", "SECRET_KEY", "TOKEN", "SECRET", "PASSWORD", "PASSWD")
+"""How the names of variables end whose values are secrets: `OPENAI_API_KEY`, `HF_TOKEN`, `PGPASSWORD`."""
 SHAPES = re.compile(
     r"\b(?:sk|pk|rk|gsk|xai|pplx|hf|r8|ghp|gho|ghs|github_pat|glpat|xox[abp])[-_][A-Za-z0-9_\-]{6,}"
     r"|\bAIza[A-Za-z0-9_\-]{10,}|\bAKIA[A-Z0-9]{12,}"
     r"|\beyJ[A-Za-z0-9_\-]{8,}\.[A-Za-z0-9_\-]{4,}(?:\.[A-Za-z0-9_\-]*)?"
+    r"|(?<=://)[^\s/@:\"']*:[^\s/@\"']+(?=@)"
     r"|(?i:(?<=bearer )|(?<=basic ))[A-Za-z0-9_\-.+/=]{6,}"
     r"|(?i:(?<=api[-_ ]key[:=])|(?<=apikey[:=])|(?<=api[-_ ]key[:=] ))[^\s\"',;&]{6,}"
 )
@@ -25,7 +27,7 @@ SHAPES = re.compile(
 
 
 class Redaction:
-    """Hides secrets by their shape, by the values of `*_API_KEY` variables, and the ones it is told.
+    """Hides secrets by their shape, by the values of variables such as `OPENAI_API_KEY`, and the ones it is told.
 
     Args:
         secrets: Further values never to be shown, such as a model's own key.
