@@ -11,8 +11,9 @@ from typing import Any, NamedTuple, Protocol
 
 from rai_missions.event import Image
 from rai_missions.guards.guard import Test, Truth, View
+from rai_missions.parameters import misfits
 
-__all__ = ("Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "judge", "schema_fault")
+__all__ = ("Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "judge")
 
 
 class Offer(NamedTuple):
@@ -140,22 +141,4 @@ def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[st
 def _parameters(offer: Offer, given: Mapping[str, Any]) -> str:
     if offer.parameters is None:
         return "" if not given else f"'{offer.name}' takes none"
-    import jsonschema  # heavy, and most options have no parameters
-
-    validator = jsonschema.Draft202012Validator(dict(offer.parameters))
-    problems = sorted(validator.iter_errors(dict(given)), key=lambda error: list(map(str, error.path)))
-    return "; ".join(f"{problem.json_path}: {problem.message}"[:200] for problem in problems[:5])
-
-
-def schema_fault(schema: Mapping[str, Any]) -> str:
-    """Why an option's `parameters` are no JSON Schema of an object; empty if they are one."""
-    import jsonschema  # heavy, and most options have no parameters
-
-    kind = schema.get("type", "object")
-    if kind != "object":
-        return f"its 'type' is {kind!r:.80}, not 'object'"
-    try:
-        jsonschema.Draft202012Validator.check_schema(dict(schema))
-    except jsonschema.SchemaError as error:
-        return f"{error.json_path}: {error.message}"[:200]
-    return ""
+    return misfits(offer.parameters, given)
