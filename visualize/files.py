@@ -39,6 +39,8 @@ FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
 """A file's ending → the bytes of a picture."""
 PAGE = "html"
 """The ending of the review page, which is made of more than a picture."""
+COMPARED = (PAGE, "md", "json", *(form for form in FORMATS if form != "md"))
+"""The endings of a difference."""
 
 
 def drawn(given: Picture, form: str) -> bytes:
@@ -102,12 +104,34 @@ def draw_review(
 
 
 def draw_difference(given: Difference, path: str | os.PathLike[str]) -> Path:
-    """Draw two missions in one picture, what was added, removed and changed marked.
+    """Write what changed between two missions into a file.
+
+    Args:
+        given: What changed.
+        path: The file. `.html` is a page with the picture of both and all that changed, `.md` the same for a comment,
+            `.json` for programs (`visualize/diff/difference.schema.json`); other endings are pictures, what was added,
+            removed and changed marked.
 
     Raises:
         UsageError: As `draw`.
     """
-    return _write(path, tuple(FORMATS), lambda form: drawn(given.picture, form))
+    return _write(path, COMPARED, lambda form: _compared(given, form))
+
+
+def _compared(given: Difference, form: str) -> bytes:
+    if form == PAGE:
+        from visualize.diff.page import page
+
+        return page(given)
+    if form == "md":
+        from visualize.diff.markdown import markdown
+
+        return markdown(given)
+    if form == "json":
+        from visualize.diff.plain import as_json
+
+        return as_json(given)
+    return drawn(given.picture, form)
 
 
 def _ending(path: str | os.PathLike[str]) -> str:

@@ -51,10 +51,10 @@ def test_a_picture_that_cannot_be_drawn_leaves_the_old_one(tmp_path: Path, monke
 
 def test_a_difference_is_drawn_like_a_mission(tmp_path: Path) -> None:
     found = difference(tractor(), changed())
-    text = draw_difference(found, tmp_path / "a.md").read_text()
-    assert "# tractor\\_orchard 1.0.0 → 1.1.0" in text
-    assert "| **+** | reversing | succeeded |  | resume |  |" in text
-    assert "| **-** | signalling |" in text
+    text = draw_difference(found, tmp_path / "a.mmd").read_text()
+    assert "accTitle: tractor_orchard 1.1.0" in text
+    with pytest.raises(UsageError, match=r"the endings are .html, .md, .json, .svg, .png, .dot, .mmd, .mermaid"):
+        draw_difference(found, tmp_path / "a.txt")
 
 
 def test_a_notebook_shows_the_mission() -> None:

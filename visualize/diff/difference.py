@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
@@ -20,6 +21,8 @@ from visualize.words import child_pointer
 
 __all__ = ("Difference", "difference")
 
+Json = dict[str, Any]
+
 
 @dataclass(frozen=True)
 class Difference:
@@ -33,6 +36,8 @@ class Difference:
     changes: tuple[Change, ...]
     """What is for a reviewer to judge first, by what it is about, else in the order of the new mission."""
     versions: tuple[str, str] = ("", "")
+    documents: tuple[Json, Json] | None = None
+    """The old mission as it is written, under the new names and under its own, where they differ."""
 
     @property
     def renamed(self) -> tuple[tuple[str, str], ...]:
@@ -58,6 +63,10 @@ class Difference:
         """As a reader at a terminal wants it."""
         return lines(self)
 
+    def written_place(self, place: str) -> str:
+        """A JSON pointer into `old` as one into the mission as it was given, with its own names."""
+        return original_place(place, *self.documents) if self.documents else place
+
     @cached_property
     def picture(self) -> Picture:
         """Both in one: what was added, removed and changed is marked."""
@@ -73,8 +82,9 @@ def difference(old: Mission, new: Mission) -> Difference:
         new: As it is now.
     """
     before, names = aligned(old, new)
-    found = [*_renames(names, old, new), *_as_written(changes(before, new), before, old)]
-    return Difference(before, new, names, tuple(sorted(found, key=weight)), (old.version, new.version))
+    documents = _documents(before, old)
+    found = [*_renames(names, old, new), *_as_written(changes(before, new), documents)]
+    return Difference(before, new, names, tuple(sorted(found, key=weight)), (old.version, new.version), documents)
 
 
 def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[Change]:
@@ -97,16 +107,17 @@ def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[C
         yield Change("~", "name", sentence, was, now, subject=subject)
 
 
-def _as_written(found: Iterable[Change], renamed: Mission, old: Mission) -> Iterator[Change]:
-    """Changes whose old places are those of the mission as it was given."""
-    if renamed is old:
-        yield from found
-        return
+def _documents(renamed: Mission, old: Mission) -> tuple[Json, Json] | None:
     try:
-        documents = renamed.written(), old.written()
+        return None if renamed is old else (renamed.written(), old.written())
     except UsageError:  # a behaviour in Python, which JSON cannot hold
-        yield from found
-        return
+        return None
+
+
+def _as_written(found: Iterable[Change], documents: tuple[Json, Json] | None) -> Iterator[Change]:
+    """Changes whose old places are those of the mission as it was given."""
     for change in found:
-        place = None if change.old_place is None else original_place(change.old_place, *documents)
-        yield change._replace(old_place=place)
+        if change.old_place is None or documents is None:
+            yield change
+        else:
+            yield change._replace(old_place=original_place(change.old_place, *documents))

@@ -106,12 +106,15 @@ def _same_program(before: Any, after: Any) -> bool:
 
 def _limit(before: Any, after: Any, spot: Spot, word: str) -> Change:
     topic = "trust" if word == "max_age_s" else "limit"
-    if after is None:
-        return spot.changed(topic, f"'{word}' removed", "safety", before=said(before), after="without a limit")
-    if before is None:
-        return spot.changed(topic, f"'{word}' added", "other", before="without a limit", after=said(after))
-    how = "grew" if after > before else "shrank"
-    return spot.changed(topic, f"'{word}' {how}", grave(after > before), before=said(before), after=said(after))
+    was, now = (_bound(value, word) for value in (before, after))
+    grew = after is None or (before is not None and after > before)
+    how = "removed" if after is None else "added" if before is None else "grew" if grew else "shrank"
+    return spot.changed(topic, f"'{word}' {how}", grave(grew), before=was, after=now)
+
+
+def _bound(value: float | None, word: str) -> str:
+    unit = " s" if word.endswith("_s") or word in ("seconds", "timeout") else ""
+    return "without a limit" if value is None else f"{said(value)}{unit}"
 
 
 def guards(
@@ -123,7 +126,8 @@ def guards(
     severity = grave(how in grave_if)
     was, now = before.words() if before is not None else "always", after.words() if after is not None else "always"
     if how != "same":
-        verb = "added" if before is None else "removed" if after is None else how
+        less = "narrowed, it fires less often" if topic == "row" and how == "strengthened" else how
+        verb = "added" if before is None else "removed" if after is None else less
         yield spot.changed(topic, f"{called} {verb}", severity, before=was, after=now)
     elif before != after:
         yield spot.changed("rest", f"{called} written otherwise, means the same", "other", before=was, after=now)

@@ -105,7 +105,7 @@ MUST_NOT_BE_MISSED: list[tuple[str, Mutation, str, str]] = [
     ("on_cancel", lambda new: new.update(on_cancel="driving"), "row", "mission: 'on_cancel' changed"),
     ("protective_row_gone", lambda new: new["transitions"].clear(), "row", "mission: row removed"),
     ("protective_row_narrower", lambda new: new["transitions"][0]["when"]["all"][1]["any"].pop(), "row",
-     "mission: row 'as soon as': guard strengthened"),
+     "mission: row 'as soon as': guard narrowed, it fires less often"),
     ("protective_row_elsewhere", lambda new: new["transitions"][0].update(to="driving"), "row",
      "mission: row 'as soon as': 'to' changed"),
     ("row_of_itself_gone", lambda new: states(new)["crossing"]["transitions"].pop(0), "row", "crossing: row removed"),
@@ -228,7 +228,7 @@ def test_a_state_that_was_renamed_and_changed_is_both() -> None:
     new["states"]["over"]["timeout_s"] = 90
     found = difference(tractor(), Mission.model_validate(new))
     assert found.renamed == (("crossing", "over"),)
-    assert [str(each) for each in found.safety] == ["~ over: 'timeout_s' grew: was 30, is now 90"]
+    assert [str(each) for each in found.safety] == ["~ over: 'timeout_s' grew: was 30 s, is now 90 s"]
     assert found.safety[0].old_place == "/states/crossing/timeout_s"
     assert found.safety[0].new_place == "/states/over/timeout_s"
     assert [each.score < 1 for each in found.names] == [True]

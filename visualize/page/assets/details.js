@@ -144,7 +144,7 @@ class Details {
       (row.do || []).length ? listed("On the way", row.do.map((each) => make("li", {}, each))) : "",
       this.faults(this.findings.filter((each) => each.place === place || each.place.startsWith(`${place}/`))),
       this.runs.length ? make("p", {}, "In the runs given:", this.taken(place)) : "",
-      defined((written || [])[number]),
+      defined(row.definition || (written || [])[number]),
     );
   }
 

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// What changed between two missions, beside the chart of both: what a reviewer must not miss comes first.
+// Rule: each change leads to its place in the chart, and a state or row says what changed of it.
+
+const MARKED = { "+": "added", "-": "removed", "~": "changed" };
+
+class Changes {
+  /** @param page Page whose data has `changes`, `headline` and `versions` */
+  constructor(page) {
+    this.page = page;
+    this.changes = page.data.changes;
+    this.host = make("div", { id: "changes", role: "tabpanel" });
+    this.button = make("button", { id: "tab-changes", type: "button", role: "tab", on: { click: () => page.tab("changes") } }, "Changes");
+    byId("tab-details").before(this.button);
+    byId("details").before(this.host);
+    this.dress();
+    this.follow();
+    this.draw();
+    const chosen = page.at.row ? ["row", page.at.row] : page.at.state ? ["state", page.at.state] : null;
+    if (chosen) this.beside(...chosen);
+    page.tab(chosen ? "details" : "changes");
+  }
+
+  dress() {
+    const { versions, headline, changes } = this.page.data;
+    byId("version").textContent = shown(`${versions[0]} → ${versions[1]}`);
+    byId("banner").hidden = !changes.some((each) => each.severity === "safety");
+    byId("banner").replaceChildren(`⚠ ${headline}`);
+    byId("keys").querySelector("dl").append(make("dt", {}, "s, d"), make("dd", {}, "what is safety-relevant, what changed"));
+  }
+
+  /** Stands beside what the page does when something is chosen. */
+  follow() {
+    const { page } = this, tab = page.tab.bind(page), select = page.select.bind(page);
+    page.tab = (name) => {
+      this.host.hidden = name !== "changes";
+      this.button.setAttribute("aria-selected", String(name === "changes"));
+      tab(name);
+    };
+    page.select = (kind, name, places) => {
+      select(kind, name, places);
+      if (kind === "state" || kind === "row") this.beside(kind, name, places);
+    };
+  }
+
+  draw() {
+    const legend = make("p", { class: "muted" }, "In the chart: ", make("b", {}, "+"), " added, bold line; ", make("b", {}, "−"), " removed, dashed; ", make("b", {}, "~"), " changed, dotted.");
+    const parts = [["safety", "Safety-relevant"], ["other", "Others"]].map(([severity, title]) => this.part(title, severity, this.changes.filter((each) => each.severity === severity)));
+    this.host.replaceChildren(make("h2", {}, this.page.data.headline), legend, ...parts);
+  }
+
+  part(title, severity, changes) {
+    if (!changes.length) return "";
+    const topics = new Map();
+    for (const change of changes) push(topics, change.heading, change);
+    return make("section", { class: `part ${severity}` }, make("h2", {}, `${severity === "safety" ? "⚠ " : ""}${title} (${changes.length})`),
+      [...topics].map(([heading, found]) => make("section", {}, make("h3", {}, heading), make("ul", { class: "changes" }, found.map((change) => this.item(change))))));
+  }
+
+  item(change) {
+    const [kind, name] = change.row ? ["row", change.row] : ["state", change.state];
+    const words = [make("b", { class: "mark", title: MARKED[change.mark] }, change.mark === "-" ? "−" : change.mark, make("span", { class: "away" }, ` ${MARKED[change.mark]} `)), change.sentence];
+    const lead = name ? make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.page.go(kind, name); } } }, words) : make("span", {}, words);
+    return make("li", { class: change.severity, "data-place": change.place }, lead,
+      change.before ? make("div", { class: "was" }, make("b", {}, "was "), change.before) : "",
+      change.after ? make("div", { class: "now" }, make("b", {}, change.mark === "~" ? "now " : ""), change.after) : "",
+      make("div", {}, make("code", { class: "muted" }, change.place || "/")));
+  }
+
+  /** What changed of what is chosen, above all else that is told of it. */
+  beside(kind, name, places) {
+    const wanted = new Set(places || [name]);
+    const found = this.changes.filter((each) => (kind === "state" ? each.state === name : wanted.has(each.row)));
+    if (found.length) byId("details").prepend(make("section", { class: "part" }, make("h3", {}, "What changed here"), make("ul", { class: "changes" }, found.map((change) => this.item(change)))));
+  }
+}
+
+window.review.changes = new Changes(page);
