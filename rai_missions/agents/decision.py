@@ -130,7 +130,10 @@ class DecisionAgent:
 
     def _work(self, thought: Thought) -> None:
         pending = thought.pending
-        said = self._answer(thought)
+        try:
+            said = self._answer(thought)
+        except BaseException as error:  # noqa: BLE001 - a thread that dies would count as one that hangs, for ever
+            said = {"failed": f"the answer could not be taken in: {type(error).__name__}"}
         with self._lock:
             self._threads.discard(threading.current_thread())
             if self._pending.get(pending.question.number) is pending:

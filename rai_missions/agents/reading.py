@@ -20,6 +20,8 @@ __all__ = ("Reading", "callable_name", "read")
 
 LONGEST = 20_000
 """Characters of an answer that are read; more is refused unread."""
+DEEPEST = 30
+"""How deeply an answer, or what a call is given, may be nested; whoever walks through it later need not count."""
 LONGEST_NAME = 200
 LONGEST_WHY = 500
 CALLS = 100
@@ -129,6 +131,19 @@ def _plain(value: Any) -> Any:
     return _loaded(text, 0)[0] if len(text) <= LONGEST else None
 
 
+def _depth(value: Any) -> int:
+    """How deeply lists and objects are nested, looked at level by level."""
+    depth, level = 0, [value]
+    while level := [
+        item
+        for each in level
+        if isinstance(each, dict | list)
+        for item in (each.values() if isinstance(each, dict) else each)
+    ]:
+        depth += 1
+    return depth
+
+
 def _objects(text: str) -> list[dict[str, Any]] | None:
     """The JSON objects that stand side by side in a text; None where a brace begins something else.
 
@@ -154,7 +169,7 @@ def _loaded(text: str, start: int) -> tuple[Any, int]:
         ).encode()  # half a surrogate pair could never be written down
     except (ValueError, RecursionError):
         return None, start + 1
-    return value, end
+    return (value, end) if _depth(value) <= DEEPEST else (None, start + 1)
 
 
 def _unambiguous(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

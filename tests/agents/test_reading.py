@@ -54,6 +54,16 @@ def test_of_several_calls_with_an_option_none_is_taken(calls: list[Any]) -> None
         assert reading.failed == f"answered with {len(calls)} calls; one was asked for"
 
 
+@pytest.mark.parametrize("depth", [29, 31, 300, 3000])
+def test_an_answer_that_is_nested_too_deeply_is_none(depth: int) -> None:
+    nested: Any = 1
+    for _ in range(depth):
+        nested = {"x": nested}
+    called = read(AIMessage.model_construct(content="", tool_calls=[{**call("abort"), "args": nested}]), QUESTION)
+    written = said('{"option": "abort", "parameters": ' + '{"x": ' * depth + "1" + "}" * (depth + 1))
+    assert bool(called.wish) == bool(written.wish) == (depth < 30)
+
+
 # ── Examples ────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
