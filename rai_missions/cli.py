@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: `rai-missions run check draw diff replay schema new doctor world gate watch`.
+"""The command line: `rai-missions run check draw diff replay textconv schema new doctor world gate watch`.
 
 Rule: exit 0 the mission succeeded (or the check or replay holds), 1 it ended otherwise, 2 the input is at fault.
 What a command needs is imported when it runs.
@@ -16,7 +16,12 @@ __all__ = ("main", "parser")
 
 ABOUT = "Missions for robots: rules own the state, models only answer questions."
 EXIT = "exit status: 0 it succeeded or holds, 1 it ended otherwise or does not hold, 2 the input is at fault"
-DIFF_EXIT = "exit status: 0 they mean the same, 1 they differ, 2 the input is at fault"
+DIFF_EXIT = (
+    "exit status: 0 nothing safety-relevant changed, 1 something did (--fail-on says what counts), 2 the input is at"
+    " fault. Safety-relevant is what lets something happen that could not before, or drops what protected: an option"
+    " newly offered to a model, a weaker guard, a longer timeout, a lost invariant, a new way to succeeded; and what"
+    " cannot be told."
+)
 
 
 def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -126,11 +131,6 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
         help="the path that this run took, in bold; may be repeated",
     )  # fmt: skip
     draw.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
-    diff = commands.add_parser("diff", help="what changed between two missions, by meaning", epilog=DIFF_EXIT)
-    diff.add_argument("old", metavar="OLD")
-    diff.add_argument("new", metavar="NEW")
-    diff.add_argument("-o", "--output", metavar="FILE", help="draw both in one picture: .svg .png .dot")
-    diff.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     replay = commands.add_parser(
         "replay", help="do the run of a journal or a recording again and compare every step", epilog=EXIT
     )
@@ -138,6 +138,34 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     replay.add_argument("--mission", metavar="FILE.py", help="the mission, where it has behaviours in Python; executed")
     replay.add_argument("--json", action="store_true", help="print one object at the end")
     replay.add_argument("--verbose", action="store_true", help="print the steps")
+
+
+def _add_diff(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    diff = commands.add_parser(
+        "diff",
+        help="what changed between two missions, by meaning; what a reviewer must not miss comes first",
+        usage="rai-missions diff [options] OLD NEW\n       rai-missions diff [options] --git REV MISSION",
+        epilog=DIFF_EXIT,
+    )
+    diff.add_argument("old", metavar="OLD", help="the mission as it was; with --git the one mission")
+    diff.add_argument("new", metavar="NEW", nargs="?", help="the mission as it is")
+    diff.add_argument(
+        "--git", metavar="REV", help="compare MISSION with itself at a commit, branch or tag, and what it includes too"
+    )
+    diff.add_argument(
+        "-o", "--output", metavar="FILE", action="append", default=[],
+        help="by its ending: .html, a page; .md, for a comment; .json; .svg .png .dot .mmd, both in one picture;"
+        " may be repeated",
+    )  # fmt: skip
+    diff.add_argument(
+        "--fail-on", choices=("safety", "any", "none"), default="safety", help="what exits 1 (default: safety)"
+    )
+    diff.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    diff.add_argument("--python", action="store_true", help="execute a mission in Python of another revision too")
+    textconv = commands.add_parser(
+        "textconv", help="print a mission as text, one thing a line, for git diff", epilog=EXIT
+    )
+    textconv.add_argument("file", metavar="FILE", help="a .json mission; anything else is printed as it is")
 
 
 def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -224,6 +252,7 @@ def parser() -> argparse.ArgumentParser:
     commands = made.add_subparsers(title="commands", dest="command", metavar="COMMAND")
     _add_run(commands)
     _add_reviews(commands)
+    _add_diff(commands)
     _add_tools(commands)
     _add_gate(commands)
     _add_world(commands)

@@ -11,7 +11,8 @@ from typing import cast
 __all__ = ("COMMANDS", "command")
 
 COMMANDS: Mapping[str, str] = {
-    "run": "run.run", "check": "review.check_mission", "draw": "review.draw", "diff": "review.diff",
+    "run": "run.run", "check": "review.check_mission", "draw": "review.draw", "diff": "difference.diff",
+    "textconv": "difference.textconv",
     "replay": "replay.replay", "schema": "workbench.schema", "new": "workbench.new", "doctor": "workbench.doctor",
     "world": "world.world", "gate": "gate.gate", "watch": "watch.watch",
 }  # fmt: skip

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions check draw diff`: a mission before it runs."""
+"""`rai-missions check draw`: a mission before it runs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rai_missions.errors import Fault
 from rai_missions.load import load
 from rai_missions.mission import Mission
 
-__all__ = ("check_mission", "diff", "draw")
+__all__ = ("check_mission", "draw")
 
 
 def check_mission(given: argparse.Namespace) -> int:
@@ -66,19 +66,3 @@ def _draw_review(given: argparse.Namespace, mission: Mission, output: str) -> No
             warn(journal.warning)
         journals = [(Path(path).name, journal.path) for path, journal in found]
         draw_review(mission, output, journals, check(mission))
-
-
-def diff(given: argparse.Namespace) -> int:
-    """Say and draw what changed between two missions."""
-    from visualize import difference
-
-    old, new = (load(path, python=not given.no_python) for path in (given.old, given.new))
-    found = difference(old, new)
-    for line in found.lines():
-        print(line)
-    if given.output:
-        from visualize import draw_difference
-
-        draw_difference(found, given.output)
-        print(f"picture: {given.output}")
-    return 0 if found.empty else 1

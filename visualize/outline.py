@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission as text, one thing a line, for tools that compare lines.
+
+Rule: two missions have the same text where they are the same but for the order in which things are named, else not.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rai_missions.guards import Compare, Guard, Named
+from rai_missions.mission import Mission
+from rai_missions.states import Transition
+from rai_missions.written import Written
+from visualize.style import clean
+
+__all__ = ("outline",)
+
+INDENT = "  "
+
+
+def outline(mission: Mission) -> str:
+    """The text."""
+    return "\n".join([*(clean(line) for line in _fields(mission, "")), ""])
+
+
+def _fields(item: Written, indent: str) -> Iterator[str]:
+    """What is written in a thing, in the order of its kind's fields."""
+    for name, field in type(item).model_fields.items():
+        value = getattr(item, name)
+        if name == "transitions" or value != field.get_default(call_default_factory=True):
+            yield from _value(field.alias or name, value, indent)
+
+
+def _value(word: str, value: Any, indent: str) -> Iterator[str]:
+    if isinstance(value, Guard):
+        yield f"{indent}{word}: {_guard(value)}"
+    elif isinstance(value, Transition):
+        yield f"{indent}row {_trigger(value)}"
+        yield from (
+            line for field in ("when", "do", "internal", "about") for line in _part(value, field, indent + INDENT)
+        )
+    elif isinstance(value, Written):
+        kind = getattr(value, "word", "")
+        yield f"{indent}{word}:" + (f" {kind}" if kind and kind != word else "")
+        yield from _fields(value, indent + INDENT)
+    elif isinstance(value, Mapping) and any(isinstance(each, Written) for each in value.values()):
+        yield f"{indent}{word}:"
+        for name in sorted(value):
+            yield from _value(name, value[name], indent + INDENT)
+    elif isinstance(value, tuple) and any(isinstance(each, Written) for each in value):
+        for each in value:
+            yield from _value(word, each, indent)
+    elif value != () or word != "transitions":
+        yield f"{indent}{word}: {_json(value)}"
+
+
+def _part(row: Transition, field: str, indent: str) -> Iterator[str]:
+    value = getattr(row, field)
+    if value != type(row).model_fields[field].get_default(call_default_factory=True):
+        yield from _value(field, value, indent)
+
+
+def _trigger(row: Transition) -> str:
+    said = (
+        f"after {_json(row.after_s)} s" if row.after_s is not None else "on " + ", ".join(row.on) if row.on else "now"
+    )
+    of = f" of {row.of}" if row.of else ""
+    return f"{said}{of} → {', '.join(row.to)}" if row.to else f"{said}{of}, stays"
+
+
+def _guard(guard: Guard) -> str:
+    """In words where they are exact; a text in them could be taken for a number or a key."""
+    plain = all(
+        isinstance(each.operand, bool | int | float) for each in guard.walk() if isinstance(each, Compare)
+    ) and not any(isinstance(each, Named) for each in guard.walk())
+    return guard.words() if plain else _json(guard.written())
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, ensure_ascii=False, default=_other)
+
+
+def _other(value: Any) -> Any:
+    return getattr(value, "__qualname__", str(value))
