@@ -72,21 +72,27 @@ def _form(guard: Guard, wanted: bool, depth: int) -> Form:
         return parts[0] if len(parts) == 1 else Junction(word, parts)
     if isinstance(guard, Compare):
         return _compared(guard, wanted)
-    if isinstance(guard, Elapsed | Held | Near):
+    if isinstance(guard, Held):
+        return _held(guard, wanted, depth)
+    if isinstance(guard, Elapsed | Near):
         return _measured(guard, wanted)
     if isinstance(guard, In | Fresh):
         return Atom(guard.word, guard.state if isinstance(guard, In) else guard.fresh, "" if wanted else "not", None)
     return Atom("other", _text(guard), "" if wanted else "not", None)
 
 
-def _measured(guard: Elapsed | Held | Near, wanted: bool) -> Atom:
+def _measured(guard: Elapsed | Near, wanted: bool) -> Atom:
     """What has a bound, as a comparison of what is measured; no key is called so."""
     if isinstance(guard, Near):
         here, there = sorted(guard.near)
         return Atom("compare", f"<near {here} {there}>", "<=" if wanted else ">", guard.within_m)
-    if isinstance(guard, Elapsed):
-        return Atom("compare", "<elapsed>", ">=" if wanted else "<", guard.elapsed_s)
-    return Atom("compare", f"<held {_text(guard.held)}>", ">=" if wanted else "<", guard.for_s)
+    return Atom("compare", "<elapsed>", ">=" if wanted else "<", guard.elapsed_s)
+
+
+def _held(guard: Held, wanted: bool, depth: int) -> Form:
+    """It is true now, and has been for so long: in Kleene's logic the same as the guard itself."""
+    long = Atom("compare", f"<held {_text(guard.held)}>", ">=" if wanted else "<", guard.for_s)
+    return Junction("all" if wanted else "any", (long, _form(guard.held, wanted, depth + 1)))
 
 
 def _text(guard: Guard) -> str:

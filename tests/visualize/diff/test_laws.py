@@ -197,7 +197,7 @@ def view(values: tuple[int, ...]) -> Any:
         ({"key": "count", "==": 1}, {"key": "count", "==": 2}, "changed"),
         ({"key": "count", "==": 1}, {"key": "count", "==": True}, "changed"),
         ({"key": "w", "in": ["a"]}, {"key": "w", "in": ["a", "b"]}, "weakened"),
-        ({"held": {"in": "a"}, "for_s": 2}, {"in": "a"}, "changed"),
+        ({"held": {"in": "a"}, "for_s": 2}, {"in": "a"}, "weakened"),
         ({"held": {"in": "a"}, "for_s": 2}, {"held": {"in": "a"}, "for_s": 1}, "weakened"),
         ({"elapsed_s": 2}, {"elapsed_s": 5}, "strengthened"),
         ({"near": ["p", "q"], "within_m": 1}, {"near": ["q", "p"], "within_m": 2}, "weakened"),
