@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from rai_missions.chart import Chart
-from rai_missions.errors import DefinitionError, Fault
+from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.faults import faults_of
 from rai_missions.guards.guard import Truth
 from rai_missions.guards.named import Named
@@ -44,6 +44,7 @@ class Rebuilding:
         self, record: Record, mission: Mission, ticker: Trees | None = None, named: Predicates | None = None
     ) -> None:
         robot = robot_of(record)
+        self._source = str(record.path)
         self._recorded = _Recorded(_names(mission), named or {})
         self.chart = Chart(
             mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
@@ -51,7 +52,20 @@ class Rebuilding:
         )  # fmt: skip
 
     def again(self, row: StepRow) -> Step:
-        """The step that the chart makes of a row's event."""
+        """The step that the chart makes of a row's event.
+
+        Raises:
+            DefinitionError: The chart can make nothing of it: no run has brought such an event.
+        """
+        try:
+            return self._again(row)
+        except MissionError:
+            raise
+        except Exception as error:
+            sentence = f"no run brings such an event ({type(error).__name__}: {error}); it was altered"
+            raise DefinitionError([Fault(f"row {row.row}", sentence)], self._source) from error
+
+    def _again(self, row: StepRow) -> Step:
         chart, step = self.chart, row.step
         self._recorded.turn_to(step)
         chart.absorb(row.before, at=row.since, seq=step.seq - 1)
@@ -105,7 +119,7 @@ def mission_of(record: Record) -> Mission:
     if not record.header.mission:
         sentence = "the mission has behaviours in Python and is not in its journal; give its file: --mission FILE.py"
         raise DefinitionError([Fault("", sentence)], source)
-    data = parse_json(record.header.mission.encode(), source)
+    data = parse_json(record.header.mission.encode("utf-8", "surrogatepass"), source)
     try:
         return Mission.model_validate(data)
     except ValidationError as error:

@@ -7,7 +7,7 @@ Rule: a field that is left out has its default; a field that a Step comes to hol
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar, cast, get_type_hints
 
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
@@ -67,18 +67,42 @@ def _pair(second: Form) -> Form:
 
 TEXT, INTEGER, NUMBER, TRUTH = _checked(str), _checked(int), _checked(float, int), _checked(bool, type(None))
 VALUE = Form(lambda value, keep: to_json(value), from_json)
-"""Any value; also the form of every field that the tables below do not name."""
+"""Any value; also the form of every field whose type says no more."""
 SHOWN = Form(to_json, from_json)
 """What somebody is asked about: the bytes of its pictures are kept."""
 TEXTS = _tuple_of(TEXT)
 
 
+def _value_of(*kinds: type) -> Form:
+    """A value of certain types: who altered a journal may have written another."""
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        found = from_json(value, fetch)
+        if type(found) not in kinds:
+            raise ValueError(f"{value!r:.60} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs")
+        return found
+
+    return Form(VALUE.write, read)
+
+
+FORMS: Mapping[Any, Form] = {
+    str: _value_of(str),
+    int: _value_of(int),
+    bool: _value_of(bool),
+    float: _value_of(float, int),
+    str | None: _value_of(str, type(None)),
+    float | None: _value_of(float, int, type(None)),
+    tuple[str, ...]: TEXTS,
+    Mapping[str, Any]: _value_of(dict),
+    Mapping[str, Any] | None: _value_of(dict, type(None)),
+}
+"""A field's type → its form, where a table below does not name another."""
+
+
 def _record(kind: type[Any], /, **forms: Form) -> Form:
     """The form of a named tuple, written as an object of its fields."""
-    defaults = kind._field_defaults
-    table = tuple(
-        (name, defaults.get(name, ...), forms.get(name) or _usual(defaults.get(name))) for name in kind._fields
-    )
+    defaults, hints = kind._field_defaults, get_type_hints(kind)
+    table = tuple((name, defaults.get(name, ...), forms.get(name) or _usual(hints[name])) for name in kind._fields)
 
     def write(value: Any, keep: Keep) -> Any:
         return {
@@ -100,9 +124,9 @@ def _record(kind: type[Any], /, **forms: Form) -> Form:
     return Form(write, read)
 
 
-def _usual(default: Any) -> Form:
-    """The form of a field that no table names: a record where its default is one, else any value."""
-    return _record(type(default)) if hasattr(default, "_fields") else VALUE
+def _usual(hint: Any) -> Form:
+    """The form of a field that no table names, by its type."""
+    return _record(hint) if hasattr(hint, "_fields") else FORMS.get(hint, VALUE)
 
 
 EVENT = _record(Event, name=TEXT, at=NUMBER, kind=TEXT, number=INTEGER)

@@ -164,9 +164,8 @@ def _add_withheld(step: Step, questions: dict[int, Json], offers: Offers) -> Non
 
 def _stamp(event: Event, key: str, at: float) -> float:
     """When a written value was so: a robot's says it, the mission's own is of its step."""
-    if event.kind == "write" and event.name == key:
-        return min(float(event.data.get("stamp", event.at)), at)
-    return at
+    stamp = event.data.get("stamp", event.at) if event.kind == "write" and event.name == key else at
+    return min(float(stamp), at) if isinstance(stamp, int | float) else at
 
 
 def _question(question: Question, index: int, gallery: Gallery) -> Json:
