@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A chart that is put into any of its states again, and knows two states from which the same can happen.
+
+Rule: time stands still: a timer has run out or it has not, a state is old enough for a guard or it is not yet.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import marshal
+import math
+from typing import Any
+
+from rai_missions.guards.elapsed import Elapsed
+from rai_missions.mission import Mission
+from rai_missions.prove.parts import guards_in, parts
+from rai_missions.prove.remembered import plain, told, told_timer
+from rai_missions.prove.resting import Resting
+from rai_missions.prove.watched import NOW
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
+from rai_missions.states.tree.leaves import ActionLeaf
+
+__all__ = ("Explored", "State")
+
+State = tuple[Any, ...]
+"""All that a chart remembers, to put it back."""
+NONE: dict[Any, Any] = {}
+A_LITTLE_S = 1e-3
+"""A state is older than a guard asks for by so much, lest a sum of floats falls short."""
+
+
+class Explored(Resting):
+    """A chart whose states are saved, loaded and compared."""
+
+    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
+        super().__init__(mission, ticker, terms=terms)
+        self._levels = self._thresholds()
+        self._quick = False
+
+    # -- ages -----------------------------------------------------------------------------------------------------
+
+    def _thresholds(self) -> dict[str, tuple[float, ...]]:
+        """State → the ages that guards ask for, ascending; empty for the mission itself."""
+        found = {"": _ages(self.mission.transitions)}
+        for _, name, state in self.mission.walk():
+            inner = set(type(state).model_fields) & {"states", "parallel"}
+            own = [getattr(state, field) for field in type(state).model_fields if field not in inner]
+            actions = {getattr(state, "action", ""), *(leaf.action for leaf in parts(own, ActionLeaf))}
+            by_profile = [
+                guards[action]
+                for guards in (self.terms.succeeded, self.terms.failed)
+                for action in actions & set(guards)
+            ]
+            found[name] = tuple(sorted({*_ages(own), *_ages(by_profile)}))
+        return {name: ages for name, ages in found.items() if ages}
+
+    def next_age(self, state: str) -> float | None:
+        """The next age of a state that a guard asks for, in seconds."""
+        age = NOW - self.view.entered.get(state, NOW)
+        return next((each for each in self._levels.get(state, ()) if each > age), None)
+
+    def grow_old(self, state: str, age: float) -> None:
+        """A state has been active for so many seconds."""
+        self.view.entered[state] = NOW - age - A_LITTLE_S
+
+    @property
+    def aging(self) -> list[str]:
+        """The active states whose age can make a difference yet."""
+        return [name for name in self._levels if name in self.view.entered and self.next_age(name) is not None]
+
+    # -- what becomes of it ---------------------------------------------------------------------------------------
+
+    @property
+    def loose(self) -> list[str]:
+        """The actions that run though nobody has told them to end."""
+        return [goal.action for goal in self._ledger.goals.values() if goal.phase in ("sent", "running")]
+
+    def save(self) -> State:
+        """What `load` puts back."""
+        view = self.view
+        return (
+            self._config, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
+            _kept(self._memory), _kept(self._timers), _kept(self._running), _kept(self._pending), _kept(self._rounds),
+            _kept(self._settling), _kept(self._calls), _kept(self._ledger.goals), self._unknown, self._cancel_by,
+            _kept(view.entered), _kept(view.held), view.answer, _kept(self.board), self._listening,
+        )  # fmt: skip
+
+    def load(self, state: State) -> None:
+        """Be in a state again."""
+        view = self.view
+        (
+            self._config, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
+            memory, timers, running, pending, rounds, settling, calls, goals, self._unknown, self._cancel_by,
+            entered, held, view.answer, board, self._listening,
+        ) = state  # fmt: skip
+        self._memory, self._timers, self._running = memory.copy(), timers.copy(), running.copy()
+        self._pending, self._rounds, self._settling = pending.copy(), rounds.copy(), settling.copy()
+        self._calls, self._ledger.goals, self._ledger.changed = calls.copy(), goals.copy(), False
+        view.entered, view.held, view.event = entered.copy(), held.copy(), {}
+        view.active = self._config.active
+        self.board.refill(board)
+        self._quick, self._due = False, frozenset()
+        self._wavering.clear()
+
+    def key(self) -> bytes:
+        """The same for two states from which the same can happen: 16 bytes."""
+        parts = (self._told_run(), self._told_goals(), self._told_facts())
+        try:
+            said = marshal.dumps(parts, 2)
+        except ValueError:  # a picture, a mapping of some kind
+            said = repr(parts).encode()
+        return hashlib.blake2b(said, digest_size=16).digest()
+
+    def _told_run(self) -> tuple[Any, ...]:
+        timers = self._timers
+        return (
+            self._config.key, self.mode, self.holder, self._final.index if self._final else -1,
+            [(at, [node.index for node in nodes]) for at, nodes in sorted(self._memory.items())],
+            sorted([told_timer(key, timer) for key, timer in timers.items()]) if timers else (),
+            [(name, until == math.inf) for name, until in sorted(self._pending.items())],
+            [(name, str(each)) for name, each in sorted(self._rounds.items())] if self._rounds else (),
+            sorted(self._settling), sorted(self._unknown), self._cancel_by == math.inf,
+        )  # fmt: skip
+
+    def _told_goals(self) -> tuple[Any, ...]:
+        goals, running = self._ledger.goals, self._running
+        rank: dict[int, int] = {}
+        if goals or running or self._calls:
+            rank = {number: at for at, number in enumerate(sorted(self.awaited))}
+        return (
+            [(name, told(running[name], rank)) for name in sorted(running)],
+            sorted([(rank[number], service) for number, service in self._calls.items()]),
+            [(rank[n], g.owner, g.action, g.phase, g.until == math.inf) for n, g in sorted(goals.items())],
+        )
+
+    def _told_facts(self) -> tuple[Any, ...]:
+        view, idle = self.view, self._idle
+        board = sorted(self.board.entries())
+        return (
+            [(name, self.next_age(name)) for name in self._levels if name in view.entered],
+            [(memory, since == NOW) for memory, since in sorted(view.held.items())],
+            sorted(view.answer.items()) if view.answer else (),
+            [(n, None if entry is None else n in idle or plain(entry[0])) for n, entry in board],
+        )
+
+
+def _kept(store: dict[Any, Any]) -> dict[Any, Any]:
+    """A copy; most are empty, and share one."""
+    return dict(store) if store else NONE
+
+
+def _ages(part: Any) -> tuple[float, ...]:
+    return tuple(sorted({each.elapsed_s for each in guards_in(part) if isinstance(each, Elapsed)}))

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of a mission, wherever they stand in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from rai_missions.effects import Set
+from rai_missions.guards.guard import Guard
+from rai_missions.states.tree.leaves import SetLeaf
+
+__all__ = ("guards_in", "parts", "writes_in")
+
+Part = TypeVar("Part")
+
+
+def _inside(value: Any) -> Iterable[Any]:
+    if isinstance(value, BaseModel):
+        return vars(value).values()
+    if isinstance(value, Mapping):
+        return value.values()
+    return value if isinstance(value, list | tuple) else ()
+
+
+def parts(value: Any, kind: type[Part]) -> Iterator[Part]:
+    """Every part of a mission, or of a part of it, that is of a kind; outermost first."""
+    if isinstance(value, kind):
+        yield value
+    for part in _inside(value):
+        yield from parts(part, kind)
+
+
+def guards_in(value: Any) -> Iterator[Guard]:
+    """Every guard, those inside others included."""
+    if isinstance(value, Guard):
+        yield from value.walk()
+        return
+    for part in _inside(value):
+        yield from guards_in(part)
+
+
+def writes_in(value: Any) -> Iterator[Set]:
+    """Every effect that writes a key, those of trees included."""
+    yield from parts(value, Set)
+    for leaf in parts(value, SetLeaf):
+        yield leaf.effect()

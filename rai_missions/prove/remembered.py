@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What machines remember, with everything left out that makes no difference to what can happen next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.prove.choices import OpenFields
+from rai_missions.prove.watched import NOW
+from rai_missions.states.asking import Asking
+from rai_missions.states.pursuit import Pursuit
+from rai_missions.states.tending import Tended, Tending
+
+__all__ = ("SOON", "plain", "rested", "told", "told_timer")
+
+SOON = NOW + 1.0
+"""When whatever runs would be due, if time went on."""
+DIGITS = 6
+
+
+def rested(state: Any, machine: Any) -> Any:
+    """A machine's state with its timers at the same distance as ever.
+
+    A question that has a deadline is put as if it had just begun to be asked: whoever is asked last can do no more than
+    whoever is asked first, and the deadline does what comes of asking them all.
+    """
+    if isinstance(state, Pursuit):
+        return state._replace(until=SOON) if state.until != math.inf else state
+    if isinstance(state, Asking):
+        return _asked_anew(state, machine)
+    if isinstance(state, Tending):
+        leaves = {
+            path: Tended(
+                rested(tended.state, machine.limbs[path].machine), SOON if tended.deadline != math.inf else math.inf
+            )
+            for path, tended in state.leaves.items()
+        }
+        return state._replace(leaves=leaves)
+    return state
+
+
+def _asked_anew(state: Asking, machine: Any) -> Asking:
+    question = state.question
+    until = SOON if question.until != math.inf else math.inf
+    if state.deadline == math.inf:
+        return state._replace(question=question._replace(until=until, refused=(), at=NOW))
+    question = question._replace(until=until, refused=(), at=NOW, attempt=1, asked=machine.asked.ask[0])
+    return state._replace(question=question, turn=0, deadline=SOON + 1.0)
+
+
+def told(state: Any, rank: Mapping[int, int]) -> Any:
+    """What tells a machine's state from others, without the numbers of starts and questions."""
+    if isinstance(state, Pursuit):
+        result = sorted(state.result.items())
+        return ("pursuit", state.phase, rank.get(state.number, 0), state.until == math.inf, result)
+    if isinstance(state, Asking):
+        question = state.question
+        return ("asking", tuple(offer.name for offer in question.options), state.turn, question.attempt)
+    if isinstance(state, Tending):
+        return _told_tree(state, rank)
+    number = getattr(state, "number", None)
+    return (type(state).__name__, rank.get(number, 0)) if number is not None else repr(state)
+
+
+def _told_tree(state: Tending, rank: Mapping[int, int]) -> Any:
+    leaves = [(path, told(each.state, rank), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
+    nodes = [(path, repr(_rounded(memory))) for path, memory in sorted(state.tree.nodes.items())]
+    ends = sorted((path, leaf.outcome) for path, leaf in state.tree.leaves.items())
+    return ("tending", leaves, nodes, ends, _rounded(state.wake))
+
+
+def _rounded(value: Any) -> Any:
+    """Times as near as they can be told apart: their sums differ in the last digits."""
+    if isinstance(value, float):
+        return round(value, DIGITS)
+    if isinstance(value, Mapping):
+        return [(name, _rounded(each)) for name, each in sorted(value.items())]
+    if isinstance(value, list | tuple):
+        return [_rounded(each) for each in value]
+    return value
+
+
+def told_timer(key: tuple[str, Any], timer: Any) -> tuple[str, str, str]:
+    """A delayed `raise` without an id is named by its number, which says nothing."""
+    kind, which = key
+    return (kind, timer.name, str(timer.data)) if isinstance(which, int) else (kind, str(which), "")
+
+
+def plain(value: Any) -> Any:
+    """What is known of an object, field by field."""
+    return sorted(value.items()) if isinstance(value, OpenFields) else value

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A chart between two steps: what nobody listens to is forgotten, what waits for time waits as long as ever.
+
+Rule: forgetting gives more runs, never fewer. A key that is forgotten can be anything when somebody looks again; only
+one that what waits does not look at, being as it is, is forgotten, since its change changes nothing now.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from rai_missions.blackboard import Stamped
+from rai_missions.chart.configuration import Configuration
+from rai_missions.chart.core import Timer
+from rai_missions.chart.node import Condition, Node
+from rai_missions.guards.guard import View
+from rai_missions.mission import Mission
+from rai_missions.prove.choices import OpenFields
+from rai_missions.prove.remembered import SOON, rested, told_timer
+from rai_missions.prove.watched import NOW, Watched
+from rai_missions.states.compound import Each
+from rai_missions.states.pursuit import Pursuit, PursuitMachine
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
+
+__all__ = ("Resting",)
+
+MANY = 2
+"""So many alike stand for any number more."""
+
+
+class Resting(Watched):
+    """A chart that comes to rest after each step."""
+
+    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
+        super().__init__(mission, ticker, terms=terms)
+        idle = frozenset(mission.blackboard) - self.values.learned.compared - self._fleeting
+        self._reopened = idle & self.open_keys
+        """Keys that any value does for, and that no guard looks at."""
+        self._idle = idle - self.open_keys
+        self._full = self.values.saturating()
+        self._waiting: dict[Configuration, tuple[Condition, ...]] = {}
+        rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
+        self._hears_of_calls = any("call_failed" in row.on for row in rows)
+        self.hears_of_doubt = any("uncertain" in row.on for row in rows)
+        """Some row is about what nobody can tell whether it was done."""
+
+    def settle(self) -> None:
+        """Forget what nobody looks at, and put every timer that runs to the same distance."""
+        if self.mode == "ended":
+            return
+        self._listening = self._sensed()
+        self._forget()
+        self._wait()
+        self._cap()
+        self.view.event = {}
+
+    @property
+    def listening(self) -> frozenset[str]:
+        """The keys whose change may change something."""
+        return self._listening
+
+    # -- what is looked at ----------------------------------------------------------------------------------------
+
+    def _sensed(self) -> frozenset[str]:
+        """The keys that what waits for something looks at, being as it is; no other can change anything now."""
+        board, looked = self.board, self.board.looked
+        looked.clear()
+        for key in self._shapes:
+            entry = board.known(key)
+            if entry is not None:
+                if not isinstance(entry.value, OpenFields):  # a robot has just said it
+                    entry = Stamped(self._shapes[key].fresh(entry.value), NOW)
+                    board.put(key, entry)
+                entry.value.looked.clear()
+        for condition in self._watching():
+            self._look(condition)
+        for _, machine, state in self._live():
+            if isinstance(machine, PursuitMachine) and not self.predicates:
+                _sense(machine, state, self.view)
+            else:
+                looked |= machine.reads(state)
+        return frozenset(looked) & self._fleeting
+
+    def _watching(self) -> Iterable[Condition]:
+        """The guards that may do something without an event."""
+        if self._final is not None:
+            yield from [self._final.requires] if self._final.requires is not None else []
+        else:
+            config = self._config
+            waiting = self._waiting.get(config)
+            if waiting is None:
+                waiting = self._waiting[config] = tuple(_waiting(config))
+            yield from waiting
+        for name in self._settling:
+            requires = self._graph.nodes[name].requires
+            assert requires is not None
+            yield requires
+        yield from (condition for _, condition in self._invariants)
+
+    def _look(self, condition: Condition) -> None:
+        if self.predicates:  # they may say something else the next time
+            self.board.looked |= condition.reads
+            return
+        condition.test(self.view)
+        for test in condition.holds.values():
+            test(self.view)
+
+    def _forget(self) -> None:
+        board = self.board
+        for key in self._fleeting - self._listening:
+            board.pop(key, None)
+        for key in self._shapes:
+            entry = board.known(key)
+            if entry is not None:
+                for field in entry.value.keys() - entry.value.looked if not self.predicates else ():
+                    del entry.value[field]
+        for key in self._reopened:
+            board.pop(key, None)
+        for key, (low, high) in self._full.items():
+            entry = board.known(key)
+            if entry is not None and not low <= entry.value <= high:
+                board.put(key, Stamped(min(max(entry.value, low), high), NOW))
+
+    # -- what waits -----------------------------------------------------------------------------------------------
+
+    def _wait(self) -> None:
+        timers = self._timers
+        for key, timer in timers.items():
+            if timer.due != SOON:
+                timers[key] = timer._replace(due=SOON)
+        for waiting in (self._pending, self._settling):
+            for name, until in waiting.items():
+                if until != math.inf:
+                    waiting[name] = SOON
+        self._cancel_by = SOON if self._cancel_by != math.inf else math.inf
+        goals = self._ledger.goals
+        for number, goal in goals.items():
+            if goal.until != math.inf:
+                goals[number] = goal._replace(until=SOON)
+        for name, state in self._running.items():
+            self._running[name] = rested(state, self._machines[name])
+        for name, (items, index) in self._rounds.items():
+            if index:
+                self._rounds[name] = (items[index:], 0)
+
+    # -- what there may be any number of --------------------------------------------------------------------------
+
+    def _alike(self) -> dict[tuple[Any, ...], list[Any]]:
+        """What cannot be told from its like: kind and words → its keys."""
+        alike: dict[tuple[Any, ...], list[Any]] = {}
+        for key, timer in self._timers.items():
+            if isinstance(key[1], int):
+                alike.setdefault(("timer", *told_timer(key, timer)), []).append(key)
+        for number, service in self._calls.items():
+            alike.setdefault(("call", service), []).append(number)
+        for number, goal in self._ledger.goals.items():
+            if goal.phase not in ("sent", "running"):
+                alike.setdefault(("goal", goal.owner, goal.action, goal.phase), []).append(number)
+        return alike
+
+    def _cap(self) -> None:
+        if not self._hears_of_calls:
+            self._calls.clear()  # whatever they come to, nobody hears of it
+        if len(self._timers) + len(self._calls) + len(self._ledger.goals) <= MANY:
+            return
+        for (kind, *_), keys in self._alike().items():
+            store: Any = {"timer": self._timers, "call": self._calls, "goal": self._ledger.goals}[kind]
+            for key in keys[MANY:]:
+                del store[key]
+
+    def make(self, happens: Callable[[], None]) -> None:
+        """Let something happen; what it did can be read until the next."""
+        self._clear()
+        several = len(self._timers) + len(self._calls) + len(self._ledger.goals) >= MANY
+        before = self._alike() if several else {}
+        happens()
+        self.seq += 1
+        if before and self.mode != "ended":
+            self._replenish(before)
+
+    def _replenish(self, before: dict[tuple[Any, ...], list[Any]]) -> None:
+        """Where there were many, there may be as many still."""
+        now = Counter({words: len(keys) for words, keys in self._alike().items()})
+        for words, keys in before.items():
+            if len(keys) >= MANY and now[words] == MANY - 1 and self.choices.choose(2):
+                self._add_another(words)
+
+    def _add_another(self, words: tuple[Any, ...]) -> None:
+        key = self._alike()[words][0]
+        if words[0] == "timer":
+            self._order += 1
+            self._timers["raise", self._order] = Timer(SOON, self._order, *self._timers[key][2:])
+        elif words[0] == "call":
+            self._calls[self.next_number()] = self._calls[key]
+        else:
+            number = self.next_number()
+            self._ledger.goals[number] = self._ledger.goals[key]._replace(number=number)
+
+    def _next_round(self, node: Node) -> None:
+        """A list that the surroundings gave may be longer than was thought, where it has two items or more."""
+        items, index = self._rounds[node.name]
+        assert isinstance(node.state, Each)
+        key = node.state.each.split(".")[0]
+        if 0 < index == len(items) - 1 and key in self.open_keys and self.choices.choose(2):
+            self._rounds[node.name] = ((*items, self.choices.pick(self.values.item(key))), index)
+        super()._next_round(node)
+
+
+def _waiting(config: Configuration) -> Iterator[Condition]:
+    """The guards of rows that need no event, and those that count for how long they have been true."""
+    yield from (row.condition for chain in config.eventless for row in chain if row.condition is not None)
+    conditions = (row.condition for node in config.nodes for row in node.rows)
+    yield from (condition for condition in conditions if condition is not None and condition.holds)
+
+
+def _sense(machine: PursuitMachine, state: Pursuit, view: View) -> None:
+    """Look as the machine does while it waits."""
+    if state.phase == "settling" and machine.achieved is not None:
+        machine.achieved(view)
+    elif state.phase == "running":
+        for test in (machine.succeeded, machine.failed):
+            if test is not None:
+                test(view)

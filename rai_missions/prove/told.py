@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What robot, model, person and other programs can tell a mission in a state.
+
+Rule: whoever is asked can say anything or nothing, and a server ends a goal in any way at any time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from rai_missions.event import Event
+from rai_missions.mission import Mission
+from rai_missions.prove.choices import Payload
+from rai_missions.prove.explored import Explored
+from rai_missions.prove.happening import Happening
+from rai_missions.prove.watched import NOW
+from rai_missions.states.asking import Asking
+from rai_missions.states.behaving import Behaving
+from rai_missions.states.calling import Calling
+from rai_missions.states.goals import Goal
+from rai_missions.states.tending import Tending
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
+from rai_missions.verdict import Offer, Question
+
+__all__ = ("Told",)
+
+ENDS = ("succeeded", "failed", "canceled", "rejected")
+ACCEPTABLE = ("sent", "withdrawn")
+REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
+
+
+class Told(Explored):
+    """A chart that can be told anything."""
+
+    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
+        super().__init__(mission, ticker, terms=terms)
+        self.said: Event | None = None
+        """What it was last told."""
+
+    def _handle(self, event: Event) -> None:
+        self.said = event
+        super()._handle(event)
+
+    def owner_of(self, number: int) -> str:
+        """Whose goal, call, question or behaviour has a number; empty for none."""
+        if number in self._ledger.goals:
+            return self._ledger.goals[number].owner
+        for name, path, state in self.inner():
+            asked = state.question.number if isinstance(state, Asking) else getattr(state, "number", 0)
+            if number and asked == number:
+                return owned(name, path)
+        return self._calls.get(number, "")
+
+    def _hear(self, event: Event) -> Callable[[], None]:
+        return lambda: self._handle(event)
+
+    def events(self) -> Iterator[Happening]:
+        """What the mission declares, and what nobody can tell whether it was done, where some row is about it."""
+        if self._final is not None:
+            return
+        fields = self.values.fields("event")
+        for name in self.mission.events:
+            plan = self._config.plans.get(name)
+            if plan is None:
+                plan = self._config.plan(name, declared=True)
+            if plan:
+                event = Event(name, NOW, Payload(fields, self._field))
+                yield Happening(f"event '{name}'", "event", self._hear(event))
+        if self.hears_of_doubt:
+            event = Event("uncertain", NOW, Payload(fields, self._field), "doubt")
+            yield Happening("nobody can tell whether it was done", "event", self._hear(event))
+
+    def _field(self, field: str) -> Any:
+        return self.choices.pick(self.values.field(f"event.{field}"))
+
+    # -- reports --------------------------------------------------------------------------------------------------
+
+    def reports(self) -> Iterator[Happening]:
+        """Everything that servers, services and behaviours can say."""
+        for goal in list(self._ledger.goals.values()):
+            yield from self._goal(goal)
+        for number, owner in (*self._of(Calling), *self._calls.items()):
+            for reply in REPLIES:
+                do = self._result(reply, number, owner)
+                yield Happening(f"the call of '{owner}': {reply}", "robot", do, number)
+        for number, owner in self._of(Behaving):
+            for status in ("success", "failure"):
+                event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
+                words = f"the behaviour of '{owner}': {status}"
+                yield Happening(words, "robot", self._hear(event), number)
+
+    def _goal(self, goal: Goal) -> Iterator[Happening]:
+        named, number = f"'{goal.action}' of '{goal.owner}'", goal.number
+        if goal.phase in ACCEPTABLE:
+            event = Event("accepted", NOW, {}, "accepted", number)
+            yield Happening(f"{named} is accepted", "robot", self._hear(event), number)
+        composed = goal.action in self.terms.succeeded
+        for end in ENDS:
+            if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):
+                continue  # its guards say so, and no server
+            do = self._result(end, number, goal.owner)
+            yield Happening(f"{named} ended: {end}", "robot", do, number)
+
+    def _result(self, name: str, number: int, owner: str) -> Callable[[], None]:
+        """A report with those of its fields that the mission looks at."""
+
+        def happen() -> None:
+            data: dict[str, Any] = {}
+            for key, field in self._wanted(owner).items() if name == "succeeded" else ():
+                data[field] = self._kept(key)
+            for field in self.values.fields("event"):
+                if field not in data:
+                    data[field] = self._field(field)
+            data = {field: value for field, value in data.items() if value is not None}
+            self._handle(Event(name, NOW, data, "result", number))
+
+        return happen
+
+    def _kept(self, key: str) -> Any:
+        """What a result has for a key; it may lack it."""
+        known = [value for value in self.values.of(key) if value is not None]
+        return self.choices.pick((None, *(known if key in self.values.learned.compared else known[:1])))
+
+    def _wanted(self, owner: str) -> Mapping[str, str]:
+        """Key → the field of the result that goes there."""
+        name, _, path = owner.partition("#")
+        machine: Any = self._machines.get(name)
+        if path and machine is not None:
+            machine = machine.limbs[path].machine
+        wanted: Mapping[str, str] = getattr(getattr(machine, "definition", None), "result", {})
+        return wanted
+
+    def inner(self) -> Iterator[tuple[str, str, Any]]:
+        """Every activity that runs: its state, its path in a tree, its machine's state."""
+        for name, state in self._running.items():
+            if isinstance(state, Tending):
+                for path, tended in state.leaves.items():
+                    yield name, path, tended.state
+            else:
+                yield name, "", state
+
+    def _of(self, kind: type[Calling | Behaving]) -> list[tuple[int, str]]:
+        return [(state.number, owned(name, path)) for name, path, state in self.inner() if isinstance(state, kind)]
+
+    # -- answers --------------------------------------------------------------------------------------------------
+
+    def answers(self) -> Iterator[Happening]:
+        """Each option, one that there is not, and nobody there; silence is the time that runs out."""
+        for name, path, state in list(self.inner()):
+            if isinstance(state, Asking):
+                yield from self._replies(state.question, owned(name, path))
+
+    def _replies(self, question: Question, owner: str) -> Iterator[Happening]:
+        who, number = question.asked, question.number
+        for offer in question.options:
+            words = f"{who} answers '{owner}': {offer.name}"
+            yield Happening(words, "answer", self._option(number, who, offer), number)
+        for said, data in (("nonsense", {"option": "?"}), ("nothing, being absent", {"absent": "not here"})):
+            event = Event(who, NOW, data, "proposal", number)
+            words = f"{who} answers '{owner}': {said}"
+            yield Happening(words, "answer", self._hear(event), number)
+
+    def _option(self, number: int, who: str, offer: Offer) -> Callable[[], None]:
+        def happen() -> None:
+            parameters = self._parameters(offer.parameters)
+            data = {"option": offer.name, **({"parameters": parameters} if parameters else {})}
+            self._handle(Event(who, NOW, data, "proposal", number))
+
+        return happen
+
+    def _parameters(self, schema: Mapping[str, Any] | None) -> dict[str, Any]:
+        """What a schema allows, in each way that guards can tell apart."""
+        made: dict[str, Any] = {}
+        required = (schema or {}).get("required", ())
+        for name, each in ((schema or {}).get("properties") or {}).items():
+            choices = self._parameter(name, each if isinstance(each, Mapping) else {})
+            looked = f"answer.{name}" in self.values.learned.atoms or name in self.mission.blackboard
+            value = self.choices.pick(choices if name in required or not looked else (None, *choices))
+            if value is not None:
+                made[name] = value
+        return made
+
+    def _parameter(self, name: str, schema: Mapping[str, Any]) -> list[Any]:
+        kind = str(schema.get("type", ""))
+        if choices := list(schema.get("enum", ())):
+            return choices
+        if kind in ("array", "object"):
+            return [[] if kind == "array" else {}]
+        path = name if name in self.mission.blackboard and name in self.values.learned.compared else f"answer.{name}"
+        choices = [value for value in self.values.field(path, kind) if value is not None]
+        low, high = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
+        numbers = [each for each in choices if isinstance(each, int | float) and not isinstance(each, bool)]
+        if not numbers:
+            return choices
+        bounds = [each for each in (low, high) if math.isfinite(each)]
+        return sorted({*bounds, *(each for each in numbers if low <= each <= high)})
+
+
+def owned(name: str, path: str) -> str:
+    """Who asks, calls or pursues: a state, or a leaf of its tree."""
+    return f"{name}#{path}" if path else name
