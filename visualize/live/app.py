@@ -99,6 +99,7 @@ class Pages:
         """By path."""
         return [
             Route("/", self.shell), Route("/live.js", self.script), Route("/live.css", self.style),
+            Route("/favicon.ico", self.icon),
             Route("/mission", self.mission), Route("/events", self.events), Route("/picture", self.picture),
             Route("/orders", self.orders, methods=["POST"]),
         ]  # fmt: skip
@@ -111,6 +112,9 @@ class Pages:
 
     async def style(self, request: Request) -> Response:
         return Response(style(), media_type="text/css")
+
+    async def icon(self, request: Request) -> Response:
+        return Response(status_code=204)
 
     async def mission(self, request: Request) -> Response:
         return JSONResponse(self._mission)

@@ -32,7 +32,7 @@ class Line {
     while (!this.over) {
       try {
         await this.once();
-        this.told.line("away", "the line was cut; trying again");
+        if (!this.over) this.told.line("away", "the line was cut; trying again");
       } catch (error) {
         this.told.line("away", `no answer (${error.message}); trying again`);
       }

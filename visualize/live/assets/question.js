@@ -2,10 +2,12 @@
 // A question that is open: what is known, what is offered, how long there is, and the fields that an answer needs.
 // Rule: it is built once a question, so that nothing typed is lost while the run goes on.
 
+const SETTLES_MS = 500;
+
 class Asked {
   /** @param question data  @param can whether it may be answered here  @param told {answer(question, option, parameters), picture(canvas, query), go(name)} */
   constructor(question, can, told) {
-    Object.assign(this, { question, told });
+    Object.assign(this, { question, told, since: performance.now() });
     this.left = make("b", {});
     this.bar = make("progress", { max: "1", value: "1", "aria-label": "time left" });
     const mine = can && question.asked === "operator";
@@ -63,7 +65,8 @@ class Asked {
       this.left.textContent = `${left.toFixed(left < 10 ? 1 : 0)} s left`;
       this.bar.value = until > at ? Math.min(1, left / (until - at)) : 0;
     }
-    for (const button of this.buttons) button.disabled = !reached;
+    const settled = performance.now() - this.since > SETTLES_MS; // who was about to click elsewhere has not answered
+    for (const button of this.buttons) button.disabled = !reached || !settled;
   }
 }
 

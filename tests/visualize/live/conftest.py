@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run of the tractor's design on a page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.visualize.live.stage import Run
+from tests.visualize.runs import tractor
+
+
+class Desk:
+    """Keeps the orders, and says of each what it was told to say."""
+
+    def __init__(self) -> None:
+        self.orders: list[str] = []
+        self.says: tuple[bool, str] | None = (True, "")
+
+    def submit(self, text: str, told: Any) -> None:
+        self.orders.append(text)
+        if self.says is not None:
+            told(*self.says)
+
+
+@pytest.fixture
+def run() -> Iterator[Run]:
+    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    with Run(tractor(), Desk()) as made:
+        made.write("battery", 0.8)
+        made.start()
+        yield made

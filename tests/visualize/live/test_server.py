@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the server gives to whom, over real HTTP: the page to anybody here, a run to who has its token."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import socket
+import ssl
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from rai_missions.errors import UsageError
+from rai_missions.event import Image
+from rai_missions.png import png
+from tests.visualize.live.stage import Run, Viewer, ask, until
+from visualize.live import LivePage, Place
+
+WITH_TOKEN = [("GET", "/mission"), ("GET", "/events"), ("GET", "/picture?key=camera"), ("POST", "/orders")]
+PAUSE = json.dumps({"command": "pause"}).encode()
+
+
+def test_the_page_is_there_for_anybody_and_holds_nothing_of_the_mission(run: Run) -> None:
+    for path, kind in (("/", "text/html"), ("/live.js", "text/javascript"), ("/live.css", "text/css")):
+        status, headers, body = ask(run.page, "GET", path, X_Mission_Token="")
+        assert (status, headers["Content-Type"].partition(";")[0]) == (200, kind)
+        assert b"tractor" not in body
+        assert run.page.token.encode() not in body
+
+
+@pytest.mark.parametrize(("method", "path"), WITH_TOKEN)
+@pytest.mark.parametrize("token", ["", "wrong", "Bearer x"])
+def test_without_the_token_there_is_nothing(run: Run, method: str, path: str, token: str) -> None:
+    status, _, told = ask(run.page, method, path, PAUSE if method == "POST" else None, X_Mission_Token=token)
+    assert status == 401
+    assert "token is missing or wrong" in told["why"]
+    assert run.desk.orders == []
+
+
+@pytest.mark.parametrize("path", ["/", "/mission", "/orders"])
+@pytest.mark.parametrize(
+    "host",
+    ["evil.example", "evil.example:{port}", "127.0.0.1", "127.0.0.1:1", "127.0.0.1.evil.example:{port}", "", "[", ":"],
+)  # fmt: skip
+def test_a_name_that_is_not_ours_is_refused(run: Run, path: str, host: str) -> None:
+    method, body = ("POST", PAUSE) if path == "/orders" else ("GET", None)
+    status, _, told = ask(run.page, method, path, body, Host=host.format(port=run.page.port) or " ")
+    assert status in (400, 421), told
+    assert run.desk.orders == []
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1:{port}", "localhost:{port}", "LOCALHOST:{port}", "[::1]:{port}"])
+def test_the_names_of_this_machine_are_ours(run: Run, host: str) -> None:
+    assert ask(run.page, "GET", "/mission", Host=host.format(port=run.page.port))[0] == 200
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Origin": "http://evil.example"}, {"Origin": "null"}, {"Origin": "http://127.0.0.1:1"},
+        {"Origin": "https://127.0.0.1:{port}"}, {"Sec_Fetch_Site": "cross-site"}, {"Sec_Fetch_Site": "same-site"},
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize(("method", "path"), WITH_TOKEN)
+def test_another_site_is_refused_even_with_the_token(run: Run, method: str, path: str, headers: dict[str, str]) -> None:
+    sent = {name: value.format(port=run.page.port) for name, value in headers.items()}
+    status, _, told = ask(run.page, method, path, PAUSE if method == "POST" else None, **sent)
+    assert (status, told["why"]) == (403, "another site may not use this page")
+    assert run.desk.orders == []
+
+
+def test_no_other_site_is_ever_told_that_it_may_ask(run: Run) -> None:
+    status, headers, _ = ask(run.page, "OPTIONS", "/orders", Origin="http://evil.example", X_Mission_Token="")
+    assert status == 403
+    assert not [name for name in headers if name.lower().startswith("access-control")]
+
+
+@pytest.mark.parametrize("path", ["/", "/mission", "/nowhere"])
+def test_every_answer_forbids_to_be_framed_run_or_guessed(run: Run, path: str) -> None:
+    _, headers, _ = ask(run.page, "GET", path)
+    policy = headers["Content-Security-Policy"]
+    for part in ("default-src 'none'", "script-src 'self'", "frame-ancestors 'none'", "require-trusted-types-for"):
+        assert part in policy
+    assert "unsafe" not in policy
+    assert headers["X-Frame-Options"] == "DENY"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert headers["Cache-Control"] == "no-store"
+
+
+def test_an_order_goes_to_the_desk_as_it_came_and_its_receipt_comes_back(run: Run) -> None:
+    text = '{"command": "pause", "by": "\\u202e<b>"}'
+    assert ask(run.page, "POST", "/orders", text.encode())[::2] == (200, {"success": True, "why": ""})
+    run.desk.says = (False, "it is not running")
+    assert ask(run.page, "POST", "/orders", b"{")[::2] == (409, {"success": False, "why": "it is not running"})
+    assert run.desk.orders == [text, "{"]
+
+
+def test_an_order_that_is_too_large_or_no_json_is_not_read(run: Run) -> None:
+    assert ask(run.page, "POST", "/orders", b" " * 70_000)[0] == 413
+    for kind in ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data"):
+        assert ask(run.page, "POST", "/orders", PAUSE, Content_Type=kind)[0] == 415
+    assert ask(run.page, "GET", "/orders")[0] == 405
+    assert run.desk.orders == []
+
+
+def test_orders_come_at_a_bounded_rate_and_a_stop_has_its_own(run: Run) -> None:
+    statuses = [ask(run.page, "POST", "/orders", PAUSE)[0] for _ in range(60)]
+    assert statuses[:20] == [200] * 20
+    assert 429 in statuses
+    assert ask(run.page, "POST", "/orders", json.dumps({"command": "e_stop"}).encode())[0] == 200
+
+
+def test_a_page_without_a_desk_only_looks(run: Run) -> None:
+    with Run(run.mission) as other:
+        status, _, told = ask(other.page, "POST", "/orders", PAUSE)
+        assert status == 403
+        assert "only looks on" in told["why"]
+        assert ask(other.page, "GET", "/mission")[2]["acts"] is False
+
+
+def test_a_picture_is_encoded_when_somebody_looks_and_not_before(run: Run) -> None:
+    made: list[int] = []
+
+    def pixels() -> bytes:
+        made.append(1)
+        return bytes(4 * 3 * 3)
+
+    run.write("camera", Image("camera@1", 4, 3, "rgb8", pixels))
+    viewer = Viewer(run.page)
+    until(lambda: "camera" in viewer.seen.get("board", {}), "the picture is told of")
+    assert made == []
+    for _ in range(5):
+        status, headers, body = ask(run.page, "GET", "/picture?key=camera")
+        assert (status, headers["Content-Type"], body) == (200, "image/png", png(4, 3, bytes(36)))
+    assert made == [1]
+    viewer.cut()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"<svg xmlns='http://www.w3.org/2000/svg' onload='alert(1)'/>", b"<!DOCTYPE html><script>1</script>", b"",
+        b"GIF89a", b"\x89PNG",
+    ],
+)  # fmt: skip
+def test_what_is_no_picture_by_its_first_bytes_is_not_sent(run: Run, data: bytes) -> None:
+    viewer = Viewer(run.page)
+    run.write("camera", Image("camera@1", 4, 3, "png", data))
+    until(lambda: "camera" in viewer.seen.get("board", {}), "the picture is told of")
+    status, headers, told = ask(run.page, "GET", "/picture?key=camera")
+    assert (status, headers["Content-Type"]) == (404, "application/json")
+    assert told["why"] == "its bytes are neither PNG nor JPEG"
+    viewer.cut()
+
+
+@pytest.mark.parametrize(
+    "query", ["", "?key=battery", "?key=nothing", "?key=camera&question=9999", "?question=x&key=camera"]
+)
+def test_a_picture_that_is_not_there_is_told(run: Run, query: str) -> None:
+    assert ask(run.page, "GET", f"/picture{query}")[0] == 404
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"GET / HTTP/1.1\r\n\r\n", b"nonsense\r\n\r\n", b"GET / HTTP/1.1\r\nHost: a\r\nHost: 127.0.0.1\r\n\r\n",
+        b"GET /../../etc/passwd HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n", b"A" * 40_000,
+        b"POST /orders HTTP/1.1\r\nHost: localhost:{port}\r\nContent-Length: -1\r\n\r\n",
+    ],
+)  # fmt: skip
+def test_what_is_no_request_of_ours_is_refused_and_the_page_goes_on(run: Run, sent: bytes) -> None:
+    with socket.create_connection(("127.0.0.1", run.page.port), timeout=10) as line:
+        line.sendall(sent.replace(b"{port}", str(run.page.port).encode()))
+        said = line.recv(200)
+    assert not said or said.split()[1] in (b"400", b"401", b"404", b"421"), said
+    assert ask(run.page, "GET", "/mission")[0] == 200
+
+
+def test_a_port_in_use_is_told_with_a_way_out(run: Run) -> None:
+    with pytest.raises(UsageError, match=rf"port {run.page.port} is in use on 127.0.0.1.*--watch PORT.*0 for any"):
+        LivePage(Place(port=run.page.port))
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.0.2.1", "robot.example"])
+def test_another_address_than_loopback_wants_tls(host: str) -> None:
+    with pytest.raises(UsageError, match=f"on '{host}' others on the network .* --tls-cert FILE .* ssh -L"):
+        LivePage(Place(host, 0))
+
+
+def test_an_address_that_is_not_there_or_a_certificate_that_is_none_is_told(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="both a certificate and its key"):
+        LivePage(Place(port=0, certificate="a.pem"))
+    with pytest.raises(UsageError, match=r"TLS cannot use .*a\.pem"):
+        LivePage(Place(port=0, certificate=tmp_path / "a.pem", key=tmp_path / "b.pem"))
+    with pytest.raises(UsageError, match="there is no port 70000"):
+        LivePage(Place(port=70_000))
+
+
+def test_over_tls_the_page_is_served_and_its_origin_is_https(tmp_path: Path) -> None:
+    made = subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "1",
+         "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", "key.pem",
+         "-out", "cert.pem"],
+        cwd=tmp_path, capture_output=True, check=False,
+    )  # fmt: skip
+    if made.returncode:
+        pytest.skip("no openssl to make a certificate with")
+    from tests.visualize.runs import tractor
+
+    one = Run(tractor())
+    page = LivePage(Place(port=0, certificate=tmp_path / "cert.pem", key=tmp_path / "key.pem"))
+    page.start(one.mission, one.feed)
+    try:
+        assert page.url.startswith("https://127.0.0.1:")
+        trusted = ssl.create_default_context(cafile=str(tmp_path / "cert.pem"))
+        for origin, status in ((f"https://127.0.0.1:{page.port}", 200), (f"http://127.0.0.1:{page.port}", 403)):
+            line = http.client.HTTPSConnection("127.0.0.1", page.port, context=trusted, timeout=30)
+            line.request("GET", "/mission", headers={"X-Mission-Token": page.token, "Origin": origin})
+            answer = line.getresponse()
+            answer.read()
+            assert answer.status == status
+            line.close()
+    finally:
+        page.stop()
