@@ -13,7 +13,7 @@ from typing import Any, Literal
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError
 
-__all__ = ("open_connector", "why_absent")
+__all__ = ("REMEDY", "open_connector", "why_absent")
 
 REMEDY = (
     "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import pkgutil
-import sys
 from functools import cache
+from pathlib import Path
 from typing import Any, Literal
 
 from rai_missions.errors import ConnectorError
@@ -55,6 +55,7 @@ def find_type(name: str, kind: Kind) -> Any:
     if middle != kind or not package.isidentifier() or not last.isidentifier():
         given = f"{name!r} is no name of a {WHAT[kind]} type" if name else f"a {WHAT[kind]} needs the name of its type"
         raise ConnectorError(f"{given}; one looks like {EXAMPLE[kind]!r}")
+    _check_is_interfaces(package, kind)
     try:
         module = importlib.import_module(f"{package}.{kind}")
     except ModuleNotFoundError as fault:
@@ -64,6 +65,19 @@ def find_type(name: str, kind: Kind) -> Any:
         there = [each for each in vars(module) if each[0].isupper()]
         raise ConnectorError(f"{package} has no {WHAT[kind]} type {last!r}{suggestion(last, there)}")
     return found
+
+
+def _check_is_interfaces(package: str, kind: Kind) -> None:
+    """A profile may name any package, and importing one runs it: what has no such types is not imported.
+
+    Raises:
+        ConnectorError: There is such a package, and it has none.
+    """
+    spec = importlib.util.find_spec(package)
+    if spec is None:
+        return
+    if not any((Path(folder) / kind / "__init__.py").is_file() for folder in spec.submodule_search_locations or ()):
+        raise ConnectorError(f"the package {package!r} has no {WHAT[kind]} types")
 
 
 def why_absent(name: str, kind: Kind) -> str:
@@ -76,8 +90,6 @@ def why_absent(name: str, kind: Kind) -> str:
 
 
 def _missing(fault: ModuleNotFoundError, package: str, kind: Kind) -> str:
-    if fault.name == f"{package}.{kind}" and sys.modules.get(package) is not None:
-        return f"the package {package!r} has no {WHAT[kind]} types"
     if fault.name not in (package, f"{package}.{kind}"):
         return f"the types of {package!r} do not load: {fault}"
     known = [each.name for each in pkgutil.iter_modules() if each.name.endswith(("_msgs", "_srvs", "_interfaces"))]

@@ -21,11 +21,12 @@ import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
-from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException, ShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from rai_missions.connectors.ros2.options import Options
+from rai_missions.connectors.ros2.rounds import Rounds
 from rai_missions.errors import ConnectorError, UsageError
 
 __all__ = ("Runtime", "Work", "guarded")
@@ -39,24 +40,6 @@ LOOK_S = 0.02
 IDLE_S = 1.0
 ANSWER_S = 5.0
 """How long somebody on another thread waits for what only this thread can say."""
-
-
-class _Patience(float):
-    """Seconds to wait, equal to any others.
-
-    rclpy works off what is ready in rounds, and begins a round anew when its timeout is another than before: under load
-    the last subscriptions would never have their turn.
-    """
-
-    __slots__ = ()
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Patience)
-
-    def __ne__(self, other: object) -> bool:
-        return not self == other
-
-    __hash__ = float.__hash__
 
 
 class Runtime:
@@ -76,14 +59,14 @@ class Runtime:
         self._fell = fell
         self._lock = threading.Lock()
         self._waiting: deque[Work] = deque()
-        self._is_drain_due = self._is_closing = False
+        self._is_closing = False
         self._deadlines: list[tuple[float, int, list[Work]]] = []
         self._numbers = itertools.count()
         self._disposals: dict[object, Work] = {}
         self.group = ReentrantCallbackGroup()
         self._context = Context()
         self.node = _open_node(self._context, options)
-        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor = Rounds(self._context, self._run)
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._work, name=f"ros2 {self.node.get_name()}", daemon=True)
         self._thread.start()
@@ -108,9 +91,8 @@ class Runtime:
             if self._is_closing:
                 return False
             self._waiting.append(work)
-            if not self._is_drain_due:
-                self._is_drain_due = True
-                self._begin(self._drain)
+            if not self.is_here:
+                self._nudge()
             return True
 
     def ask(self, question: Callable[[], T], nobody: T) -> T:
@@ -144,10 +126,10 @@ class Runtime:
                     raise ConnectorError(f"{self._thread.name} gives no answer: a callback does not return") from None
         return nobody
 
-    def _begin(self, work: Work) -> None:
-        """A task ends `spin_once` at once; waking or shutting the executor down does not."""
+    def _nudge(self) -> None:
+        """Have the thread look at what is waiting."""
         try:
-            self._executor.create_task(work)
+            self._executor.nudge()
         except Exception:
             if self._context.ok():
                 raise
@@ -191,7 +173,7 @@ class Runtime:
         with self._lock:
             if not self._is_closing:
                 self._is_closing = True
-                self._begin(lambda: None)
+                self._nudge()
         if not self.is_here:
             self._thread.join(within_s)
             if self._thread.is_alive():
@@ -202,13 +184,14 @@ class Runtime:
     def _work(self) -> None:
         while not self._is_closing:
             try:
-                self._executor.spin_once(timeout_sec=_Patience(self._patience()))
+                self._executor.spin_once(timeout_sec=self._patience())
             except (ShutdownException, ExternalShutdownException):
                 break
             except Exception:
                 if not self._context.ok():  # in the midst of a shutdown rclpy raises whatever breaks first
                     break
                 log.exception("a callback failed")
+            self._drain()
             self._run_due()
         with self._lock:
             has_fallen, self._is_closing = not self._is_closing, True
@@ -219,6 +202,8 @@ class Runtime:
     def _patience(self) -> float:
         while self._deadlines and not self._deadlines[0][2]:  # called off: no reason to wake
             heapq.heappop(self._deadlines)
+        if self._waiting:
+            return 0.0
         return max(0.0, min(IDLE_S, self._deadlines[0][0] - time.monotonic())) if self._deadlines else IDLE_S
 
     def _run_due(self) -> None:
@@ -228,13 +213,11 @@ class Runtime:
                 self._run(work)
 
     def _drain(self) -> None:
-        while self._context.ok():
-            with self._lock:
-                self._is_drain_due = bool(self._waiting) and not self._is_closing
-                if not self._is_drain_due:
-                    return
-                work = self._waiting.popleft()
-            self._run(work)
+        """Do what was posted until now: what that posts in turn waits until others were heard."""
+        for _ in range(len(self._waiting)):
+            if self._is_closing or not self._context.ok():
+                return
+            self._run(self._waiting.popleft())
 
     def _run(self, work: Work) -> None:
         try:

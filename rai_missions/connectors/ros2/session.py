@@ -19,7 +19,8 @@ from rai_missions.connectors.ros2.goals import Goal, GoalClient
 from rai_missions.connectors.ros2.options import Options
 from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.services import Client, Service
-from rai_missions.connectors.ros2.topics import Publication, Subscription
+from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
+from rai_missions.connectors.ros2.topics import Publication
 from rai_missions.errors import UsageError
 
 __all__ = ("Session",)
@@ -54,6 +55,7 @@ class Session:
         self._sent: dict[str, Goal] = {}
         self._is_silent = False
         self.runtime = Runtime(options, lambda: self._give_up("ROS was shut down"))
+        self._subscriptions = Subscriptions(self.runtime, options.quality, self._at_of)
         if options.node:
             self.runtime.post(self._look_later)
 
@@ -76,10 +78,7 @@ class Session:
         hear: Callable[[Message], None],
         hear_raw: Callable[[RawMessage], None] | None = None,
     ) -> Close:
-        quality = self._options.quality(topic)
-        return Subscription(
-            self.runtime, topic, cls, quality=quality, hear=hear, at_of=self._at_of, hear_raw=hear_raw
-        ).close
+        return self._subscriptions.join(topic, cls, Listener(hear, hear_raw))
 
     def publish(self, topic: str, cls: Any, message: Any) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish(message))

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Subscribe: readers that fit their publisher, each for all who listen to a topic.
+
+Rule: whoever joins later hears what a reader of their own would: of a latched topic what was said last, else nothing.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import QoSPolicyKind
+from rclpy.serialization import deserialize_message
+
+from rai_missions.connectors.connector import Close, Message, RawMessage
+from rai_missions.connectors.ros2.messages import name_of, to_data
+from rai_missions.connectors.ros2.options import Quality
+from rai_missions.connectors.ros2.runtime import Runtime, guarded
+from rai_missions.connectors.ros2.topics import profile
+
+__all__ = ("Listener", "Subscriptions")
+
+log = logging.getLogger(__name__)
+
+LOOKS_S = (1.0, 2.0, 7.0)
+"""When it is asked why nothing is heard, each counted from the time before."""
+
+
+class Listener:
+    """One who listens to a topic.
+
+    Args:
+        hear: Told each message.
+        hear_raw: Told its bytes, before.
+    """
+
+    def __init__(self, hear: Callable[[Message], None], hear_raw: Callable[[RawMessage], None] | None = None) -> None:
+        self._hear, self._hear_raw = hear, hear_raw
+        self.is_raw = hear_raw is not None
+        self.is_open = True
+
+    def tell(self, raw: RawMessage | None, message: Message) -> None:
+        """Pass a message on; what this listener raises stops nobody else."""
+        hear_raw = self._hear_raw
+        if raw is not None and hear_raw is not None and self.is_open:
+            guarded(lambda: hear_raw(raw))
+        if self.is_open:
+            guarded(lambda: self._hear(message))
+
+
+class Subscriptions:
+    """The topics that are listened to: one reader each, and one more where somebody wants the bytes.
+
+    Args:
+        runtime: Where they live.
+        quality: How a topic's messages travel; where it leaves the reliability open, it is what the publisher offers.
+        at_of: When a message was so, on the run's clock.
+    """
+
+    def __init__(self, runtime: Runtime, quality: Callable[[str], Quality], at_of: Callable[[Any], float]) -> None:
+        self._runtime, self._quality, self._at_of = runtime, quality, at_of
+        self._readers: dict[tuple[str, bool], _Reader] = {}
+
+    def join(self, topic: str, cls: Any, listener: Listener) -> Close:
+        """Listen to a topic from now on; from any thread, as is what ends it: then nothing more is heard."""
+        self._runtime.post(lambda: self._join(topic, cls, listener))
+
+        def close() -> None:
+            listener.is_open = False
+            self._runtime.post(lambda: self._leave(topic, listener))
+
+        return close
+
+    def _join(self, topic: str, cls: Any, listener: Listener) -> None:
+        if not listener.is_open:
+            return
+        key = (topic, listener.is_raw)
+        if key not in self._readers:
+            self._readers[key] = _Reader(
+                self._runtime, topic, cls, quality=self._quality(topic), at_of=self._at_of, is_raw=listener.is_raw
+            )
+        self._readers[key].join(listener)
+
+    def _leave(self, topic: str, listener: Listener) -> None:
+        key = (topic, listener.is_raw)
+        reader = self._readers.get(key)
+        if reader is not None and reader.leave(listener):
+            del self._readers[key]
+
+
+class _Reader:
+    """One topic's reader. On the runtime's thread only."""
+
+    def __init__(
+        self, runtime: Runtime, topic: str, cls: Any, *, quality: Quality, at_of: Callable[[Any], float], is_raw: bool
+    ) -> None:
+        self._runtime, self._topic, self._class, self._quality = runtime, topic, cls, quality
+        self._at_of, self._is_raw = at_of, is_raw
+        self._listeners: tuple[Listener, ...] = ()
+        self._last: deque[Any] = deque(maxlen=quality.depth if quality.durability == "latched" else 0)
+        self._entity: Any = None
+        self._is_open = True
+        self._is_puzzled = self._is_fitted = self._is_heard = False
+        self._open("reliable")
+        self._look_after(LOOKS_S)
+
+    def join(self, listener: Listener) -> None:
+        """Tell one more, beginning with what ROS would tell a reader that is new."""
+        self._listeners += (listener,)
+        if self._last and self._publishers():
+            for heard in tuple(self._last):
+                self._tell(heard, (listener,))
+
+    def leave(self, listener: Listener) -> bool:
+        """Tell one less; whether that was the last one, and the reader is closed."""
+        self._listeners = tuple(each for each in self._listeners if each is not listener)
+        if self._is_open and not self._listeners:
+            self._is_open = False
+            self._close()
+        return not self._listeners
+
+    def _open(self, reliability: str) -> None:
+        if not self._is_open:
+            return
+        events = SubscriptionEventCallbacks(incompatible_qos=self._misfits, use_default_callbacks=False)
+        self._entity = self._runtime.node.create_subscription(
+            self._class, self._topic, self._heard, profile(self._quality, reliability),
+            callback_group=self._runtime.group, event_callbacks=events, raw=self._is_raw,
+        )  # fmt: skip
+
+    def _close(self) -> None:
+        if self._entity is not None:
+            self._runtime.node.destroy_subscription(self._entity)
+            self._entity = None
+
+    def _publishers(self) -> list[Any]:
+        return list(self._runtime.node.get_publishers_info_by_topic(self._topic))
+
+    def _look_after(self, waits: tuple[float, ...]) -> None:
+        """Say it if what is published there is of another type: ROS itself keeps silent."""
+
+        def look() -> None:
+            if self._is_heard or not self._is_open:
+                return
+            name = name_of(self._class)
+            others = sorted({each.topic_type for each in self._publishers()} - {name})
+            if others:
+                log.warning("%s is published as %s, and so not heard as the %s that is asked for; mend the type",
+                            self._topic, " and ".join(others), name)  # fmt: skip
+            else:
+                self._look_after(waits[1:])
+
+        if waits:
+            self._runtime.later(waits[0], look)
+
+    def _misfits(self, found: Any) -> None:
+        """A publisher offers less than is asked for, and would never be heard."""
+        if self._is_fitted:
+            return
+        if found.last_policy_kind == QoSPolicyKind.RELIABILITY and self._quality.reliability is None:
+            self._is_fitted = True
+            log.info("%s is published with best effort, and is heard so", self._topic)
+            self._runtime.post(self._close)
+            self._runtime.post(lambda: self._open("best_effort"))
+        elif not self._is_puzzled:
+            self._is_puzzled = True
+            policy = QoSPolicyKind(found.last_policy_kind).name.lower()
+            log.warning(
+                "a publisher of %s offers less %s than the profile asks for and is not heard; mend connector/qos/%s",
+                self._topic, policy, self._topic,
+            )  # fmt: skip
+
+    def _heard(self, heard: Any) -> None:
+        """A message has come; in bytes, where somebody wants them."""
+        self._is_heard = True
+        self._last.append(heard)
+        self._tell(heard, self._listeners)
+
+    def _tell(self, heard: Any, listeners: tuple[Listener, ...]) -> None:
+        """Convert a message once, for whoever still listens."""
+        if not any(each.is_open for each in listeners):
+            return
+        message = deserialize_message(heard, self._class) if self._is_raw else heard
+        at = self._at_of(message)
+        raw = RawMessage(self._topic, name_of(self._class), heard, at) if self._is_raw else None
+        told = Message(self._topic, to_data(message, f"{self._topic}@{at:.3f}"), at)
+        for each in listeners:
+            each.tell(raw, told)
