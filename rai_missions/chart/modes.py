@@ -129,7 +129,7 @@ class Modes(Microsteps):
         elif event.kind in ("proposal", "behaviour"):
             if not self._dispatch(event) and event.kind == "proposal":
                 self._refused = f"stale: question {event.number} is no longer asked"
-        elif event.kind == "result":
+        elif event.kind in ("accepted", "result"):
             self._report(event)
         elif event.kind == "doubt":
             self._heard(Trigger(event.name, event.data))

@@ -7,15 +7,15 @@ Rule: whoever is dead does nothing more: no row, no goal, no call, no answer hea
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.agents.resuming import take_up
+from rai_missions.behaviours import behaviour_leaves
 from rai_missions.clock import Clock, ContinuedClock, Mailbox, SimulatedClock
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
 from rai_missions.load import dump
 from rai_missions.mission import Mission
@@ -23,7 +23,7 @@ from rai_missions.robot import Robot, dump_profile
 from rai_missions.runner import Result, Runner
 from rai_missions.verdict import Question
 
-__all__ = ("Dead", "Fate", "Land", "live")
+__all__ = ("Dead", "Fate", "Land", "Wish", "live")
 
 TOLD = ("write", "confirm", "note", "send_goal", "find_goal", "cancel_goal", "call", "publish", "ask", "wait")
 
@@ -91,11 +91,20 @@ class Mortal:
         return heard
 
 
+class Wish(NamedTuple):
+    """What somebody outside wants of a run."""
+
+    at: float
+    """When, on the land's clock; not before the wish ahead of it is granted."""
+    say: Callable[[Runner], object]
+    is_granted: Callable[[Runner], bool]
+
+
 class Land:
     """The robot and its surroundings: goals that take time, services, and moments, on a time of its own.
 
     Args:
-        moments: When → what happens then.
+        wishes: What somebody outside wants, and says again and again until it is so.
         lasts_s: Action → how long a goal takes.
         ends: Action → how its goals end.
     """
@@ -103,9 +112,9 @@ class Land:
     period_s = 0.5
 
     def __init__(
-        self, moments: Mapping[float, Callable[[Land], object]], lasts_s: Mapping[str, float], ends: Mapping[str, str]
+        self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]
     ) -> None:
-        self._moments = sorted(moments.items(), key=lambda moment: moment[0])
+        self._wishes = list(wishes)
         self._ticks = 0
         self.runner: Runner | None = None
         self.connector = LocalConnector(now=lambda: self.at)
@@ -140,13 +149,15 @@ class Land:
         for goal_id, (_, due, _) in list(self._goals.items()):
             if due <= self.at and goal_id in self._goals:
                 self._end(goal_id)
-        while self._moments and self._moments[0][0] <= self.at:
-            self._moments.pop(0)[1](self)
+        self.live_on()
+        if self.runner is not None and self._wishes and self._wishes[0].at <= self.at:
+            if self._wishes[0].is_granted(self.runner):
+                self._wishes.pop(0)
+            else:
+                self._wishes[0].say(self.runner)
 
-    def post(self, name: str) -> None:
-        """Something happens outside; nobody hears it while nobody lives."""
-        if self.runner is not None:
-            self.runner.post(Event(name, self.runner.clock.now()))
+    def live_on(self) -> None:
+        """What else there is goes on for a period."""
 
     def _serve(self, name: str) -> Mapping[str, Any]:
         self.called[name] += 1
@@ -211,21 +222,23 @@ class Choosing:
 
 
 def live(
-    path: Path, land: Land, mission: Mission, robot: Robot, answerers: Mapping[str, Any], fate: Fate
-) -> Result | None:
+    path: Path, land: Land, mission: Mission, robot: Robot, answerers: Mapping[str, Any], fate: Fate,
+    named: Mapping[str, Any] | None = None,
+) -> Result | None:  # fmt: skip
     """One process: begins the run, or goes on with the one that the journal holds; None if it died."""
     clock: Clock = SimulatedClock(land)
-    taken = take_up(path) if path.exists() else None
+    taken = take_up(path, mission=mission, named=named) if path.exists() else None
     if taken is None:
-        journal = Journal.create(path, Header(dump(mission), dump_profile(robot), run="run"))
+        text = "" if behaviour_leaves(mission) else dump(mission)
+        journal = Journal.create(path, Header(text, dump_profile(robot), run="run"))
     else:
-        journal, clock = Journal.open(path), ContinuedClock(clock, taken.resumption.at)
+        journal, clock = Journal.open(path, seal=taken.record.seal), ContinuedClock(clock, taken.resumption.at)
     connector: Any = Mortal(land.connector, fate)
     try:
         runner = land.runner = Runner(
             mission, robot=robot, connector=connector, clock=MortalClock(clock, fate), run="run",
             answerers={name: Mortal(each, fate) for name, each in answerers.items()},
-            journal=Mortal(journal, fate), resumed=taken.resumption if taken is not None else None,
+            journal=Mortal(journal, fate), named=named, resumed=taken.resumption if taken is not None else None,
         )  # fmt: skip
         return runner.run()
     except Dead:
