@@ -176,7 +176,14 @@ def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     new.add_argument(
         "--template", default="minimal", metavar="NAME", help="minimal (default), or a shipped mission: rosbot, tractor"
     )
-    commands.add_parser("doctor", help="say what this machine has, what it lacks and how to get it", epilog=EXIT)
+    doctor = commands.add_parser(
+        "doctor",
+        help="say what this machine has, what it lacks and how to get it",
+        epilog="exit status: 0 nothing that is needed is missing, 1 something is, 2 the input is at fault",
+    )
+    doctor.add_argument(
+        "--robot", metavar="PROFILE", help="look too whether its types are here, and its topics, services and actions"
+    )
 
 
 def _pace(text: str) -> float:

@@ -33,12 +33,14 @@ def new(given: argparse.Namespace) -> int:
     return 0
 
 
-def doctor(_: argparse.Namespace) -> int:
-    """Say what this machine has and lacks."""
+def doctor(given: argparse.Namespace) -> int:
+    """Say what this machine has and lacks, and how much of a robot is there."""
     from rai_missions.doctor import examine
+    from rai_missions.robot import load_profile
 
+    robot = load_profile(given.robot) if given.robot else None
     complaints = 0
-    for item in examine():
-        print(item)
+    for item in examine(robot):
+        print(item, flush=True)
         complaints += item.status == "missing"
     return 1 if complaints else 0

@@ -29,12 +29,12 @@ class Typed(NamedTuple):
     type: str
 
 
-def typed(mission: Mission, robot: Robot) -> Iterator[Typed]:
-    """The types of what the mission uses; what only other missions use is left out, and so is a type not written."""
-    used = _used(mission)
+def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
+    """The types of what the mission uses, of everything without one; a type not written is left out."""
+    used = _used(mission) if mission is not None else _all(robot)
     heard: list[tuple[str, str, Source | EventSource]] = [
-        *(("blackboard", name, source) for name, source in robot.blackboard.items() if name in mission.blackboard),
-        *(("events", name, source) for name, source in robot.events.items() if name in mission.events),
+        *(("blackboard", name, source) for name, source in robot.blackboard.items() if name in used["blackboard"]),
+        *(("events", name, source) for name, source in robot.events.items() if name in used["events"]),
     ]
     for sort, name, source in heard:
         yield from _one(source.type, "srv" if source.service is not None else "msg", sort, name, "type")
@@ -71,9 +71,15 @@ def _one(type_name: str, kind: Kind, *place: str) -> Iterator[Typed]:
         yield Typed(pointer(list(place)), kind, type_name)
 
 
+def _all(robot: Robot) -> dict[str, set[str]]:
+    sorts = ("blackboard", "events", "actions", "services", "topics")
+    return {sort: set(getattr(robot, sort)) for sort in sorts}
+
+
 def _used(mission: Mission) -> dict[str, set[str]]:
     survey = Survey(mission)
     used: dict[str, set[str]] = {"actions": set(), "services": set(), "topics": set()}
+    used |= {"blackboard": set(mission.blackboard), "events": set(mission.events)}
     for work, *_ in survey.works:
         if isinstance(work, Action | ActionLeaf):
             used["actions"].add(work.action)

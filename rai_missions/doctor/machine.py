@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What this machine has, what it lacks, and how to get it."""
+"""What a machine has beside ROS: Python, packages, extras, what draws and what renders."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import sys
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Literal, NamedTuple
 
-__all__ = ("Finding", "examine")
+from rai_missions.doctor.finding import Finding
+
+__all__ = ("installed", "machine")
 
 EXTRAS = (
     ("sim", ("mujoco", "numpy", "PIL"), "simulated worlds"),
@@ -22,24 +23,14 @@ EXTRAS = (
     ("anthropic", ("langchain_anthropic",), "models of Anthropic"),
     ("ollama", ("langchain_ollama",), "models served by Ollama"),
     ("record", ("mcap",), "recordings that Foxglove opens"),
+    ("mqtt", ("paho",), "robots behind an MQTT broker"),
+    ("watch", ("starlette", "uvicorn"), "the live page"),
 )
 NEEDED = ("pydantic", "langchain-core", "py-trees", "transitions", "jsonschema", "graphviz", "rich")
 
 
-class Finding(NamedTuple):
-    """One thing looked at."""
-
-    status: Literal["ok", "absent", "missing"]
-    """`missing` is needed; `absent` is there for those who want it."""
-    what: str
-    remedy: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.status:8}{self.what}" + (f": {self.remedy}" if self.remedy else "")
-
-
-def examine() -> Iterator[Finding]:
-    """Look at everything that this project uses."""
+def machine() -> Iterator[Finding]:
+    """Look at everything that this project uses, ROS left out."""
     here = ".".join(map(str, sys.version_info[:3]))
     enough = sys.version_info >= (3, 11)
     yield Finding("ok" if enough else "missing", f"Python {here}", "" if enough else "3.11 or newer is needed")
@@ -51,7 +42,6 @@ def examine() -> Iterator[Finding]:
         yield Finding("ok" if there else "absent", f"extra {extra} ({what})", remedy)
     yield _drawing()
     yield _rendering()
-    yield from _ros()
 
 
 def _has(module: str) -> bool:
@@ -93,17 +83,8 @@ def _rendering() -> Finding:
     return Finding("ok", f"simulated worlds, pictures by MUJOCO_GL={os.environ.get('MUJOCO_GL', 'the display')}")
 
 
-def _ros() -> Iterator[Finding]:
-    """A robot's own ROS and the wheels from PyPI must not meet in one process."""
-    sourced, wheels = os.environ.get("ROS_DISTRO"), _installed("ros-rclpy")
-    if sourced and wheels:
-        remedy = "use one: a shell without the sourced ROS, or an environment without the ros-* wheels"
-        yield Finding("missing", f"ROS {sourced} is sourced and ROS wheels are installed", remedy)
-    elif sourced or wheels:
-        yield Finding("ok", f"ROS: {sourced or 'from wheels'}")
-
-
-def _installed(name: str) -> bool:
+def installed(name: str) -> bool:
+    """A distribution of that name is here."""
     try:
         version(name)
     except PackageNotFoundError:

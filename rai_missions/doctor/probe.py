@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the doctor tries in a process of its own: `python -m rai_missions.doctor.probe WHAT`, told and telling JSON.
+
+Rule: the last line on the output is the answer; a sentence on stderr and another exit status say why there is none.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+import time
+import uuid
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.errors import MissionError
+
+__all__ = ("main",)
+
+LOOK_S = 0.05
+DISCOVERY_S = 15.0
+
+
+def load(_: Any) -> dict[str, str]:
+    """Where rclpy comes from, and which middleware it speaks through."""
+    rclpy: Any = importlib.import_module("rclpy")
+    utilities: Any = importlib.import_module("rclpy.utilities")
+    return {"file": str(rclpy.__file__), "rmw": str(utilities.get_rmw_implementation_identifier())}
+
+
+def discovery(_: Any) -> float | None:
+    """How many seconds a node takes to find another; None if it does not."""
+    from rai_missions.connectors.ros2 import open_connector
+
+    one, other = open_connector({}), open_connector({})
+    topic = f"/rai_missions_doctor_{uuid.uuid4().hex[:8]}"
+    other.start()
+    other.serve(topic, "std_srvs/srv/Trigger", lambda _: {"success": True})
+    began = time.monotonic()
+    one.start()
+    try:
+        found = _awaited(lambda: topic in one.listed("services"), DISCOVERY_S)
+        return time.monotonic() - began if found else None
+    finally:
+        one.stop()
+        other.stop()
+
+
+def types(wanted: list[list[Any]]) -> list[str]:
+    """Why each type of a kind is not here; empty for one that is."""
+    from rai_missions.connectors.ros2 import why_absent
+
+    return [why_absent(name, kind) for name, kind in wanted]
+
+
+def graph(given: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+    """What is there by mode, waited for as long as something wanted is not."""
+    from rai_missions.agents.mission import REMOTE
+
+    options = dict(given["connector"])
+    connector = importlib.import_module(REMOTE[options.pop("kind")]).open_connector(options)
+    wanted: dict[str, list[str]] = {mode: names for mode, names in given["wanted"].items() if mode in connector.modes}
+    connector.start()
+    try:
+
+        def listed() -> dict[str, dict[str, str]]:
+            return {mode: dict(connector.listed(mode)) for mode in wanted}
+
+        def is_there() -> bool:
+            now = listed()
+            return all(name in now[mode] for mode, names in wanted.items() for name in names)
+
+        _awaited(is_there, float(given["within_s"]))
+        return listed()
+    finally:
+        connector.stop()
+
+
+def _awaited(is_so: Callable[[], bool], within_s: float) -> bool:
+    until = time.monotonic() + within_s
+    while not is_so():
+        if time.monotonic() > until:
+            return False
+        time.sleep(LOOK_S)
+    return True
+
+
+PROBES: Mapping[str, Callable[[Any], Any]] = {"load": load, "discovery": discovery, "types": types, "graph": graph}
+
+
+def main() -> int:
+    """Try what the command line names; returns the exit status."""
+    try:
+        answer = PROBES[sys.argv[1]](json.loads(sys.stdin.read()))
+    except (MissionError, ImportError, OSError) as fault:
+        sys.stderr.write(f"{fault}\n")
+        return 1
+    sys.stdout.write(f"\n{json.dumps(answer)}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
