@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The live page in a browser: a tractor in the simulated orchard is watched, answered and stopped."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.mission import Setting, prepare
+from rai_missions.commands.live import Watch
+from rai_missions.event import Image
+from rai_missions.journal import read
+from rai_missions.json_text import parse_json
+from rai_missions.mission import Mission
+from rai_missions.robot import Robot
+from rai_missions.runner import Result
+from tests.browser.conftest import PATIENCE, until
+from tests.browser.test_review import poisoned
+from tests.visualize.live.stage import Run
+from tests.visualize.page.reading import HOSTILE
+from tests.visualize.runs import ROOT, tractor
+from visualize.live import LivePage, Place
+
+TRACTOR = ROOT / "missions/tractor"
+Look = Callable[..., Any]
+
+
+@pytest.fixture
+def look(browser: Any) -> Iterator[Look]:
+    """Opens a page's address in a window of its own; an error, a dialog or another address fails the test."""
+    contexts: list[Any] = []
+    wrong: list[str] = []
+
+    def open_page(page: LivePage, **more: Any) -> Any:
+        context = browser.new_context(viewport={"width": 1400, "height": 900}, **more)
+        contexts.append(context)
+        window = context.new_page()
+        window.set_default_timeout(PATIENCE)
+        window.on("pageerror", lambda error: wrong.append(str(error)))
+        window.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
+        window.on("request", lambda asked: wrong.append(asked.url) if not asked.url.startswith(page.address) else None)
+        window.on("console", lambda said: wrong.append(said.text) if "Content Security" in said.text else None)
+        window.goto(page.url)
+        window.wait_for_selector("html[data-ready=yes]", state="attached")
+        return window
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert wrong == []
+
+
+@pytest.fixture
+def run() -> Iterator[Run]:
+    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    with Run(tractor()) as made:
+        made.write("battery", 0.8)
+        made.start()
+        yield made
+
+
+def lit(window: Any) -> set[str]:
+    return set(window.evaluate("[...document.querySelectorAll('.state.active')].map((each) => each.dataset.state)"))
+
+
+def test_the_states_light_up_as_the_run_enters_them_and_the_row_taken_fades(run: Run, look: Look) -> None:
+    window = look(run.page)
+    window.wait_for_selector("[data-state=driving].active", state="attached")
+    assert lit(window) == {"working", "driving"}
+    run.send("anomaly")
+    window.wait_for_selector("[data-state=assessing].active", state="attached")
+    assert lit(window) == {"assessing"}
+    window.wait_for_selector(".arrow.taken", state="attached")
+    window.wait_for_selector(".arrow.taken", state="detached")
+    window.click("#tab-journal")
+    assert "anomaly working, driving → assessing" in " ".join(window.inner_text("#steps li:first-child").split())
+
+
+def test_values_have_ages_that_count_and_grow_stale(run: Run, look: Look) -> None:
+    window = look(run.page)
+    age = "Number.parseFloat(document.querySelector('[data-key=battery] td:last-child').textContent)"
+    until(window, f"{age} >= 0")
+    first = window.evaluate(age)
+    until(window, f"{age} > {first}")
+    run.send("tick", "tick", after_s=20.0)
+    until(window, "document.querySelector('[data-key=battery]').className === 'stale'")
+    assert "stale" in window.inner_text("[data-key=battery]")
+
+
+def test_a_page_that_was_cut_off_comes_back_to_what_is_so(run: Run, look: Look) -> None:
+    window = look(run.page)
+    window.wait_for_selector("[data-line=live]")
+    window.evaluate("live.line.cut.abort()")
+    window.wait_for_selector("[data-line=away]")
+    run.send("anomaly")
+    window.wait_for_selector("[data-line=live]")
+    window.wait_for_selector("[data-state=assessing].active", state="attached")
+
+
+def test_without_the_token_there_is_nothing_to_see_and_with_it_there_is(run: Run, look: Look, browser: Any) -> None:
+    context = browser.new_context()
+    window = context.new_page()
+    window.set_default_timeout(PATIENCE)
+    window.goto(run.page.address)
+    window.wait_for_selector("#entry:not([hidden])")
+    assert "tractor" not in window.inner_text("body")
+    window.fill("#token", run.page.token)
+    window.click("#entry button")
+    window.wait_for_selector("[data-state=driving].active", state="attached")
+    assert run.page.token not in window.url
+    context.close()
+
+
+def test_another_site_can_neither_read_nor_act(run: Run, browser: Any, tmp_path: Path) -> None:
+    context = browser.new_context()
+    window = context.new_page()
+    (tmp_path / "evil.html").write_text("<title>elsewhere</title>")
+    window.goto((tmp_path / "evil.html").as_uri())
+    tried = """async ([url, token]) => {
+      const attempts = [fetch(url + "mission", { headers: { "X-Mission-Token": token } }), fetch(url),
+        fetch(url + "orders", { method: "POST", headers: { "X-Mission-Token": token }, body: "{}" })];
+      return (await Promise.allSettled(attempts)).map((each) => each.status);
+    }"""
+    assert window.evaluate(tried, [run.page.address, run.page.token]) == ["rejected"] * 3
+    framed = """(url) => new Promise((done) => {
+      const frame = document.createElement("iframe");
+      frame.onload = () => { try { done(frame.contentDocument ? "seen" : "hidden"); } catch { done("hidden"); } };
+      frame.src = url;
+      document.body.append(frame);
+    })"""
+    assert window.evaluate(framed, run.page.address) == "hidden"
+    assert len(window.frames[-1].locator("#chart").all()) == 0
+    context.close()
+
+
+def test_nothing_that_a_mission_a_model_or_a_robot_says_is_run(look: Look) -> None:
+    mission: Mission = poisoned()
+    with Run(mission) as run:
+        run.write("battery", 0.8)
+        run.start()
+        window = look(run.page)
+        seen = {"distance_m": 1.0, "height_m": 0.4, "living": False, "kind": HOSTILE[1], HOSTILE[0]: HOSTILE[5]}
+        svg = b"<svg xmlns='http://www.w3.org/2000/svg'><script>window.pwned = 3</script></svg>"
+        run.write("obstacle", seen)
+        run.write("camera", Image(HOSTILE[0], 4, 3, "png", svg))
+        run.send("anomaly", **{HOSTILE[0]: HOSTILE[1]})
+        run.send("agent", "control", by=HOSTILE[1])
+        window.wait_for_selector(".question")
+        for text in HOSTILE[:6]:
+            number = run.steps[-1].question.number if run.steps[-1].question else 1
+            run.send(text, "proposal", number, option=text, why=text, by=text)
+            run.send(text, by=text)
+        run.send("kill", "command", by=HOSTILE[0])
+        window.wait_for_selector(f"#mode[data-mode={run.mode}]")
+        assert run.chart.outcome
+        for each in ("details", "journal", "now"):
+            window.click(f"#tab-{each}")
+        for name in ("assessing", "driving2"):
+            window.evaluate(f"live.go('state', '{name}')")
+        assert window.evaluate("window.pwned") is None
+        assert window.locator("script").count() == 1
+        assert window.locator("img, iframe, object, embed").count() == 0
+        assert not set("\u202e\u2066\u200f") & set(window.evaluate("document.body.innerText"))
+        assert window.evaluate(
+            "[...document.querySelectorAll('a')].every((each) => each.getAttribute('href').startsWith('#'))"
+        )
+
+
+class Tractor:
+    """A tractor in the simulated orchard, at the wall's pace, with its page."""
+
+    def __init__(self, journal: Path) -> None:
+        profile = parse_json((TRACTOR / "robot.sim.json").read_bytes(), "robot.sim.json")
+        profile["connector"] |= {"alleys": 1, "obstacles": ["branch"]}
+        self.page, self.journal = LivePage(Place(port=0)), journal
+        setting = Setting(
+            TRACTOR / "mission.json", Robot.model_validate(profile), {"alleys": 1}, journal=journal, speed=4.0
+        )
+        self._watch = Watch(self.page, setting)
+        self._prepared = prepare(self._watch.setting)
+        self.results: list[Result] = []
+        self._thread = threading.Thread(target=self._work)
+        self._thread.start()
+        while not self.page.serves:
+            threading.Event().wait(0.01)
+
+    def _work(self) -> None:
+        with self._prepared:
+            self.results.append(self._watch.run(self._prepared, lambda runner: runner.run()))
+        self.page.stop()
+
+    def end(self) -> None:
+        self._prepared.runner.kill("the test")
+        self._thread.join(30)
+
+
+@pytest.mark.sim
+def test_an_operator_watches_answers_and_stops_a_tractor(tmp_path: Path, look: Look) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    tractor_ = Tractor(tmp_path / "a.journal")
+    try:
+        window = look(tractor_.page)
+        window.fill("#who", "Anna")
+        window.wait_for_selector("[data-state=driving].active", state="attached")
+        until(window, "document.querySelector('[data-camera=camera]').width > 0")
+        window.wait_for_selector(".question.mine")
+        assert "Something blocks the alley" in window.inner_text(".question.mine")
+        assert "s left" in window.inner_text(".question.mine")
+        window.click(".question.mine [data-option=replan]")
+        window.wait_for_selector("#said.good")
+        window.wait_for_selector(".question", state="detached")
+        window.click("#tab-journal")
+        window.wait_for_selector("#steps li:has-text('operator Anna (page) answers question')")
+        window.wait_for_selector("#steps li:has-text('→ replanning')")
+        window.click("[data-act=e_stop]")
+        window.wait_for_selector("#mode[data-mode=aborted]")
+        window.click("#tab-now")
+        assert "killed by operator Anna (page)" in window.inner_text("#ended")
+        until(window, "document.querySelector('#line').dataset.line === 'over'")
+    finally:
+        tractor_.end()
+    assert tractor_.results[0].why == "killed by operator Anna (page)"
+    with read(tractor_.journal) as record:
+        did = [(step.event.kind, step.event.data.get("by")) for step in record.steps()]
+    assert ("proposal", "operator Anna (page)") in did
+    assert ("command", "operator Anna (page)") in did
