@@ -179,8 +179,10 @@ class Hub:
         return message
 
     def _send(self, message: bytes) -> None:
-        for viewer in self._viewers:
+        for viewer in tuple(self._viewers):
             viewer.put(message)
+            if viewer.dropped:
+                self.leave(viewer)
 
     def _text(self, kind: str, what: dict[str, Any], number: int = 0) -> bytes:
         """A server-sent event (WHATWG HTML, section 9.2)."""
