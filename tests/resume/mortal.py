@@ -21,11 +21,15 @@ from rai_missions.load import dump
 from rai_missions.mission import Mission
 from rai_missions.robot import Robot, dump_profile
 from rai_missions.runner import Result, Runner
+from rai_missions.step import Step
 from rai_missions.verdict import Question
 
 __all__ = ("Dead", "Fate", "Land", "Wish", "live")
 
 TOLD = ("write", "confirm", "note", "send_goal", "find_goal", "cancel_goal", "call", "publish", "ask", "wait")
+
+
+MOST_STEPS = 150
 
 
 class Dead(BaseException):
@@ -111,9 +115,7 @@ class Land:
 
     period_s = 0.5
 
-    def __init__(
-        self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]
-    ) -> None:
+    def __init__(self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]) -> None:
         self._wishes = list(wishes)
         self._ticks = 0
         self.runner: Runner | None = None
@@ -155,6 +157,11 @@ class Land:
                 self._wishes.pop(0)
             else:
                 self._wishes[0].say(self.runner)
+
+    def look(self, step: Step) -> None:
+        """Stop a run that goes round for ever without that any time passes."""
+        if step.seq > MOST_STEPS and step.outcome is None and self.runner is not None:
+            self.runner.kill("whoever looks on")
 
     def live_on(self) -> None:
         """What else there is goes on for a period."""
@@ -238,7 +245,7 @@ def live(
         runner = land.runner = Runner(
             mission, robot=robot, connector=connector, clock=MortalClock(clock, fate), run="run",
             answerers={name: Mortal(each, fate) for name, each in answerers.items()},
-            journal=Mortal(journal, fate), named=named, resumed=taken.resumption if taken is not None else None,
+            journal=Mortal(journal, fate), named=named, on_step=land.look, resumed=taken.resumption if taken is not None else None,
         )  # fmt: skip
         return runner.run()
     except Dead:

@@ -35,7 +35,9 @@ ALWAYS = [{"when": {"not": {"fresh": "battery"}}, "to": "lost"}]
 def made(states: dict[str, Any], **words: Any) -> Mission:
     states = {**states, "lost": {"final": "aborted"}}
     words = {"initial": next(iter(states)), "events": {"go": {}, "poke": {}}, **words}
-    return Mission.model_validate({"name": "kind", "blackboard": KEYS, "transitions": ALWAYS, "states": states, **words})
+    return Mission.model_validate(
+        {"name": "kind", "blackboard": KEYS, "transitions": ALWAYS, "states": states, **words}
+    )
 
 
 def do(name: str, **words: Any) -> dict[str, Any]:
