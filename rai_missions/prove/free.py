@@ -41,7 +41,8 @@ class Free(Told):
 
     def begin(self) -> None:
         """The mission starts."""
-        self.start(NOW)
+        step = self.start(NOW)
+        self.moves, self.looked = list(step.moves), list(step.guards)
 
     def order(self, command: str) -> None:
         """The operator cancels the mission (`cancel`), or stops it at once (`kill`)."""
@@ -183,13 +184,11 @@ class Free(Told):
                 over = self._elapse(self._leaf_over(name, path), name)
                 yield Happening(f"the time of '{owner}' is over", "time", over)
             wake = self._machine_of(name, path).wake_at(state, self.view)
+            told = f"time passes for '{owner}'"
+            if isinstance(state, Asking) and state.deadline != math.inf:
+                wake, told = state.deadline, f"the deadline of '{owner}' has come"
             if NOW < wake < math.inf:
-                yield Happening(
-                    f"time passes for '{owner}'", "time", self._elapse(self._let_pass(name, path, wake), name)
-                )
-            if isinstance(state, Asking) and state.deadline not in (math.inf, wake):
-                over = self._elapse(self._let_pass(name, path, state.deadline), name)
-                yield Happening(f"the deadline of '{owner}' has come", "time", over)
+                yield Happening(told, "time", self._elapse(self._let_pass(name, path, wake), name))
         for name, state in list(self._running.items()):
             if isinstance(state, Tending) and NOW < state.wake < math.inf:
                 yield Happening(f"time passes for '{name}'", "time", self._elapse(self._grow(name), name))

@@ -12,6 +12,7 @@ from typing import Any
 from rai_missions.blackboard import Key
 from rai_missions.effects import Set
 from rai_missions.guards.compare import Compare
+from rai_missions.guards.fresh import Fresh
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.near import Near
 from rai_missions.mission import Mission
@@ -44,6 +45,8 @@ class Learned:
         """Path → those that it is compared with or copied to, itself among them."""
         self.near: dict[str, set[float]] = {}
         """Path of a pose → the distances that guards ask for."""
+        self.fresh: set[str] = set()
+        """Paths that guards ask for, whatever stands there."""
         self.items = {each.each: each.item for each in parts(mission, Each)}
         """Key of a list → the key that holds its current item."""
         self.steps: dict[str, set[float]] = {}
@@ -67,6 +70,8 @@ class Learned:
                 self.near.setdefault(path, set()).add(guard.within_m)
             self._join(*guard.near)
             return
+        if isinstance(guard, Fresh):
+            self.fresh.add(guard.fresh)
         if not isinstance(guard, Compare):
             return
         atoms = self.atoms.setdefault(guard.key, [])
@@ -93,7 +98,7 @@ class Learned:
 
     def _constant(self, path: str, value: Any) -> None:
         """It can be this by the mission's own doing; what it is compared with can be so too."""
-        if path in self.atoms or path in self.kin:
+        if path in self.kin:
             self.atoms.setdefault(path, []).append(("==", value))
 
     def _learn_results(self, mission: Mission) -> None:
@@ -114,7 +119,7 @@ class Learned:
     def _spread(self) -> None:
         """Objects that are copied are kin field by field."""
         for one in list(self.kin):
-            inner = {p[len(one) :] for p in (*self.atoms, *self.near) if p.startswith(f"{one}.")}
+            inner = {p[len(one) :] for p in (*self.atoms, *self.near, *self.fresh) if p.startswith(f"{one}.")}
             for other in self.kin[one] - {one}:
                 for path in inner:
                     self.atoms.setdefault(one + path, [])
@@ -126,7 +131,7 @@ class Learned:
     @property
     def compared(self) -> frozenset[str]:
         """The keys that any guard looks into."""
-        return frozenset(path.split(".")[0] for path in (*self.atoms, *self.near, *self.kin))
+        return frozenset(path.split(".")[0] for path in (*self.atoms, *self.near, *self.kin, *self.fresh))
 
     @property
     def sampled(self) -> tuple[str, ...]:
@@ -172,5 +177,5 @@ class Learned:
     def within(self, path: str) -> list[str]:
         """The next names below a path that anybody looks at."""
         start = f"{path}."
-        found = (*self.atoms, *self.near, *self.kin)
+        found = (*self.atoms, *self.near, *self.kin, *self.fresh)
         return sorted({each[len(start) :].split(".")[0] for each in found if each.startswith(start)})

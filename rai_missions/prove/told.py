@@ -97,6 +97,9 @@ class Told(Explored):
         if goal.phase in ACCEPTABLE:
             event = Event("accepted", NOW, {}, "accepted", number)
             yield Happening(f"{named} is accepted", "robot", self._hear(event), number)
+        if goal.phase not in ("sent", "running"):  # nobody pursues it any more: how it ended makes no difference
+            yield Happening(f"{named} has ended", "robot", self._result("canceled", number, goal.owner), number)
+            return
         composed = goal.action in self.terms.succeeded
         for end in ENDS:
             if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):
@@ -151,17 +154,19 @@ class Told(Explored):
         """Each option, one that there is not, and nobody there; silence is the time that runs out."""
         for name, path, state in list(self.inner()):
             if isinstance(state, Asking):
-                yield from self._replies(state.question, owned(name, path))
+                yield from self._replies(state.question, owned(name, path), is_bounded=state.deadline != math.inf)
 
-    def _replies(self, question: Question, owner: str) -> Iterator[Happening]:
+    def _replies(self, question: Question, owner: str, *, is_bounded: bool) -> Iterator[Happening]:
         who, number = question.asked, question.number
         for offer in question.options:
             words = f"{who} answers '{owner}': {offer.name}"
             yield Happening(words, "answer", self._option(number, who, offer), number)
-        for said, data in (("nonsense", {"option": "?"}), ("nothing, being absent", {"absent": "not here"})):
+        empty: tuple[tuple[str, dict[str, Any]], ...] = (("nonsense", {"option": "?"}),)
+        if not is_bounded:  # else nonsense, absence and silence all have it asked again; see `remembered.rested`
+            empty += (("nothing, being absent", {"absent": "not here"}),)
+        for said, data in empty:
             event = Event(who, NOW, data, "proposal", number)
-            words = f"{who} answers '{owner}': {said}"
-            yield Happening(words, "answer", self._hear(event), number)
+            yield Happening(f"{who} answers '{owner}': {said}", "answer", self._hear(event), number)
 
     def _option(self, number: int, who: str, offer: Offer) -> Callable[[], None]:
         def happen() -> None:

@@ -7,7 +7,7 @@ Rule: two values that every guard treats alike stand for one another; unknown is
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise, product
 from typing import Any
 
@@ -51,6 +51,10 @@ class Values:
             self._known[key] = known if written.max_age_s is None and (robot or given) else (None, *known)
         return self._known[key]
 
+    def narrow(self, key: str, is_possible: Callable[[Any], bool]) -> None:
+        """Leave values of a key out."""
+        self._known[key] = tuple(value for value in self.of(key) if is_possible(value)) or self.of(key)
+
     def field(self, path: str, kind: str = "") -> tuple[Any, ...]:
         """The values of an event's field or an answer's parameter: `event.kind`, `answer.speed`; None first."""
         place = f"?{kind}{path}"
@@ -88,12 +92,15 @@ class Values:
             if key not in learned.atoms:
                 continue
             linked = len(learned.kin.get(key, {key})) > 1
-            operands = [each for each in learned.operands(key) if isinstance(each, int | float)]
-            operands += [*SAMPLES, *_next_to(operands)] if linked else []
-            if operands and min(steps) > 0:
-                found[key] = (-math.inf, max(operands) + 1)
-            elif operands and max(steps) < 0:
-                found[key] = (min(operands) - 1, math.inf)
+            high = [_past(op, each, 1) for op, each in learned.atoms[key] if isinstance(each, int | float)]
+            low = [_past(op, each, -1) for op, each in learned.atoms[key] if isinstance(each, int | float)]
+            if linked:
+                tried = {*SAMPLES, *_next_to([each for each in learned.operands(key) if isinstance(each, int | float)])}
+                high, low = [*high, max(tried) + 1], [*low, min(tried) - 1]
+            if high and min(steps) > 0:
+                found[key] = (-math.inf, max(high))
+            elif low and max(steps) < 0:
+                found[key] = (min(low), math.inf)
         return found
 
     # -- how they are made ----------------------------------------------------------------------------------------
@@ -120,8 +127,17 @@ class Values:
         radii = sorted({radius for kin in learned.kin.get(path, {path}) for radius in learned.near.get(kin, ())})
         offsets = [0.0, *((low + high) / 2 for low, high in pairwise(radii))]
         offsets += [FAR_M] if radii else []
+        if self._is_met(path):
+            offsets = [0.0]
         for base, offset in product(bases, offsets):
             yield {**base, "x": base.get("x", 0.0) + offset} if offset else dict(base)
+
+    def _is_met(self, path: str) -> bool:
+        """It is compared with one pose, which the robot says: that one can be near it or far, wherever it is."""
+        others = self.learned.kin.get(path, {path}) - {path}
+        sources = {self._keys[each].source for each in others if each in self._keys}
+        robots = path in self._keys and self._keys[path].source == "robot"
+        return len(others) == 1 and sources == {"robot"} and not robots
 
     def _objects(self, path: str, key: Key | None) -> Iterator[Any]:
         """Each mixture of what its fields can be, as far as anybody looks into them."""
@@ -133,7 +149,7 @@ class Values:
 
     def _scalars(self, path: str, kind: str) -> Iterator[Any]:
         learned = self.learned
-        if path not in learned.atoms and path not in learned.kin:
+        if not learned.atoms.get(path) and path not in learned.kin:
             yield {"boolean": True, "string": OTHER, "number": 0.0, "integer": 0}.get(kind, OTHER)
         elif kind == "boolean":
             yield from (False, True)
@@ -186,6 +202,12 @@ class Values:
         sources = {each: self._keys[each].source for each in kin if each in self._keys}
         others = {source for each, source in sources.items() if each != path}
         return len(sources) == len(kin) and sources.get(path) == "argument" and others == {"robot"}
+
+
+def _past(op: str, operand: float, step: int) -> float:
+    """The first number, going up or down by ones, from which on a comparison says the same of all."""
+    at_once = ("<", ">=") if step > 0 else (">", "<=")
+    return operand if op in at_once else operand + step
 
 
 def _next_to(constants: list[Any]) -> set[float]:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
+from rai_missions.blackboard import Stamped
 from rai_missions.chart import Chart
 from rai_missions.chart.node import Condition, Node
 from rai_missions.guards.active import In
@@ -18,6 +19,7 @@ from rai_missions.guards.guard import Test, Truth
 from rai_missions.guards.named import Named
 from rai_missions.mission import Mission
 from rai_missions.prove.choices import Choices, OpenBoard, OpenFields
+from rai_missions.prove.learned import Learned
 from rai_missions.prove.parts import guards_in, parts, writes_in
 from rai_missions.prove.values import Values
 from rai_missions.states.action import Action
@@ -126,6 +128,26 @@ class Watched(Chart):
         self.assumed = {name: each for name, each in self._invariants if self._speaks_of_the_robot_alone(each)}
         """Invariants that are taken to hold."""
         self._invariants = tuple((name, each) for name, each in self._invariants if name not in self.assumed)
+        mission = self.mission.model_copy(
+            update={"invariants": {n: self.mission.invariants[n] for n, _ in self._invariants}}
+        )
+        looked_at = Learned(mission, self.terms).compared
+        self._doubted = [each for each in self.assumed.values() if self._can_be_broken(each, looked_at)]
+
+    def _can_be_broken(self, condition: Condition, looked_at: frozenset[str]) -> bool:
+        """Whether it must be asked for in each state; one over a single key narrows down that key's values instead."""
+        if condition.reads.isdisjoint(looked_at) and "*" not in condition.reads:
+            return False
+        key = next(iter(condition.reads))
+        if len(condition.reads) > 1 or key not in self._fleeting or key in self._shapes or condition.holds:
+            return True
+        self.values.narrow(key, lambda value: self._allows(condition, key, value))
+        self.view.board = self.board
+        return False
+
+    def _allows(self, condition: Condition, key: str, value: Any) -> bool:
+        self.view.board = {} if value is None else {key: Stamped(value, NOW)}
+        return condition.test(self.view) is not False
 
     def _speaks_of_the_robot_alone(self, condition: Condition) -> bool:
         of_the_run = any(isinstance(each, In | Elapsed) for each in condition.guard.walk())
@@ -134,7 +156,7 @@ class Watched(Chart):
     @property
     def is_possible(self) -> bool:
         """Nothing that is assumed of the robot is false."""
-        return all(each.test(self.view) is not False for each in self.assumed.values())
+        return all(each.test(self.view) is not False for each in self._doubted)
 
     @property
     def rests_on_facts(self) -> bool:
