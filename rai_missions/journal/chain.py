@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault
-from rai_missions.journal.database import SqliteError
 from rai_missions.journal.record import Record
 from rai_missions.journal.rows import GENESIS, Raw, StepRow, chained
 
@@ -119,6 +118,6 @@ def _collected(faults: Iterator[Fault]) -> tuple[Fault, ...]:
             if len(found) == MOST_FAULTS:
                 found.append(Fault("", f"there are more faults; these are the first {MOST_FAULTS}"))
                 break
-    except SqliteError as error:
-        found.append(Fault("", f"the file is damaged, and cannot be read to its end: {error}"))
+    except DefinitionError as error:
+        found += error.faults
     return tuple(found)

@@ -141,7 +141,7 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
         application = connection.execute("PRAGMA application_id").fetchone()[0]
         version = connection.execute("PRAGMA user_version").fetchone()[0]
         found = connection.execute("SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL").fetchall()
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeDecodeError) as error:
         raise DefinitionError(
             [Fault("", f"no journal: {error}; give a file that a run has written")], str(path)
         ) from None
@@ -160,7 +160,7 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
 
 def _opened(path: Path) -> sqlite3.Connection:
     log = Path(f"{path}-wal")
-    if not (log.exists() and log.stat().st_size):
+    if not (log.is_file() and log.stat().st_size and log.resolve().parent == path.parent):  # a link leads elsewhere
         return sqlite3.connect(
             _uri(path, "ro") + "&immutable=1", uri=True, isolation_level=None, check_same_thread=False
         )

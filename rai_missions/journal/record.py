@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.journal.database import open_to_read
+from rai_missions.journal.database import SqliteError, open_to_read
 from rai_missions.journal.rows import Blob, Confirmation, Header, Note, Raw, Row, StepRow, parsed, read_header
 from rai_missions.step import Step
 
@@ -49,8 +49,9 @@ class Record:
     @property
     def seal(self) -> str:
         """The hash of the last row. Noted elsewhere, it proves later that no row was taken away or added."""
-        found = self._database.execute("SELECT hash FROM rows ORDER BY number DESC LIMIT 1").fetchone()
-        return str(found[0]) if found else ""
+        return next(
+            (str(digest) for (digest,) in self._found("SELECT hash FROM rows ORDER BY number DESC LIMIT 1")), ""
+        )
 
     def rows(self) -> Iterator[Row]:
         """The steps, confirmations and notes, in the order in which they were written.
@@ -78,7 +79,7 @@ class Record:
 
     def last(self) -> StepRow | None:
         """The last step; a run that was not cut short ended with its `outcome`."""
-        found = self._database.execute("SELECT * FROM rows WHERE kind = 'step' ORDER BY number DESC LIMIT 1").fetchone()
+        found = next(self._found("SELECT * FROM rows WHERE kind = 'step' ORDER BY number DESC LIMIT 1"), None)
         row = self.row(found) if found else None
         return row if isinstance(row, StepRow) else None
 
@@ -105,7 +106,7 @@ class Record:
             UsageError: They are not kept here.
             DefinitionError: They are not what was kept.
         """
-        found = self._database.execute("SELECT bytes FROM blobs WHERE sha256 = ?", (digest,)).fetchone()
+        found = next(self._found("SELECT bytes FROM blobs WHERE sha256 = ?", digest), None)
         if found is None:
             raise UsageError(f"the journal {self.path} holds no bytes with the hash '{digest}'")
         data = found[0]
@@ -116,17 +117,17 @@ class Record:
 
     def blobs(self) -> Iterator[str]:
         """The hashes of the bytes that are kept."""
-        for (digest,) in self._database.execute("SELECT sha256 FROM blobs ORDER BY rowid"):
+        for (digest,) in self._found("SELECT sha256 FROM blobs ORDER BY rowid"):
             yield str(digest)
 
     def pictures(self) -> Iterator[Blob]:
         """The bytes that are kept, as they stand in the file."""
-        for digest, media_type, data in self._database.execute("SELECT * FROM blobs ORDER BY rowid"):
+        for digest, media_type, data in self._found("SELECT * FROM blobs ORDER BY rowid"):
             yield str(digest), str(media_type), data
 
     def damage(self) -> Iterator[str]:
         """What SQLite finds wrong with the file."""
-        for (sentence,) in self._database.execute("PRAGMA integrity_check(10)"):
+        for (sentence,) in self._found("PRAGMA integrity_check(10)"):
             if sentence != "ok":
                 yield str(sentence)
 
@@ -141,6 +142,19 @@ class Record:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _found(self, query: str, *values: Any) -> Iterator[Any]:
+        """The rows of a query.
+
+        Raises:
+            DefinitionError: The file is damaged where they stand.
+        """
+        try:
+            for row in self._database.execute(query, values):  # noqa: UP028 - `yield from` would close the cursor
+                yield row
+        except (SqliteError, UnicodeDecodeError) as error:
+            sentence = f"the file is damaged, and cannot be read to its end: {error!s:.200}"
+            raise DefinitionError([Fault("", sentence)], str(self.path)) from None
 
     def _fetch(self, ref: str, digest: str) -> Callable[[], bytes]:
         def fetched() -> bytes:

@@ -32,6 +32,8 @@ class Replayed(NamedTuple):
 
 def is_mcap(path: Path) -> bool:
     """Whether a file is an MCAP file, by how it begins."""
+    if not path.is_file():  # a pipe would keep whoever opens it
+        return False
     try:
         with path.open("rb") as file:
             return file.read(len(MAGIC)) == MAGIC
