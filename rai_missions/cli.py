@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: `rai-missions run check draw diff replay textconv schema new doctor world gate watch`.
+"""The command line: `rai-missions run check draw diff replay prove textconv schema new doctor world gate watch`.
 
 Rule: exit 0 the mission succeeded (or the check or replay holds), 1 it ended otherwise, 2 the input is at fault.
 What a command needs is imported when it runs.
@@ -168,6 +168,25 @@ def _add_diff(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     textconv.add_argument("file", metavar="FILE", help="a .json mission; anything else is printed as it is")
 
 
+def _add_prove(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    prove = commands.add_parser(
+        "prove",
+        help="explore every run of a mission: what is promised of all of them is proved, or refuted by a shortest run",
+        epilog="exit status: 0 every claim is proved, 1 one is refuted or a bound was hit, 2 the input is at fault",
+    )
+    prove.add_argument("mission", metavar="MISSION", help="a .json file, or a .py file that offers mission()")
+    prove.add_argument(
+        "--robot", metavar="PROFILE", help="which actions exclude each other, and what composed ones rest on"
+    )
+    prove.add_argument("--states", type=int, metavar="N", help="states at the most (default: a million)")
+    prove.add_argument("--guards", metavar="FILE.py", help="predicates that 'named' guards name; free in a proof")
+    prove.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    prove.add_argument(
+        "-o", "--output", metavar="FILE", help="where a refutation's run goes (default: NAME-CLAIM.journal)"
+    )
+    prove.add_argument("--json", action="store_true", help="print one object")
+
+
 def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     schema = commands.add_parser("schema", help="print the JSON Schema of missions or robot profiles")
     schema.add_argument("of", nargs="?", choices=("mission", "robot"), default="mission")
@@ -260,6 +279,7 @@ def parser() -> argparse.ArgumentParser:
     _add_run(commands)
     _add_reviews(commands)
     _add_diff(commands)
+    _add_prove(commands)
     _add_tools(commands)
     _add_gate(commands)
     _add_world(commands)

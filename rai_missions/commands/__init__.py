@@ -14,6 +14,7 @@ COMMANDS: Mapping[str, str] = {
     "run": "run.run", "check": "review.check_mission", "draw": "review.draw", "diff": "difference.diff",
     "textconv": "difference.textconv",
     "replay": "replay.replay", "schema": "workbench.schema", "new": "workbench.new", "doctor": "workbench.doctor",
+    "prove": "prove.prove",
     "world": "world.world", "gate": "gate.gate", "watch": "watch.watch",
 }  # fmt: skip
 """Command → its room and function."""

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions prove`: every run of a mission, explored; what is promised of all of them is proved or refuted."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from rai_missions.check import check
+from rai_missions.commands.given import named_in, warn
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.load import dump, load
+from rai_missions.mission import Mission
+
+__all__ = ("prove",)
+
+WIDTH = 14
+EVERY_S = 2.0
+"""So often progress is told."""
+
+
+def prove(given: argparse.Namespace) -> int:
+    """Explore every run of a mission; 0 where all is proved, 1 where something is refuted or was not explored whole."""
+    from rai_missions.prove import MOST_STATES
+    from rai_missions.prove import prove as explore
+    from rai_missions.rebuild import default_ticker
+    from rai_missions.robot import load_profile, missing, terms
+
+    mission = load(given.mission, python=not given.no_python)
+    robot = load_profile(given.robot) if given.robot else None
+    faults = [*_faults(mission, given.guards), *(missing(mission, robot) if robot is not None else ())]
+    if faults:
+        raise DefinitionError(faults, given.mission)
+    of_robot = terms(robot) if robot is not None else None
+    most = given.states or MOST_STATES
+    if most < 1:
+        raise UsageError(f"{most} states are none; give --states a number above 0")
+    proof = explore(mission, default_ticker(mission), terms=of_robot, most=most, progress=_progress())
+    journals = _journals(given, mission, robot, of_robot, proof)
+    if given.json:
+        print(json.dumps(_object(mission, proof, journals)))
+    else:
+        for line in _lines(mission, proof, journals, most):
+            print(line)
+    return 0 if proof.verdict == "proved" else 1
+
+
+def _faults(mission: Mission, guards: str | None) -> list[Fault]:
+    named = named_in(guards)
+    found = check(mission, named=set(named)) if named is not None else check(mission)
+    return [Fault(each.place, each.sentence) for each in found if each.severity == "error"]
+
+
+def _progress() -> Callable[[int, int], None]:
+    """A line on stderr now and then, while it takes long."""
+    last = [time.monotonic()]
+
+    def tell(found: int, done: int) -> None:
+        if time.monotonic() - last[0] > EVERY_S:
+            last[0] = time.monotonic()
+            warn(f"{found} states found, {done} of them explored")
+
+    return tell
+
+
+def _journals(given: argparse.Namespace, mission: Mission, robot: Any, of_robot: Any, proof: Any) -> dict[str, Any]:
+    """Claim that was refuted → the journal of the run that refutes it, and whether it shows there too."""
+    from rai_missions.behaviours import behaviour_leaves
+    from rai_missions.journal import Header
+    from rai_missions.prove import record
+    from rai_missions.rebuild import default_ticker
+    from rai_missions.robot import dump_profile
+
+    told = {}
+    for name, scenes in proof.ways.items():
+        arguments = {key: value for scene in scenes[:1] for key, value in scene.facts.items()
+                     if mission.blackboard[key].source == "argument"}  # fmt: skip
+        whole = "" if behaviour_leaves(mission) else dump(mission)
+        header = Header(whole, dump_profile(robot) if robot is not None else "", arguments)
+        path = _path(given, mission, name, only=len(proof.ways) == 1)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        shows = record(path, header, mission, scenes, default_ticker(mission), terms=of_robot)
+        told[name] = {"journal": str(path), "shows": shows}
+    return told
+
+
+def _path(given: argparse.Namespace, mission: Mission, claim: str, *, only: bool) -> Path:
+    """Where a refutation is written: as was asked, with the claim's name where there are several; never over a file."""
+    word = re.sub(r"\W+", "_", claim)
+    if given.output is None:
+        wanted = Path(f"{mission.name.replace('/', '_')}-{word}.journal")
+    else:
+        wanted = Path(given.output)
+        wanted = wanted if only else wanted.with_name(f"{wanted.stem}-{word}{wanted.suffix}")
+    path, number = wanted, 1
+    while path.exists():
+        number += 1
+        path = wanted.with_name(f"{wanted.stem}-{number}{wanted.suffix}")
+    return path
+
+
+# -- what is told -------------------------------------------------------------------------------------------------
+
+
+def _lines(mission: Mission, proof: Any, journals: dict[str, Any], most: int) -> Iterable[str]:
+    how = "every state" if proof.is_whole else f"{proof.states} states to depth {proof.depth}, the bound is {most}"
+    yield f"{mission.name} {mission.version}: {proof.states} states, {proof.steps} steps, {proof.seconds:.1f} s; {how}"
+    for claim in proof.claims:
+        verdict = claim.verdict if claim.verdict != "explored" else f"explored {proof.states} states"
+        yield f"  {verdict:<{WIDTH}} {claim.name}: {claim.words}"
+        if claim.verdict == "refuted":
+            yield from _refutation(claim.sentence, proof.ways.get(claim.name, ()), journals.get(claim.name))
+    if proof.verdict == "proved":
+        yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it heard"
+    yield from _limits(proof)
+
+
+def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | None) -> Iterable[str]:
+    yield f"      {sentence}"
+    before: frozenset[str] = frozenset()
+    for number, scene in enumerate(scenes, 1):
+        ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
+        known = ", ".join(f"{key} {_said(value)}" for key, value in sorted(scene.facts.items()))
+        yield f"      {number}. {scene.words}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
+        before = scene.active
+    if journal is not None:
+        shows = "" if journal["shows"] else "; with the times as written it comes to something else there"
+        yield f"      journal: {journal['journal']}{shows}"
+
+
+def _said(value: Any) -> str:
+    return "unknown" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _limits(proof: Any) -> Iterable[str]:
+    if proof.assumed:
+        yield f"assumed of the robot, and watched in a run: {', '.join(proof.assumed)}"
+    if proof.predicates:
+        yield f"free to say anything whenever asked: {', '.join(proof.predicates)}"
+    if proof.sampled:
+        yield f"tried with some values only, so nothing is called proved: {', '.join(proof.sampled)}"
+    if proof.never:
+        yield f"no run enters: {', '.join(proof.never)}"
+    yield "not explored: pause and resume, an operator who takes control; timers run out in any order"
+
+
+def _object(mission: Mission, proof: Any, journals: dict[str, Any]) -> dict[str, Any]:
+    claims = [
+        {
+            "claim": each.name, "words": each.words, "verdict": each.verdict, "sentence": each.sentence,
+            "run": [{"happens": scene.words, "facts": _plain(scene.facts), "active": sorted(scene.active),
+                     "outcome": scene.outcome, "why": scene.why} for scene in proof.ways.get(each.name, ())],
+            **journals.get(each.name, {}),
+        }
+        for each in proof.claims
+    ]  # fmt: skip
+    words = ("states", "steps", "depth", "farthest", "is_whole", "assumed", "predicates", "sampled", "never", "seconds")
+    told = {word: getattr(proof, word) for word in words}
+    return {"mission": mission.name, "version": mission.version, "verdict": proof.verdict, **told, "claims": claims}
+
+
+def _plain(facts: Any) -> dict[str, Any]:
+    return {name: value if _is_json(value) else str(value) for name, value in facts.items()}
+
+
+def _is_json(value: Any) -> bool:
+    try:
+        json.dumps(value)
+    except TypeError:
+        return False
+    return True
