@@ -86,9 +86,7 @@ class Record:
     def raw(self, after: int | None = None) -> Iterator[Raw]:
         """Every row as it stands, unread; those behind a number, where one is given."""
         where, numbers = ("", ()) if after is None else ("WHERE number > ?", (after,))
-        found = self._database.execute(f"SELECT number, kind, content, hash FROM rows {where} ORDER BY number", numbers)
-        for raw in found:  # noqa: UP028 - `yield from` would close the cursor, which a closed record no longer can
-            yield raw
+        return self._found(f"SELECT number, kind, content, hash FROM rows {where} ORDER BY number", *numbers)
 
     def row(self, raw: Raw) -> Row:
         """A row's value.
