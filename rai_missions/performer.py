@@ -8,17 +8,19 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
 from rai_missions.behaviours import Behaviours
-from rai_missions.connectors.connector import Connector, Reply
+from rai_missions.connectors.connector import Connector, Foresight, Reply
 from rai_missions.errors import MissionError
 from rai_missions.event import Event
 from rai_missions.goals import Goals, told
 from rai_missions.handovers import Handovers
 from rai_missions.journal.underway import Underway
 from rai_missions.robot import Robot, plain
+from rai_missions.robot.asked import asked
 from rai_missions.senses import Senses
 from rai_missions.states.tree import BehaviourLeaf
 from rai_missions.step import (
@@ -91,9 +93,17 @@ class Performer:
         return bool(self._open)
 
     def open(self) -> None:
-        """Start to listen to the robot."""
+        """Start to listen to the robot, and have those found who will be asked."""
+        self._expect()
         self._senses.open()
         self.handovers.open()
+
+    def _expect(self) -> None:
+        connector: object = self._connector
+        if self._robot is not None and isinstance(connector, Foresight):
+            for mode, name, type_name in asked(self._robot):
+                with suppress(MissionError):  # told when it is used
+                    connector.expect(mode, name, type_name)
 
     def close(self) -> None:
         """Stop listening, and take back every question."""

@@ -9,7 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
-__all__ = ("ActionServer", "Close", "Connector", "Message", "Mode", "RawMessage", "Reply", "Report", "Wiretap")
+__all__ = (
+    "ActionServer",
+    "Close",
+    "Connector",
+    "Foresight",
+    "Message",
+    "Mode",
+    "RawMessage",
+    "Reply",
+    "Report",
+    "Wiretap",
+)
 
 Mode = Literal["topics", "services", "actions"]
 Data = Mapping[str, Any]
@@ -81,6 +92,14 @@ class Wiretap(Protocol):
         self, topic: str, type_name: str, hear: Callable[[Message], None], hear_raw: Callable[[RawMessage], None]
     ) -> Close:
         """Subscribe; each message comes raw first, then as plain data."""
+
+
+@runtime_checkable
+class Foresight(Protocol):
+    """A connector that has to find who serves what before it can be asked, and would rather do that in good time."""
+
+    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+        """A service or an action will be used; raises `ConnectorError` if it cannot be, as its first use would say."""
 
 
 @runtime_checkable

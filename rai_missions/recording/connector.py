@@ -10,7 +10,18 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from rai_missions.connectors.connector import Close, Connector, Data, Message, Mode, RawMessage, Reply, Report, Wiretap
+from rai_missions.connectors.connector import (
+    Close,
+    Connector,
+    Data,
+    Foresight,
+    Message,
+    Mode,
+    RawMessage,
+    Reply,
+    Report,
+    Wiretap,
+)
 from rai_missions.errors import ConnectorError
 from rai_missions.recording.recording import Recording
 
@@ -39,6 +50,11 @@ class RecordedConnector:
 
     def stop(self) -> None:
         self._inner.stop()
+
+    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+        """Pass it on to whom it helps."""
+        if isinstance(self._inner, Foresight):
+            self._inner.expect(mode, name, type_name)
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
         """Subscribe; a topic that is subscribed to more than once is recorded once."""

@@ -108,6 +108,17 @@ class Ros2Connector:
             else:
                 session.publish(topic, cls, to_message(cls, message, topic))
 
+    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+        """Have a service's or an action's client made and found by its server before it is used.
+
+        A reply to a client that its server has only just met is dropped by the middleware, without a word.
+        """
+        session = self._session
+        if session is not None and mode == "services":
+            session.expect_service(name, self._type("srv", name, type_name))
+        elif session is not None and mode == "actions":
+            session.expect_action(name, self._type("action", name, type_name))
+
     def call(
         self,
         service: str,

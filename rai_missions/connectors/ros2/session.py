@@ -111,6 +111,12 @@ class Session:
         if not self.runtime.post(lambda: self._client(service, cls).call(request, once, timeout_s)):
             once(Reply("unavailable", {}, "ROS was shut down"))
 
+    def expect_service(self, service: str, cls: Any) -> None:
+        def make() -> None:
+            self._client(service, cls)
+
+        self.runtime.post(make)
+
     def _client(self, service: str, cls: Any) -> Client:
         if service not in self._clients:
             self._clients[service] = Client(self.runtime, service, cls, self._options.discovery_s)
@@ -138,6 +144,17 @@ class Session:
     def offer(self, action: str, cls: Any, server: ActionServer) -> Close:
         return self._keep(action, lambda: Served(self.runtime, action, cls, server))
 
+    def expect_action(self, action: str, cls: Any) -> None:
+        def make() -> None:
+            self._goal_client(action, cls)
+
+        self.runtime.post(make)
+
+    def _goal_client(self, action: str, cls: Any) -> GoalClient:
+        if action not in self._goal_clients:
+            self._goal_clients[action] = GoalClient(self.runtime, action, cls, self._options.discovery_s)
+        return self._goal_clients[action]
+
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, report: Callable[[Report], None]) -> None:
         self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, Goal).send(goal))
 
@@ -159,9 +176,7 @@ class Session:
             lose("ROS was shut down")
 
     def _goal(self, action: str, cls: Any, goal_id: str, report: Callable[[Report], None], kind: type[Kind]) -> Kind:
-        if action not in self._goal_clients:
-            self._goal_clients[action] = GoalClient(self.runtime, action, cls, self._options.discovery_s)
-        sent = kind(self._goal_clients[action], goal_id, lambda said: self._report(report, said), self._forget)
+        sent = kind(self._goal_client(action, cls), goal_id, lambda said: self._report(report, said), self._forget)
         self._sent[goal_id] = sent
         return sent
 

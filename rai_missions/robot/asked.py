@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whom a run on a robot may ask for something: the services and actions that its profile names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
+
+from rai_missions.robot.entries import ServiceEntry
+from rai_missions.robot.profile import Robot
+
+__all__ = ("Asked", "asked")
+
+HANDS_OVER = ("agent", "operator")
+"""By whom control may be handed over; each has services of its own where the name says `{by}`."""
+
+
+class Asked(NamedTuple):
+    """A service or an action by its name on the robot."""
+
+    mode: Literal["services", "actions"]
+    name: str
+    type: str
+
+
+def asked(robot: Robot) -> Iterator[Asked]:
+    """What the profile names, each once."""
+    services: list[ServiceEntry | None] = [*robot.services.values()]
+    found: dict[Asked, None] = {}
+    for action in robot.actions.values():
+        if action.action is not None:
+            found[Asked("actions", action.action, action.type)] = None
+        services += (action.start, action.cancel)
+    for service in services:
+        if service is not None:
+            found[Asked("services", service.service, service.type)] = None
+    for entry in robot.control.values():
+        for by in HANDS_OVER:
+            found[Asked("services", entry.service.replace("{by}", by), entry.type)] = None
+    yield from found
