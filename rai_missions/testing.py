@@ -21,14 +21,15 @@ if TYPE_CHECKING:
     )
     from rai_missions.agents.hostile import ChatteringAnswerer, LateAnswerer, RaisingAnswerer, SilentAnswerer
     from rai_missions.agents.script import ScriptAnswerer
+    from rai_missions.connectors.chaos import ChaosConnector, Rates
     from rai_missions.connectors.contract import Heard, PatientServer, check_connector
     from rai_missions.worlds.contract import check_world
 
 __all__ = (
-    "QUESTION", "BabblingModel", "ChatteringAnswerer", "HangingModel", "Heard", "LateAnswerer", "LyingModel",
-    "PatientServer", "RaisingAnswerer", "RaisingModel", "ScriptAnswerer", "ScriptedModel", "SilentAnswerer",
-    "SilentModel", "Told", "ToolFloodModel", "WordyModel", "answer_fault", "call", "check_agent", "check_answerer",
-    "check_connector", "check_world",
+    "QUESTION", "BabblingModel", "ChaosConnector", "ChatteringAnswerer", "HangingModel", "Heard", "LateAnswerer",
+    "LyingModel", "PatientServer", "RaisingAnswerer", "RaisingModel", "Rates", "ScriptAnswerer", "ScriptedModel",
+    "SilentAnswerer", "SilentModel", "Told", "ToolFloodModel", "WordyModel", "answer_fault", "call", "check_agent",
+    "check_answerer", "check_connector", "check_world",
 )  # fmt: skip
 
 ROOMS = {
@@ -39,6 +40,7 @@ ROOMS = {
     ),
     "agents.hostile": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
     "agents.script": ("ScriptAnswerer",),
+    "connectors.chaos": ("ChaosConnector", "Rates"),
     "connectors.contract": ("Heard", "PatientServer", "check_connector"),
     "worlds.contract": ("check_world",),
 }  # fmt: skip

@@ -64,14 +64,18 @@ class Yard:
         connector: Where its topics, services and actions are.
         seed: Of what lies where, and of what its servers do.
         label: What is written on the things that lie there.
+        apart_m: How far things lie apart at least.
         lies: How often, 0 to 1, an action's server says that it succeeded without moving.
     """
 
     period_s = 0.1
 
-    def __init__(self, connector: Connector, seed: object, *, label: str = "", lies: float = 0.0) -> None:
+    def __init__(
+        self, connector: Connector, seed: object, *, label: str = "", lies: float = 0.0, apart_m: float = 0.0
+    ) -> None:
         self._random, self._connector, self._label, self._lies = Random(f"yard {seed}"), connector, label, lies
         places = sorted(self._random.uniform(0.5, LENGTH_M - 0.5) for _ in range(self._random.randint(0, 4)))
+        places = [place for n, place in enumerate(places) if n == 0 or place - places[n - 1] >= apart_m]
         self.things = [Thing(place, self._random.choice(list(KINDS))) for place in places]
         self.steps = 0
         self.position_m = 0.0

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whatever servers, topics and the way to them do: no outcome is false, no goal is forgotten, no run hangs."""
+
+from __future__ import annotations
+
+import itertools
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.agents.mission import Setting, prepare
+from rai_missions.clock import SimulatedClock
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import UsageError
+from rai_missions.journal import Header, Journal, read
+from rai_missions.load import dump
+from rai_missions.mission import Mission
+from rai_missions.replay import replay
+from rai_missions.robot import Robot, dump_profile
+from rai_missions.runner import Runner
+from rai_missions.testing import ChaosConnector, Rates
+from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, Postponing, quick_tempers
+from tests.drills.yard import Yard, yard_mission, yard_robot
+from tests.strategies import missions
+from tests.tractor.conftest import TRACTOR
+
+SEED = 5
+ENDS_S = 60.0
+QUIET = Rates(lose=0, delay=0, repeat=0, backdate=0, garble=0)
+WORST = Rates(lose=0.15, delay=0.4, repeat=0.2, backdate=0.15, garble=0.1, silence=0.002)
+CALM = Rates(lose=0.02, delay=0.1, repeat=0.1, backdate=0.02, garble=0.02, longest_s=0.5)
+BETWEEN = Rates()
+ENDS = {"succeeded", "failed", "aborted", "canceled"}
+
+
+def owned_or_told(running: Iterator[str] | Any, runner: Runner, journal: Path) -> list[str]:
+    """The goals that run on although nobody owns them and nothing in the journal says so."""
+    with read(journal) as record:
+        notes = [note for step in record.steps() for note in step.notes]
+        started = {
+            runner.performer._goals.goal_id(effect.number, effect.owner): effect.number
+            for step in record.steps() for effect in step.effects if type(effect).__name__ == "StartGoal"
+        }  # fmt: skip
+    told = {number for number in started.values() for note in notes if f"goal {number} of" in note and "orphan" in note}
+    return [goal_id for goal_id in running if started.get(goal_id) not in told]
+
+
+def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, folder: Path) -> list[str]:
+    """Run a mission where nothing is certain; what was wrong."""
+    at: list[Field] = []
+    local = LocalConnector(now=lambda: at[0].at if at else 0.0)
+    local.start()
+    field = Field(local, seed, ENDS_S)
+    at.append(field)
+    world = Postponing(field)
+    chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=world.later)
+    path = folder / "run.journal"
+    with Journal.create(path, Header(dump(mission), dump_profile(ANY_ROBOT), {})) as journal:
+        runner = field.runner = Runner(
+            mission, robot=ANY_ROBOT, connector=chaos, clock=SimulatedClock(world), journal=journal,
+            answerers=quick_tempers(Random(seed)),
+        )  # fmt: skip
+        try:
+            result = runner.run()
+        except UsageError as refused:
+            return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
+    again = replay(path)
+    return [
+        *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
+        *([f"it took {result.duration_s} s"] if result.duration_s > ENDS_S + 45 else []),
+        *(["the engine left goals open"] if runner.chart.open_goals else []),
+        *([f"its journal does not replay: {again.difference}"] if not again.holds else []),
+        *([f"told {again.outcome}, replayed {result.outcome}"] if again.outcome != result.outcome else []),
+        *(f"goal {goal} runs on" for goal in owned_or_told(field.goals, runner, path)),
+    ]
+
+
+RATES = st.sampled_from([QUIET, BETWEEN, WORST])
+
+
+@settings(suppress_health_check=list(HealthCheck))
+@given(missions(), st.integers(0, 10**6), RATES, RATES)
+def test_any_mission_in_any_surroundings_comes_to_a_true_end(
+    mission: Mission, seed: int, incoming: Rates, outgoing: Rates
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        assert in_a_field(mission, seed, incoming, outgoing, Path(folder)) == []
+
+
+def in_the_yard(seed: int, incoming: Rates, outgoing: Rates, folder: Path, counts: dict[str, int]) -> list[str]:
+    """Run the yard's mission over a bad connection, with servers that may lie; what was wrong."""
+    at: list[Yard] = []
+    local = LocalConnector(now=lambda: at[0].at)
+    local.start()
+    yard = Yard(local, seed, lies=0.2, apart_m=1.5)
+    at.append(yard)
+    yard.open()
+    world = Postponing(yard)
+    chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=world.later)
+    path = folder / f"{seed}.journal"
+    mission = yard_mission()
+    with Journal.create(path, Header(dump(mission), dump_profile(yard_robot()), {})) as journal:
+        runner = Runner(
+            mission, robot=yard_robot(), connector=chaos, clock=SimulatedClock(world), journal=journal,
+            answerers={"agent": AnyAnswers(Random(seed))},
+        )  # fmt: skip
+        try:
+            result = runner.run()
+        except UsageError as refused:
+            return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
+    counts[result.outcome] = counts.get(result.outcome, 0) + 1
+    again, unowned = replay(path), owned_or_told(yard.goals, runner, path)
+    with read(path) as record:
+        notes = [note for step in record.steps() for note in step.notes]
+    for word in ("orphaned", "the server said succeeded, but"):
+        counts[word] = counts.get(word, 0) + any(word in note or word in result.why for note in notes)
+    is_orphaned = any("orphaned" in note for note in notes)
+    return [
+        *(["a false success"] if result.outcome == "succeeded" and not yard.is_at_end else []),
+        *(["somebody was driven over"] if (yard.harmed or yard.rammed) and not is_orphaned else []),
+        *([f"it took {result.duration_s} s"] if result.duration_s > 300 else []),
+        *([f"its journal does not replay: {again.difference}"] if not again.holds else []),
+        *(f"goal {goal} runs on" for goal in unowned),
+    ]
+
+
+def yard_faults(seeds: range, folder: Path) -> tuple[list[str], dict[str, int]]:
+    counts: dict[str, int] = {}
+    every = itertools.cycle([(QUIET, QUIET), (CALM, QUIET), (CALM, CALM), (BETWEEN, BETWEEN), (WORST, WORST)])
+    faults = [
+        f"seed {seed}: {fault}"
+        for seed, (incoming, outgoing) in zip(seeds, every, strict=False)
+        for fault in in_the_yard(seed, incoming, outgoing, folder, counts)
+    ]
+    return faults, counts
+
+
+def test_over_a_bad_connection_to_servers_that_lie_no_success_is_false(tmp_path: Path) -> None:
+    faults, counts = yard_faults(range(100), tmp_path)
+    assert faults == []
+    assert counts["succeeded"] and counts["aborted"] and counts["orphaned"], counts
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(3600)
+def test_over_a_bad_connection_ten_thousand_times(tmp_path: Path) -> None:
+    assert yard_faults(range(10_000), tmp_path)[0] == []
+
+
+def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
+    """The shipped mission over a bad connection; what was wrong."""
+    from rai_missions.json_text import parse_json
+    from rai_missions.worlds.world import open_world
+
+    profile = parse_json((TRACTOR / "robot.sim.json").read_bytes(), "robot.sim.json")
+    random = Random(seed)
+    obstacles = [random.choice(["none", "branch", "log", "person", "animal"])]
+    world: Any = open_world("orchard", seed=seed, alleys=1, obstacles=obstacles)
+    local = LocalConnector(now=lambda: world.at)
+    world.open(local)
+    slow = Postponing(world)
+    chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=slow.later)
+    setting = Setting(
+        TRACTOR / "mission.json", Robot.model_validate(profile), arguments={"alleys": 1}, connector=chaos,
+        clock=SimulatedClock(slow), answerers={"agent": AnyAnswers(random)},
+    )  # fmt: skip
+    try:
+        with prepare(setting) as prepared:
+            result = prepared.runner.run()
+    except UsageError as refused:
+        return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
+    finally:
+        world.close()
+    return [
+        *(["somebody was touched"] if world.judge.touched else []),
+        *(["a false success"] if result.outcome == "succeeded" and not world.counter.alleys else []),
+        *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
+        *([f"it took {result.duration_s} s"] if result.duration_s > 1800 else []),
+        *(["goals are open"] if prepared.runner.chart.open_goals else []),
+    ]
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("seed", range(3))
+def test_the_tractor_over_a_bad_connection_harms_nobody_and_claims_nothing(seed: int) -> None:
+    assert with_the_tractor(seed, CALM, CALM) == []
+
+
+@pytest.mark.drill
+@pytest.mark.sim
+@pytest.mark.timeout(3600)
+def test_the_tractor_over_a_bad_connection_three_hundred_times() -> None:
+    rates = (CALM, BETWEEN, WORST)
+    faults = [(seed, with_the_tractor(seed, rates[seed % 3], rates[seed % 3])) for seed in range(300)]
+    assert [each for each in faults if each[1]] == []
