@@ -40,6 +40,8 @@ class Known(NamedTuple):
 def alike_states(known: Known) -> Scores:
     """Old and new name of the states that are called otherwise → how alike they are."""
     gone, come = known.before.keys() - known.after.keys(), known.after.keys() - known.before.keys()
+    if not gone or not come:
+        return {}
     hidden = frozenset(gone | come)
     found: Scores = {}
     texts = [_written(mission, hidden) for mission in (known.old, known.new)]
@@ -56,6 +58,8 @@ def alike_states(known: Known) -> Scores:
             break
         found |= more
     names = dict(found.keys())
+    if names.keys() >= gone or set(names.values()) >= come:
+        return found
     facts = [_facts(mission, texts[side], hidden) for side, mission in enumerate((known.old, known.new))]
     return found | _best(
         {name: facts[0][name] for name in sorted(gone - names.keys())},

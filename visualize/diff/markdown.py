@@ -76,8 +76,8 @@ def _picture(given: Difference, room: int) -> str:
     if not given.changes:
         return ""
     picture = given.picture._replace(notes=())
-    text = mermaid(picture)
-    if len(text) > min(PICTURE_LONGEST, room - 400) or len(picture.edges) > EDGES:
+    text = mermaid(picture) if len(picture.edges) <= EDGES else ""
+    if not text or len(text) > min(PICTURE_LONGEST, room - 400):
         return "The picture of both is too large for a comment; `rai-missions diff … -o diff.html` shows it."
     legend = "`+` added, `-` removed, `~` changed"
     return _folded("Picture of both", f"{legend}\n\n```mermaid\n{text.rstrip()}\n```")

@@ -12,11 +12,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 
 from rai_missions.mission import Mission
-from rai_missions.states import Final
+from rai_missions.states import Each, Final, Transition
 from visualize.diff.change import Change
 from visualize.page.reach import Roads
 
 __all__ = ("Ways", "new_ways")
+
+COMPOUNDS = 200
 
 
 class Ways:
@@ -41,7 +43,16 @@ class Ways:
             if around and around != name and self.roads.states[around].word == "parallel":
                 yield from (region for region in self.roads.states[around].children() if region not in chain)
             for _, row in self.roads.rows[around]:
-                yield from row.to
+                if self._heard(name, around, row):
+                    yield from row.to
+
+    def _heard(self, name: str, around: str, row: Transition) -> bool:
+        """Whether a row may fire while a state is active: that one which holds it succeeded, its ends say."""
+        holds = bool(around) and bool(self.roads.states[around].children())
+        if not holds or row.of is not None or set(row.on) != {"succeeded"}:
+            return True
+        state = self.roads.states[name]
+        return (isinstance(state, Each) and name == around) or (isinstance(state, Final) and state.final == "succeeded")
 
     def _before(self, targets: Iterable[str]) -> frozenset[str]:
         sources: dict[str, set[str]] = defaultdict(set)
@@ -78,18 +89,41 @@ class Ways:
     def _lies_in(self, name: str, around: str) -> bool:
         return bool(around) and (name == around or around in self.roads.above(name))
 
-    def passed(self, end: str) -> Iterator[str]:
-        """The states that every way to an end goes through; of those inside each other the outermost."""
-        on_the_way = way(self.ways(), end)[:-1]
-        tried: set[str] = set()
+    def passed(self, end: str) -> set[str]:
+        """The states that every way to an end goes through, or through something inside them.
+
+        Of states that hold others, the first `COMPOUNDS` on a way are tried.
+        """
+        road = way(self.ways(), end)
+        around = dict.fromkeys(each for name in road[:-1] for each in self.roads.above(name))
+        found = {each for each in list(around)[:COMPOUNDS] if end not in self.ways(without=each)}
+        return found | self._bottlenecks(road)
+
+    def _bottlenecks(self, road: list[str]) -> set[str]:
+        """The states of a way to its end that no other way there goes around."""
+        places = {name: index for index, name in enumerate(road)}
         found: set[str] = set()
-        for name in on_the_way:
-            for each in (*reversed(tuple(self.roads.above(name))), name):
-                if each not in tried and not found.intersection(self.roads.above(each)):
-                    tried.add(each)
-                    if end not in self.ways(without=each):
-                        found.add(each)
-                        yield each
+        seen: set[str] = set()
+        furthest = max((places.get(name, 0) for name in self._spread(self.initial, places, seen)), default=0)
+        for index, name in enumerate(road[:-1]):
+            if furthest <= index:
+                found.add(name)
+            ahead = self._spread(self.onward[name], places, seen)
+            furthest = max(furthest, *(places[each] for each in ahead), 0)
+        return found
+
+    def _spread(self, begin: Iterable[str], road: Mapping[str, int], seen: set[str]) -> set[str]:
+        """The states of a road that can be entered next, by any detour that was not seen yet."""
+        found: set[str] = set()
+        waiting = list(begin)
+        while waiting:
+            name = waiting.pop()
+            if name in road:
+                found.add(name)
+            elif name not in seen:
+                seen.add(name)
+                waiting += self.onward.get(name, ())
+        return found
 
 
 def way(came: Mapping[str, str], end: str) -> list[str]:
@@ -103,6 +137,8 @@ def way(came: Mapping[str, str], end: str) -> list[str]:
 
 def new_ways(old: Ways, new: Ways) -> Iterator[Change]:
     """How the mission can succeed that it could not before."""
+    if (old.onward, old.ends, old.initial) == (new.onward, new.ends, new.initial):
+        return
     was, now = old.ways(), new.ways()
     for end in sorted(new.ends & now.keys()):
         place = new.places[end]
@@ -110,13 +146,21 @@ def new_ways(old: Ways, new: Ways) -> Iterator[Change]:
             sentence = f"{end}: the mission can succeed here now"
             yield Change("+", "success", sentence, None, place, "", _road(way(now, end)), "safety", end)
             continue
-        for name in old.passed(end):
-            around = new.ways(without=name) if name in new.places else {}
-            if end in around:
-                sentence = f"{end}: can be reached without passing '{name}' now"
-                before, after = f"every way went through '{name}'", _road(way(around, end))
-                yield Change("~", "success", sentence, old.places[end], place, before, after, "safety", end)
+        yield from _around(old, new, end)
     yield from _hope(old, new, was.keys(), now.keys())
+
+
+def _around(old: Ways, new: Ways, end: str) -> Iterator[Change]:
+    """States that every way to an end went through; of those inside each other the outermost."""
+    avoided = {name for name in old.passed(end) - new.passed(end) if name in new.places}
+    for name in (name for name in new.places if name in avoided and not avoided.intersection(new.roads.above(name))):
+        around = way(new.ways(without=name), end)
+        if around:
+            sentence = f"{end}: can be reached without passing '{name}' now"
+            before = f"every way went through '{name}'"
+            yield Change(
+                "~", "success", sentence, old.places[end], new.places[end], before, _road(around), "safety", end
+            )
 
 
 def _hope(old: Ways, new: Ways, was: AbstractSet[str], now: AbstractSet[str]) -> Iterator[Change]:

@@ -8,11 +8,14 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
 
 from rai_missions.mission import Mission
+from tests.strategies import missions
 from tests.visualize.changed import changed
 from tests.visualize.runs import document, tractor
 from visualize import Difference, difference
+from visualize.diff.ways import Ways, way
 
 Json = dict[str, Any]
 Mutation = Callable[[Json], Any]
@@ -197,6 +200,34 @@ def test_a_way_around_what_every_way_went_through_is_told() -> None:
     assert found.sentence == "done: can be reached without passing 'looking' now"
     assert found.after == "ready → driving → done"
     assert not [each for each in difference(new, old).changes if each.topic == "success"]
+
+
+def test_a_way_around_inside_a_state_is_told_too() -> None:
+    """What holds the states succeeds by its own end alone."""
+
+    def inside(*rows: tuple[str, str]) -> Mission:
+        given = line(*rows).written()
+        given["states"] = {
+            "whole": {
+                "initial": rows[0][0], "states": given["states"], "transitions": [{"on": "succeeded", "to": "end"}],
+            },
+            "end": {"final": "succeeded"},
+        }  # fmt: skip
+        return Mission.model_validate({**given, "initial": "whole"})
+
+    old = inside(("ready", "looking"), ("looking", "driving"), ("driving", "done"))
+    new = inside(("ready", "looking"), ("ready", "driving"), ("looking", "driving"), ("driving", "done"))
+    told = [each.sentence for each in difference(old, new).safety if each.topic == "success"]
+    assert told == ["end: can be reached without passing 'looking' now"]
+
+
+@settings(max_examples=60)
+@given(missions())
+def test_what_every_way_passes_is_what_no_way_avoids(mission: Mission) -> None:
+    ways = Ways(mission)
+    for end in sorted(ways.ways()):
+        alone = {name for name in way(ways.ways(), end)[:-1] if not ways.roads.states[name].children()}
+        assert ways.passed(end) & alone == {name for name in alone if end not in ways.ways(without=name)}
 
 
 def test_a_state_from_which_it_may_succeed_again_is_told() -> None:
