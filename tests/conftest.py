@@ -72,8 +72,22 @@ socket.getaddrinfo = getaddrinfo_here
 socket.socket = LoopbackSocket  # type: ignore[misc]
 
 
+ON_ROS = frozenset({"ros", "domain", "graph", "house", "tried"})
+"""Fixtures of the tests that start nodes of ROS 2."""
+
+
+def is_on_ros(item: pytest.Item) -> bool:
+    return bool(ON_ROS & set(getattr(item, "fixturenames", ()))) or item.path.name == "test_ros2.py"
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The slowest first, so that no worker is left with one at the end."""
-    items.sort(
-        key=lambda item: item.get_closest_marker("local_model") is None and item.get_closest_marker("sim") is None
-    )
+    """The slowest first, so that no worker is left with one at the end.
+
+    One worker runs a file's tests of ROS, whose processes are started once a file; so there are no more nodes at once
+    than the machine has cores for.
+    """
+    for item in items:
+        if is_on_ros(item):
+            item.add_marker(pytest.mark.xdist_group(f"ros {item.path.parent.name}/{item.path.name}"))
+    slow = ("local_model", "sim")
+    items.sort(key=lambda item: not is_on_ros(item) and not any(item.get_closest_marker(each) for each in slow))
