@@ -98,10 +98,15 @@ def _advance(character: str) -> float:
     return 1.05 if unicodedata.east_asian_width(character) in "WF" else 0.85
 
 
+LONGEST = 20_000
+"""Characters of a text that are set at all; of more a picture shows nothing anyway."""
+
+
 def wrapped(text: str, size: float, limit: float, *, bold: bool = False, lines: int = 12) -> list[str]:
     """A text in lines of at most so many points; words that are wider are broken, what is too long ends in `…`."""
     found: list[str] = []
-    for paragraph in UNIT.sub("\\1\u00a0\\2", clean(text)).split("\n"):
+    shown = text if len(text) <= LONGEST else f"{text[:LONGEST]} …"
+    for paragraph in UNIT.sub("\\1\u00a0\\2", clean(shown)).split("\n"):
         line = ""
         for word in paragraph.split(" "):
             for piece in _pieces(word, size, limit, bold):

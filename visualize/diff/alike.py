@@ -104,6 +104,7 @@ def _same(written: Mapping[str, Any], wanted: set[str], within: Mapping[str, str
 def _facts(mission: Mission, written: Mapping[str, Any], hidden: frozenset[str]) -> dict[str, Facts]:
     """State → what is known of it."""
     found = {name: Counter(_leaves(own)) for name, own in written.items()}
+    nowhere: Facts = Counter()  # a mission that no check has passed may lead to states that it has not
     for _, name, state in mission.walk():
         own = "?" if name in hidden else name
         for child in state.children():
@@ -111,12 +112,12 @@ def _facts(mission: Mission, written: Mapping[str, Any], hidden: frozenset[str])
             found[name]["around", "?" if child in hidden else child] += 1
         for row in state.transitions:
             for target in row.to:
-                found[target]["from", f"{own} {row.on} {row.after_s}"] += 1
+                found.get(target, nowhere)["from", f"{own} {row.on} {row.after_s}"] += 1
     for row in mission.transitions:
         for target in row.to:
-            found[target]["from", f"/ {row.on} {row.after_s}"] += 1
+            found.get(target, nowhere)["from", f"/ {row.on} {row.after_s}"] += 1
     for name in mission.initial:
-        found[name]["begins", ""] += 1
+        found.get(name, nowhere)["begins", ""] += 1
     return found
 
 
