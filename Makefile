@@ -68,7 +68,7 @@ clean: ## Remove what was made
 	rm -rf .venv out dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 .venv/.ready-run: $(RECIPE)
-	@scripts/setup.sh sim,draw
+	@scripts/setup.sh sim,draw,watch
 	@touch $@
 
 .venv/.ready-local: $(RECIPE)
