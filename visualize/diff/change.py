@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from visualize.shapes import Mark
 
-__all__ = ("TOPICS", "Change", "Severity", "weight")
+__all__ = ("TOPICS", "Change", "Severity", "heading", "weight")
 
 Severity = Literal["safety", "other"]
 
@@ -27,8 +27,16 @@ TOPICS: Mapping[str, str] = {
     "tree": "Behaviour trees",
     "name": "Other names for the same",
     "rest": "All else",
+    "words": "Words for readers",
 }
 """What a change is about → its heading, in the order in which a reviewer is told."""
+CALMER: Mapping[str, str] = {
+    "guard": "Guards",
+    "limit": "Times and numbers that bound something",
+    "proof": "Invariants, requires and achieved",
+    "row": "Rows",
+}
+"""The headings of changes that are not for a reviewer to judge, where those above would say too much."""
 ORDER = {topic: number for number, topic in enumerate(TOPICS)}
 
 
@@ -64,6 +72,11 @@ class Change(NamedTuple):
         was, now = (f"was {self.before}" if self.before else ""), (f"is now {self.after}" if self.after else "")
         more = ", ".join(filter(None, (was, now)))
         return f"{self.mark} {self.sentence}" + (f": {more}" if more else "")
+
+
+def heading(change: Change) -> str:
+    """What stands above it."""
+    return TOPICS[change.topic] if change.safety else CALMER.get(change.topic, TOPICS[change.topic])
 
 
 def weight(change: Change) -> tuple[bool, int]:

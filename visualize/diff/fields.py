@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.guards.guard import Guard
-from rai_missions.states.decision import Budget
+from rai_missions.states.decision import Budget, Option
 from rai_missions.written import Written
 from visualize.diff.change import Change, Severity
 from visualize.diff.weaker import relation
@@ -93,7 +93,8 @@ def fields(
         elif name in LIMITS:
             yield _limit(before, after, here, word)
         else:
-            topic = ALWAYS.get(name) or WHEN_SET.get(name, "rest")
+            words = name == "about" and not isinstance(new, Option)  # a model reads what an option means
+            topic = ALWAYS.get(name) or WHEN_SET.get(name, "words" if words else "rest")
             severity = grave(name in ALWAYS or (name in WHEN_SET and bool(after)))
             yield here.changed(topic, f"'{word}' changed", severity, before=said(before), after=said(after))
 
@@ -124,6 +125,7 @@ def guards(
     """What became of a guard; `grave_if`: which of weakened, strengthened and changed a reviewer must judge."""
     how = relation(before, after)
     severity = grave(how in grave_if)
+    topic = "row" if how == "strengthened" and severity == "safety" else topic
     was, now = before.words() if before is not None else "always", after.words() if after is not None else "always"
     if how != "same":
         less = "narrowed, it fires less often" if topic == "row" and how == "strengthened" else how

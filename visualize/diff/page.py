@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from visualize.diff.change import TOPICS, Change
+from visualize.diff.change import Change, heading
 from visualize.diff.difference import Difference
 from visualize.diff.told import headline
 from visualize.page.chart_data import chart_data
@@ -75,7 +75,7 @@ def _change(change: Change, rows: set[str], names: set[str]) -> Json:
     option = OPTION.match(change.new_place or "")
     return {
         **change._asdict(),
-        "heading": TOPICS[change.topic],
+        "heading": heading(change),
         "place": change.place,
         "row": place if place in rows else "",
         "state": change.subject if change.subject in names else "",

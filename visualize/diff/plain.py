@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from visualize.diff.change import TOPICS, Change
+from visualize.diff.change import Change, heading
 from visualize.diff.difference import Difference
 
 __all__ = ("FORMAT", "as_json", "plain_difference")
@@ -29,7 +29,7 @@ def plain_difference(given: Difference) -> dict[str, Any]:
 
 
 def _change(change: Change) -> dict[str, Any]:
-    return {**change._asdict(), "heading": TOPICS[change.topic]}
+    return {**change._asdict(), "heading": heading(change)}
 
 
 def as_json(given: Difference) -> bytes:

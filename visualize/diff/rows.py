@@ -100,7 +100,7 @@ def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
 def _weighed(rows: Rows, field: str, old: Transition, new: Transition) -> tuple[str, Severity]:
     """What a change of a row's field is about, and whether it is for a reviewer to judge."""
     if field in ("do", "internal", "about"):
-        return "rest", "other"
+        return "words" if field == "about" else "rest", "other"
     if field == "to" and rows.after.ends.intersection(set(new.to) - set(old.to)):
         return "success", "safety"
     gave_up, gives_up = rows.before.gives_up(old.to), rows.after.gives_up(new.to)

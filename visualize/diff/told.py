@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import Protocol
 
 from rai_missions.mission import Mission
-from visualize.diff.change import TOPICS, Change
+from visualize.diff.change import Change, heading
 from visualize.style import clean
 
 __all__ = ("Told", "by_topic", "counted", "headline", "lines")
@@ -44,8 +44,8 @@ def headline(given: Told) -> str:
 
 def by_topic(changes: Sequence[Change]) -> Iterator[tuple[str, list[Change]]]:
     """Heading → what stands below it."""
-    for topic, found in groupby(changes, key=lambda change: change.topic):
-        yield TOPICS[topic], list(found)
+    for title, found in groupby(changes, key=heading):
+        yield title, list(found)
 
 
 def lines(given: Told) -> tuple[str, ...]:
