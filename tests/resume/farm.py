@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A land with more to do: composed actions, control that is handed over, and keys that the robot says again and again."""
+"""A land with more to do: composed actions, control that is handed over, and keys that are said again and again."""
 
 from __future__ import annotations
 

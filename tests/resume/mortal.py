@@ -245,7 +245,8 @@ def live(
         runner = land.runner = Runner(
             mission, robot=robot, connector=connector, clock=MortalClock(clock, fate), run="run",
             answerers={name: Mortal(each, fate) for name, each in answerers.items()},
-            journal=Mortal(journal, fate), named=named, on_step=land.look, resumed=taken.resumption if taken is not None else None,
+            journal=Mortal(journal, fate), named=named, on_step=land.look,
+            resumed=taken.resumption if taken is not None else None,
         )  # fmt: skip
         return runner.run()
     except Dead:

@@ -72,6 +72,10 @@ class Process:
         self._reader.join()
         return status
 
+    @property
+    def is_over(self) -> bool:
+        return self._process.poll() is not None
+
     def signal(self, number: signal.Signals) -> None:
         self._process.send_signal(number)
 

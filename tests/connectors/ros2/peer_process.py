@@ -22,6 +22,8 @@ from rai_missions.connectors.contract import Heard
 ROOT = Path(__file__).parents[3]
 SUCCEED, RUN, REJECT, STUBBORN, ABORT, SLOW_TO_ACCEPT = range(6)
 """What a goal's `order` asks for; `RUN` until canceled, `STUBBORN` until it has refused to be canceled twice."""
+LASTS = 100
+"""From here on, an order is the hundredths of a second that a goal lasts."""
 FIBONACCI, TRIGGER = "test_msgs/action/Fibonacci", "std_srvs/srv/Trigger"
 
 
@@ -111,6 +113,9 @@ def serve(name: str) -> None:
         goal_id, order, result = bytes(handle.goal_id.uuid).hex(), handle.request.order, Fibonacci.Result()
         say("runs", goal_id)
         handle.publish_feedback(Fibonacci.Feedback(sequence=[0]))
+        done_at = time.monotonic() + (order / 100 if order >= LASTS else 0)
+        while time.monotonic() < done_at and not handle.is_cancel_requested:
+            time.sleep(0.01)
         until = time.monotonic() + 120
         while order in (RUN, STUBBORN, SLOW_TO_ACCEPT) and refused[goal_id] < 2 and time.monotonic() < until:
             if handle.is_cancel_requested or not rclpy.ok():
@@ -118,7 +123,9 @@ def serve(name: str) -> None:
                 say("canceled", goal_id)
                 return result
             time.sleep(0.01)
-        if order == ABORT:
+        if handle.is_cancel_requested:
+            handle.canceled()
+        elif order == ABORT:
             handle.abort()
         else:
             handle.succeed()
