@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Coverage-guided fuzzing (atheris): `python -m tests.fuzz.drive TARGET --seconds 600`; the extra `fuzz` brings it.
+
+Rule: what is found is written down as bytes, to become a file of the corpus that every test run feeds again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import sys
+import tempfile
+import traceback
+from pathlib import Path
+
+__all__ = ("main",)
+
+PATIENCE_S = 20
+"""An input that takes longer is a crash."""
+MOST_MIB = 1536
+
+
+def main() -> None:
+    """Fuzz one target for so many seconds."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("target")
+    parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--found", type=Path, default=Path("out/fuzz"), help="where crashes and new inputs go")
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    import atheris  # type: ignore[import-untyped,unused-ignore]
+
+    with atheris.instrument_imports(include=["rai_missions", "visualize"]):
+        from tests.fuzz.mutator import mutated
+        from tests.fuzz.seeds import seeds
+        from tests.fuzz.targets import TARGETS, fed
+
+    if given.target not in TARGETS:
+        parser.error(f"no target {given.target!r}; there are: {', '.join(TARGETS)}")
+    corpus = given.found / given.target
+    corpus.mkdir(parents=True, exist_ok=True)
+    for number, seed in enumerate(seeds(given.target)):
+        (corpus / f"seed-{number}").write_bytes(seed)
+    is_json = given.target in ("mission", "profile", "rows")
+    folder = Path(tempfile.mkdtemp(prefix="fuzz-", dir="/dev/shm" if os.path.isdir("/dev/shm") else None))
+
+    crashes: set[str] = set()
+
+    def one(data: bytes) -> None:
+        try:
+            fed(given.target, data, folder)
+        except Exception as crash:  # noqa: BLE001 - whatever it is, it is what is looked for
+            frame = traceback.extract_tb(crash.__traceback__)[-1]
+            name = f"{type(crash).__name__}-{Path(frame.filename).stem}-{frame.lineno}"
+            if name not in crashes:  # one of a kind is enough, and the search goes on
+                crashes.add(name)
+                (given.found / f"{given.target}-{name}").write_bytes(data)
+                print(f"CRASH {name}: {crash!r:.300}", flush=True)  # noqa: T201
+
+    def change(data: bytes, most: int, seed: int) -> bytes:
+        source = random.Random(seed)
+        if is_json and source.random() < 0.9:
+            try:
+                return json.dumps(mutated(json.loads(data), source)).encode("utf-8", "surrogatepass")[:most]
+            except (ValueError, RecursionError, OverflowError):
+                pass
+        return bytes(atheris.Mutate(data, most))
+
+    words = [
+        sys.argv[0], str(corpus), f"-max_total_time={given.seconds}", f"-timeout={PATIENCE_S}", f"-seed={given.seed}",
+        f"-rss_limit_mb={MOST_MIB}", f"-artifact_prefix={corpus}-", "-max_len=60000", "-print_final_stats=1",
+        "-len_control=0",
+    ]  # fmt: skip
+    atheris.Setup(words, one, custom_mutator=change)
+    atheris.Fuzz()
+
+
+if __name__ == "__main__":
+    main()
