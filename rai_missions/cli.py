@@ -136,6 +136,7 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     replay.add_argument("journal", metavar="JOURNAL", help="a journal, or a recording (.mcap)")
     replay.add_argument("--mission", metavar="FILE.py", help="the mission, where it has behaviours in Python; executed")
+    replay.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     replay.add_argument("--json", action="store_true", help="print one object at the end")
     replay.add_argument("--verbose", action="store_true", help="print the steps")
 

@@ -24,7 +24,7 @@ def replay(given: argparse.Namespace) -> int:
     with journal_of(given.journal) as found:
         warn(found.warning)
         with read(found.path) as record:
-            mission = load(given.mission) if given.mission else mission_of(record)
+            mission = load(given.mission, python=not given.no_python) if given.mission else mission_of(record)
         lines = Lines(mission, sys.stdout)
         result = again(found.path, on_step=lines.step if given.verbose and not given.json else None, mission=mission)
     if given.json:
