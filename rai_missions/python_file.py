@@ -28,8 +28,9 @@ def run_mission_file(file: Path) -> Mission:
         DefinitionError: The file cannot be executed, offers no such function, or that returns something else.
         UsageError: There is no such file.
     """
+    source = file_bytes(file)  # first: only of a file that is there it is known where it is
     path = file.resolve()
-    module = _executed(path, file_bytes(file), str(file))
+    module = _executed(path, source, str(file))
     offered = getattr(module, "mission", None)
     if not callable(offered):
         raise _refused("the file offers no function 'mission'; write `def mission() -> Mission:`", file)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A process that runs commands under an audit hook and tells what they opened, executed and reached.
+
+Rule: it is told, as JSON on its input, `[[word, …], …]`, one list a command; it prints what each returned and did.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from typing import Any
+
+WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT
+REACHES = (
+    "socket.connect",
+    "socket.bind",
+    "socket.sendto",
+    "socket.getaddrinfo",
+    "urllib.Request",
+    "ftplib.",
+    "smtplib.",
+)
+STARTS = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "pty.spawn")
+HEARD: list[list[str]] = []
+
+
+def hear(name: str, given: tuple[Any, ...]) -> None:
+    """Write down what matters of an audit event (PEP 578)."""
+    if name == "open" and isinstance(given[0], str | bytes):
+        writes = isinstance(given[2], int) and given[2] & WRITING
+        HEARD.append(["write" if writes else "read", os.path.realpath(os.fsdecode(given[0]))])
+    elif name == "exec":
+        HEARD.append(["execute", str(getattr(given[0], "co_filename", given[0]))])
+    elif name == "sqlite3.connect":
+        HEARD.append(["read", os.path.realpath(str(given[0]).removeprefix("file:").partition("?")[0])])
+    elif name in ("os.listdir", "os.scandir"):
+        HEARD.append(["read", os.path.realpath(str(given[0]))])
+    elif name.startswith(REACHES):
+        HEARD.append(["reach", repr(given)[:200]])
+    elif name.startswith(STARTS):
+        HEARD.append(["start", repr(given)[:200]])
+
+
+def main() -> None:
+    """Run what the input tells."""
+    from rai_missions.cli import main as command
+
+    commands = json.load(sys.stdin)
+    sys.addaudithook(hear)
+    ended = []
+    for words in commands:
+        try:
+            ended.append(command(words))
+        except SystemExit as end:
+            ended.append(int(end.code or 0))
+    sys.stdout.write("\n" + json.dumps({"ended": ended, "heard": HEARD}) + "\n")
+
+
+if __name__ == "__main__":
+    main()
