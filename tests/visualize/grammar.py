@@ -10,7 +10,7 @@ __all__ = ("Diagram", "read")
 
 STATE = re.compile(r'state "([^"<>{}]*(?:<br/>[^"<>{}]*)*)" as (\w+)( \{)?')
 ARROW = re.compile(r"(\[\*\]|\w+) --> (\w+)(?:: (.+))?")
-OTHER = re.compile(r"classDef \w+ [\w:#,. -]+|class \w+ \w+|acc(?:Title|Descr): [^\n]+|--")
+OTHER = re.compile(r"classDef \w+ [\w:#,. -]+|class \w+ \w+|acc(?:Title|Descr): [^\n]+|--|%% .+")
 
 
 class Diagram(NamedTuple):
