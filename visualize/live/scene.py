@@ -50,6 +50,7 @@ class Scene:
         """What keeps the page from showing all of the run."""
         self.tail: deque[Json] = deque(maxlen=TAIL)
         """The last steps that did something."""
+        self._answered: set[int] = set()
         self._fields: set[str] = set()
         self._written: set[str] = set()
         self._lines: list[Json] = []
@@ -68,9 +69,8 @@ class Scene:
         self._move(step)
         self._command(step)
         self._ask(step)
-        if step.outcome and not self.outcome:
-            self.outcome, self.why, self.mode = step.outcome, step.why, step.outcome
-            self._fields |= {"outcome", "why", "mode"}
+        if step.outcome:
+            self._end(step)
         if (told := line(step)) is not None:
             self.tail.append(told)
             self._lines.append(told)
@@ -112,8 +112,15 @@ class Scene:
         elif "resumed" in step.notes:
             self._go("running")
             self._shift(step.at)
-        if step.outcome and not self.outcome and _killed(step):
+        if _killed(step):
             self._hold("nobody")
+
+    def _end(self, step: Step) -> None:
+        if not self.outcome:
+            self.outcome, self.why = str(step.outcome), step.why
+            self._fields |= {"outcome", "why"}
+        if self.mode != step.outcome:
+            self._go(str(step.outcome))
 
     def _go(self, mode: str) -> None:
         self.mode = mode
@@ -136,7 +143,11 @@ class Scene:
     def _ask(self, step: Step) -> None:
         before = tuple(self.questions)
         if step.event.kind == "proposal":
-            self.questions.pop(step.event.number, None)
+            self._answered.add(step.event.number)
+        if self.mode != "paused":  # then an answer waits until the run goes on
+            for number in self._answered:
+                self.questions.pop(number, None)
+            self._answered.clear()
         for effect in step.effects:
             if isinstance(effect, Ask):
                 self.questions[effect.question.number] = effect.question
@@ -210,5 +221,4 @@ def _stamp(step: Step, key: str) -> float:
 
 def _killed(step: Step) -> bool:
     """It was ended by the emergency stop, or by an invariant."""
-    is_stop = step.event.kind == "command" and step.event.name == "kill"
-    return is_stop or (step.outcome == "aborted" and step.why.startswith("invariant '"))
+    return step.outcome == "aborted" and step.why.startswith(("killed by ", "invariant '"))
