@@ -151,11 +151,9 @@ class Free(Told):
             yield Happening(told, "time", self._elapse(self._ring(key)))
         for name, until in list(self._pending.items()):
             if until != math.inf:
-                yield Happening(
-                    f"no handover for '{name}' in time", "time", self._elapse(self._over(self._pending, name))
-                )
+                yield Happening(f"no handover for '{name}' in time", "time", self._elapse(self._late(name)))
         for name in list(self._settling):
-            yield Happening(f"'{name}' has not settled", "time", self._elapse(self._over(self._settling, name)))
+            yield Happening(f"'{name}' has not settled", "time", self._elapse(self._unsettled(name)))
         if self._final is not None and not self._settling:
             yield Happening("time passes at the end", "time", self._elapse(lambda: None))
         if self._cancel_by != math.inf:
@@ -180,7 +178,7 @@ class Free(Told):
     def _machine_times(self) -> Iterator[Happening]:
         for name, path, state in list(self.inner()):
             owner, tree = owned(name, path), self._running[name]
-            if path and tree.leaves[path].deadline != math.inf:
+            if path is not None and tree.leaves[path].deadline != math.inf:
                 over = self._elapse(self._leaf_over(name, path), name)
                 yield Happening(f"the time of '{owner}' is over", "time", over)
             wake = self._machine_of(name, path).wake_at(state, self.view)
@@ -193,9 +191,9 @@ class Free(Told):
             if isinstance(state, Tending) and NOW < state.wake < math.inf:
                 yield Happening(f"time passes for '{name}'", "time", self._elapse(self._grow(name), name))
 
-    def _machine_of(self, name: str, path: str) -> Any:
+    def _machine_of(self, name: str, path: str | None) -> Any:
         machine: Any = self._machines[name]
-        return machine.limbs[path].machine if path else machine
+        return machine if path is None else machine.limbs[path].machine
 
     def _ring(self, key: Any) -> Callable[[], None]:
         def change() -> None:
@@ -203,9 +201,11 @@ class Free(Told):
 
         return change
 
-    @staticmethod
-    def _over(waiting: dict[str, float], name: str) -> Callable[[], None]:
-        return lambda: waiting.update({name: NOW})
+    def _late(self, name: str) -> Callable[[], None]:
+        return lambda: self._pending.update({name: NOW})
+
+    def _unsettled(self, name: str) -> Callable[[], None]:
+        return lambda: self._settling.update({name: NOW})
 
     def _too_long(self) -> None:
         self._cancel_by = NOW
@@ -233,12 +233,12 @@ class Free(Told):
 
         return change
 
-    def _let_pass(self, name: str, path: str, wake: float) -> Callable[[], None]:
+    def _let_pass(self, name: str, path: str | None, wake: float) -> Callable[[], None]:
         """So much time passes for one machine alone."""
 
         def change() -> None:
             machine, state = self._machine_of(name, path), self._running[name]
-            if not path:
+            if path is None:
                 self._running[name] = machine.shifted(state, NOW - wake)
                 return
             tended = state.leaves[path]

@@ -129,21 +129,21 @@ class Told(Explored):
 
     def _wanted(self, owner: str) -> Mapping[str, str]:
         """Key → the field of the result that goes there."""
-        name, _, path = owner.partition("#")
+        name, is_leaf, path = owner.partition("#")
         machine: Any = self._machines.get(name)
-        if path and machine is not None:
+        if is_leaf and machine is not None:
             machine = machine.limbs[path].machine
         wanted: Mapping[str, str] = getattr(getattr(machine, "definition", None), "result", {})
         return wanted
 
-    def inner(self) -> Iterator[tuple[str, str, Any]]:
-        """Every activity that runs: its state, its path in a tree, its machine's state."""
+    def inner(self) -> Iterator[tuple[str, str | None, Any]]:
+        """Every activity that runs: its state, its path in a tree or None, its machine's state."""
         for name, state in self._running.items():
             if isinstance(state, Tending):
                 for path, tended in state.leaves.items():
                     yield name, path, tended.state
             else:
-                yield name, "", state
+                yield name, None, state
 
     def _of(self, kind: type[Calling | Behaving]) -> list[tuple[int, str]]:
         return [(state.number, owned(name, path)) for name, path, state in self.inner() if isinstance(state, kind)]
@@ -204,6 +204,6 @@ class Told(Explored):
         return sorted({*bounds, *(each for each in numbers if low <= each <= high)})
 
 
-def owned(name: str, path: str) -> str:
+def owned(name: str, path: str | None) -> str:
     """Who asks, calls or pursues: a state, or a leaf of its tree."""
-    return f"{name}#{path}" if path else name
+    return name if path is None else f"{name}#{path}"

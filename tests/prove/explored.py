@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Explorations that remember what they saw, and runs of the real chart to hold against them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from hypothesis import strategies as st
+
+from rai_missions.chart import Chart
+from rai_missions.event import Event
+from rai_missions.mission import Mission
+from rai_missions.prove.free import Free
+from rai_missions.prove.happening import HappeningKind
+from rai_missions.prove.space import Space, Way
+from rai_missions.rebuild import default_ticker
+from rai_missions.step import Ask, CallService, Handover, StartBehaviour, StartGoal, Step
+from tests.strategies import EVENTS, KEYS, OPTIONS
+
+Json = dict[str, Any]
+ROOT = Path(__file__).parents[2]
+Seen = tuple[frozenset[str], str | None]
+"""The active states, none once it has ended, and the outcome."""
+
+
+class Seeing(Space):
+    """A space that remembers the active states of each of its states."""
+
+    def __init__(self, chart: Free, most: int) -> None:
+        super().__init__(chart, most)
+        self.seen: set[Seen] = set()
+
+    def _arrive(self, source: int, kind: HappeningKind, way: Way) -> None:
+        super()._arrive(source, kind, way)
+        self.seen.add(seen(self.chart))
+
+
+def seen(chart: Chart) -> Seen:
+    return (frozenset() if chart.outcome is not None else chart.active, chart.outcome)
+
+
+def explored(mission: Mission, most: int) -> Seeing:
+    space = Seeing(Free(mission, default_ticker(mission)), most)
+    space.explore()
+    return space
+
+
+def document(path: str, change: Callable[[Json], Any] = lambda given: None) -> Mission:
+    """A mission of the checkout, with something about it changed."""
+    given = json.loads((ROOT / path).read_text(encoding="utf-8"))
+    change(given)
+    return Mission.model_validate(given)
+
+
+# -- runs of the real chart ------------------------------------------------------------------------------------------
+
+VALUES: dict[str, st.SearchStrategy[Any]] = {
+    "battery": st.sampled_from([0.05, 0.1, 0.12, 0.2, 0.25, 0.4, 0.5, 0.9]),
+    "clear": st.booleans(),
+    "pose": st.sampled_from([{"x": 0.2, "y": 0.0}, {"x": 30.0, "y": 1.0}]),
+    "obstacle": st.fixed_dictionaries(
+        {}, optional={
+            "kind": st.sampled_from(["log", "stone"]), "height_m": st.sampled_from([0.05, 0.1, 0.2, 0.25, 0.3]),
+            "living": st.booleans(),
+        },
+    ),
+}  # fmt: skip
+
+
+def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
+    """What happens, and after how many seconds; numbers stand for how far back in what was started."""
+    back = st.integers(0, 3)
+    results = st.sampled_from(["succeeded", "failed", "canceled", "rejected", "timed_out", "unavailable"])
+    kinds = [
+        st.tuples(st.just("event"), st.sampled_from(EVENTS)),
+        st.tuples(st.just("tick"), st.just("")),
+        st.sampled_from(sorted(VALUES)).flatmap(lambda key: st.tuples(st.just("write"), st.just(key), VALUES[key])),
+        st.tuples(st.just("accepted"), back),
+        st.tuples(st.just("result"), back, results, st.integers(0, 4)),
+        st.tuples(st.just("result"), back, results, st.integers(0, 4)),
+        st.tuples(st.just("proposal"), back, st.sampled_from([*OPTIONS, "nonsense"])),
+        st.tuples(st.just("control"), st.just("")),
+        st.tuples(st.just("command"), st.sampled_from(["cancel"] + ["wait"] * 9)),
+    ]
+    waits = st.sampled_from([0.0, 0.0, 0.0, 0.5, 1.0, 2.0, 3.7, 6.0, 25.0])
+    return st.lists(st.tuples(st.one_of(kinds), waits), max_size=25)
+
+
+class Robot:
+    """Turns a script into events, with the numbers of what the chart has started."""
+
+    def __init__(self) -> None:
+        self.goals: list[int] = []
+        self.calls: list[int] = []
+        self.questions: list[int] = []
+        self.wanted: list[str] = []
+
+    def hear(self, step: Step) -> None:
+        for effect in step.effects:
+            if isinstance(effect, StartGoal):
+                self.goals.append(effect.number)
+            elif isinstance(effect, CallService | StartBehaviour):
+                self.calls.append(effect.number)
+            elif isinstance(effect, Ask):
+                self.questions.append(effect.question.number)
+            elif isinstance(effect, Handover):
+                self.wanted.append(effect.to)
+
+    def event(self, drawn: tuple[Any, ...], at: float) -> Event:
+        kind = drawn[0]
+        if kind == "write":
+            return Event(drawn[1], at, {"value": drawn[2]}, "write")
+        if kind == "accepted":
+            return Event("accepted", at, {}, "accepted", back(self.goals, drawn[1]))
+        if kind == "result":
+            return Event(drawn[2], at, {"n": drawn[3]}, "result", back(sorted((*self.goals, *self.calls)), drawn[1]))
+        if kind == "proposal":
+            return Event("rules", at, {"option": drawn[2]}, "proposal", back(self.questions, drawn[1]))
+        if kind == "control" and self.wanted:
+            return Event(self.wanted[-1], at, {"by": "mission"}, "control")
+        if kind == "event" or drawn[1] == "cancel":
+            return Event(drawn[1], at, {}, kind)
+        return Event("tick", at, {}, "tick")
+
+
+def back(numbers: list[int], many: int) -> int:
+    return numbers[-1 - many] if many < len(numbers) else 99_999
+
+
+def walked(mission: Mission, script: list[tuple[tuple[Any, ...], float]], **arguments: Any) -> list[Seen]:
+    """What the real chart came to, step by step."""
+    chart, robot, at = Chart(mission, default_ticker(mission)), Robot(), 0.0
+    for key, value in arguments.items():
+        assert key in KEYS
+        chart.write(key, value, 0.0)
+    robot.hear(chart.start(0.0))
+    found = [seen(chart)]
+    for drawn, wait in script:
+        at += wait
+        robot.hear(chart.send(robot.event(drawn, at)))
+        found.append(seen(chart))
+    return found

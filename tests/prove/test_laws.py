@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What holds of every exploration: no run of the real chart leaves it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.mission import Mission
+from tests.prove.explored import explored, scripts, walked
+from tests.strategies import mission_documents
+
+Json = dict[str, Any]
+lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
+MOST = 1200
+
+
+def hold_against(document: Json, runs: list[Any], alleys: int, waypoints: list[str]) -> None:
+    mission = Mission.model_validate(document)
+    space = explored(mission, MOST)
+    assume(space.is_whole)
+    for script in runs:
+        for number, found in enumerate(walked(mission, script, alleys=alleys, waypoints=waypoints)):
+            assert found in space.seen, f"step {number} of {script}"
+
+
+def runs() -> st.SearchStrategy[list[Any]]:
+    return st.lists(scripts(), min_size=3, max_size=8)
+
+
+@settings(lenient, max_examples=12)
+@given(mission_documents(), runs(), st.integers(0, 3), st.lists(st.sampled_from(["a", "b"]), max_size=4))
+def test_no_run_leaves_what_was_explored(document: Json, runs: list[Any], alleys: int, waypoints: list[str]) -> None:
+    hold_against(document, runs, alleys, waypoints)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=3000)
+@given(mission_documents(), runs(), st.integers(0, 3), st.lists(st.sampled_from(["a", "b"]), max_size=4))
+def test_no_run_leaves_what_was_explored_however_often_it_is_tried(
+    document: Json, runs: list[Any], alleys: int, waypoints: list[str]
+) -> None:
+    hold_against(document, runs, alleys, waypoints)
