@@ -30,6 +30,10 @@ __all__ = ("Rounds",)
 Work = Callable[[], None]
 Turn = Callable[[], None]
 LONGEST_S = 1e6
+CLOCK = "/clock"
+"""Is heard last: time shall not go on before what was said until then is heard, however long nobody listened."""
+A_TURN = 10
+"""How many messages one turn may bring, as many as wait in a queue where nobody says otherwise."""
 EVENTS_S = 0.1
 """How soon somebody is told that a publisher does not fit: each subscription has such an event, and none is urgent."""
 
@@ -132,7 +136,9 @@ class Rounds(Executor):  # type: ignore[misc]
         """Collect whom to wait for."""
         self._is_stale = False
         nodes = self.get_nodes()
-        self._subscriptions = {each.handle.pointer: each for node in nodes for each in node.subscriptions}
+        subscriptions = [each for node in nodes for each in node.subscriptions]
+        subscriptions.sort(key=lambda each: each.topic_name == CLOCK)
+        self._subscriptions = {each.handle.pointer: each for each in subscriptions}
         self._clients = {each.handle.pointer: each for node in nodes for each in node.clients}
         self._services = {each.handle.pointer: each for node in nodes for each in node.services}
         waitables = [each for node in nodes for each in node.waitables]
@@ -187,10 +193,12 @@ class Rounds(Executor):  # type: ignore[misc]
 
 
 def _hear(subscription: Any) -> None:
-    with suppress(InvalidHandle):  # destroyed by somebody whose turn came before
-        with subscription.handle:
-            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-        if taken is not None:
+    with suppress(InvalidHandle):  # destroyed by somebody whose turn came before, or by its own callback
+        for _ in range(A_TURN):
+            with subscription.handle:
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            if taken is None:
+                return
             subscription.callback(taken[0])
 
 

@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Message
+from rai_missions.connectors.contract import Heard
 
-NUMBER = "std_msgs/msg/Int32"
+NUMBER, CLOCK = "std_msgs/msg/Int32", "rosgraph_msgs/msg/Clock"
 BEFORE, ENOUGH = 50, 500
 A_FEW = 20
 """How often what is loud may be heard before what is quiet; one turn each would be two or three."""
@@ -44,3 +45,37 @@ def test_a_loud_topic_does_not_silence_the_one_that_was_subscribed_after_it(open
     ear.publish("/loud", NUMBER, {"data": 1})
     assert over.wait(60), f"heard {heard} times"
     assert loud_before_quiet and loud_before_quiet[0] <= A_FEW
+
+
+@pytest.mark.usefixtures("alone")
+def test_time_does_not_go_on_before_what_was_said_until_then_is_heard(open_ros: Callable[..., Any]) -> None:
+    """Whoever did not listen for a while would else take what was said meanwhile for silence."""
+    ear, heard, first, release = open_ros(), Heard[tuple[str, int]](), threading.Event(), threading.Event()
+
+    def hear(message: Message) -> None:
+        heard(("said", message.data["data"]))
+        if message.data["data"] == 1:
+            first.set()
+            release.wait(60)
+
+    def hear_time(message: Message) -> None:
+        heard(("time", int(message.data["clock"]["sec"])))
+
+    ear.subscribe("/clock", CLOCK, hear_time)
+    ear.subscribe("/said", NUMBER, hear)
+    for name, type_name, said in (("/clock", CLOCK, {"clock": 1}), ("/said", NUMBER, {"data": 0})):
+        ear.publish(name, type_name, said)
+    heard.wait(lambda all_: len(all_) == 2, "both publishers have found their reader")
+    publishers = ear._session._publications
+    ear.publish("/said", NUMBER, {"data": 1})
+    assert first.wait(30)
+    # From here the connector's thread is held up: what is said now waits in the readers' queues.
+    clock, said = publishers["/clock"]._publisher, publishers["/said"]._publisher
+    time = clock.msg_type()
+    time.clock.sec = 2
+    clock.publish(time)
+    for number in (2, 3, 4):
+        said.publish(said.msg_type(data=number))
+    release.set()
+    told = heard.wait(lambda all_: ("time", 2) in all_ and ("said", 4) in all_, "all was said")
+    assert told[-4:] == [("said", 2), ("said", 3), ("said", 4), ("time", 2)]
