@@ -319,14 +319,17 @@ class Runner:
         elif not self._write(step, since):
             return
         self.performer.perform(step.effects)
-        self._confirm(step)
+        lost = self._confirm(step)
         self._tell(step)
+        if lost is not None:
+            self._lose_journal(lost)
 
-    def _confirm(self, step: Step) -> None:
+    def _confirm(self, step: Step) -> Exception | None:
         try:
             self._scribe.confirm(step)
         except Exception as error:  # noqa: BLE001 - as in `_write`
-            self._lose_journal(error)
+            return error
+        return None
 
     def _kill(self, event: Event) -> None:
         """The emergency stop: the actuators first, the journal after."""

@@ -141,7 +141,9 @@ class Prepared:
         chart = self._taken.resumption.chart
         where = ", ".join(sorted(chart.active)) or "before its start"
         world = "; the simulated world starts anew, and what was under way in it is begun again" if self.world else ""
-        return f"the run goes on at {chart.at:.2f} s in: {where}{world}"
+        cut = self._taken.record.cut
+        lost = f"; {cut} bytes at the journal's end are of a row that was not written whole, and count as not written"
+        return f"the run goes on at {chart.at:.2f} s in: {where}{world}{lost if cut else ''}"
 
     def _surroundings(self) -> tuple[World | None, Connector | None, Clock]:
         """The world, how it is reached, and whose time counts."""

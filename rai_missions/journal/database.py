@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 
-__all__ = ("BLOB", "FORMAT", "LONGEST_BYTES", "ROW", "Lock", "SqliteError", "open_to_read", "open_to_write")
+__all__ = ("BLOB", "FORMAT", "LONGEST_BYTES", "ROW", "Lock", "Reading", "SqliteError", "open_to_read", "open_to_write")
 
 SqliteError = sqlite3.Error
 
@@ -31,6 +31,8 @@ BLOB = "INSERT OR IGNORE INTO blobs VALUES (?, ?, ?)"
 TABLES = {name: f"CREATE TABLE {name} ({columns})" for name, columns in COLUMNS.items()}
 LONGEST_BYTES = 64 * 1024 * 1024
 """No row and no picture is longer: neither written nor read."""
+WAL_HEADER, WAL_FRAME = 32, 24
+"""Bytes of the header of a write-ahead log, and of each of its frames beside its page."""
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
 
@@ -102,7 +104,7 @@ def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
     return connection
 
 
-def open_to_read(path: Path) -> sqlite3.Connection:
+def open_to_read(path: Path) -> Reading:
     """A connection to what stands in a journal now, also while another process writes it or after it was killed.
 
     Raises:
@@ -158,17 +160,40 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
     raise DefinitionError([Fault("", sentence)], str(path))
 
 
-def _opened(path: Path) -> sqlite3.Connection:
+class Reading(sqlite3.Connection):
+    """A journal that is open to be read."""
+
+    cut = 0
+    """Bytes at the end of its log that belong to a row which was not written whole."""
+
+
+def _cut(log: Path, frames: int) -> int:
+    """The bytes behind a log's valid frames that the same writer has left (sqlite.org/fileformat2.html, section 4.1).
+
+    What is left of an earlier writing of the log has other salts, and is nothing that was cut.
+    """
+    with log.open("rb") as file:
+        head = file.read(WAL_HEADER)
+        end = WAL_HEADER + frames * (WAL_FRAME + int.from_bytes(head[8:12]))
+        file.seek(end)
+        frame = file.read(WAL_FRAME)
+    salts = head[16:24]
+    return max(0, log.stat().st_size - end) if salts.startswith(frame[8:16]) else 0
+
+
+def _opened(path: Path) -> Reading:
     log = Path(f"{path}-wal")
     if not (log.is_file() and log.stat().st_size and log.resolve().parent == path.parent):  # a link leads elsewhere
         return sqlite3.connect(
-            _uri(path, "ro") + "&immutable=1", uri=True, isolation_level=None, check_same_thread=False
+            _uri(path, "ro") + "&immutable=1", uri=True, isolation_level=None, check_same_thread=False, factory=Reading
         )
     with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
         copy = Path(folder) / "journal"
         _copy(path, log, copy)
-        connection = sqlite3.connect(copy, isolation_level=None, check_same_thread=False)
+        connection = sqlite3.connect(copy, isolation_level=None, check_same_thread=False, factory=Reading)
         try:  # once the log is folded in, the open descriptor is all that is needed, and the copy is gone at the end
+            frames = connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()[1]
+            connection.cut = _cut(Path(f"{copy}-wal"), max(0, frames))
             connection.execute("PRAGMA journal_mode=DELETE").fetchall()
             connection.execute("PRAGMA query_only=ON")
         except BaseException:

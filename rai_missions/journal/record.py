@@ -53,6 +53,11 @@ class Record:
             (str(digest) for (digest,) in self._found("SELECT hash FROM rows ORDER BY number DESC LIMIT 1")), ""
         )
 
+    @property
+    def cut(self) -> int:
+        """Bytes at its end that belong to a row which was not written whole; they are left out."""
+        return self._database.cut
+
     def rows(self) -> Iterator[Row]:
         """The steps, confirmations and notes, in the order in which they were written.
 

@@ -72,7 +72,7 @@ class Farm(Land):
         super().__init__(wishes, lasts, ends or {})
         self.until: dict[str, float] = {}
         self.done = dict.fromkeys(self.composed, 0)
-        self.holder, self._silent = "autonomy", silent
+        self.holder, self.silent = "autonomy", silent
         for name in self.composed:
             self.connector.serve(f"/{name}_start", TRIGGER, lambda _, name=name: self._start(name))
             self.connector.serve(f"/{name}_stop", TRIGGER, lambda _, name=name: self._stop(name))
@@ -111,9 +111,9 @@ class Farm(Land):
             ("/clear", "Bool", {"data": True}),
         ]
         for topic, kind, message in says:
-            if topic not in self._silent:
+            if topic not in self.silent:
                 self.connector.publish(topic, f"std_msgs/msg/{kind}", message)
-        if "/pose" not in self._silent:
+        if "/pose" not in self.silent:
             self.connector.publish("/pose", "geometry_msgs/msg/PoseStamped", POSE)
 
 
