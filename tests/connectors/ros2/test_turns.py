@@ -50,25 +50,24 @@ def test_a_loud_topic_does_not_silence_the_one_that_was_subscribed_after_it(open
 @pytest.mark.usefixtures("alone")
 def test_time_does_not_go_on_before_what_was_said_until_then_is_heard(open_ros: Callable[..., Any]) -> None:
     """Whoever did not listen for a while would else take what was said meanwhile for silence."""
-    ear, heard, first, release = open_ros(), Heard[tuple[str, int]](), threading.Event(), threading.Event()
+    ear, heard, stalled, release = open_ros(), Heard[tuple[str, int]](), threading.Event(), threading.Event()
 
-    def hear(message: Message) -> None:
-        heard(("said", message.data["data"]))
-        if message.data["data"] == 1:
-            first.set()
-            release.wait(60)
+    def stall(_message: Message) -> None:
+        stalled.set()
+        release.wait(60)
 
     def hear_time(message: Message) -> None:
         heard(("time", int(message.data["clock"]["sec"])))
 
     ear.subscribe("/clock", CLOCK, hear_time)
-    ear.subscribe("/said", NUMBER, hear)
+    ear.subscribe("/said", NUMBER, lambda message: heard(("said", message.data["data"])))
+    ear.subscribe("/stall", NUMBER, stall)
     for name, type_name, said in (("/clock", CLOCK, {"clock": 1}), ("/said", NUMBER, {"data": 0})):
         ear.publish(name, type_name, said)
     heard.wait(lambda all_: len(all_) == 2, "both publishers have found their reader")
     publishers = ear._session._publications
-    ear.publish("/said", NUMBER, {"data": 1})
-    assert first.wait(30)
+    ear.publish("/stall", NUMBER, {"data": 1})
+    assert stalled.wait(30)
     # From here the connector's thread is held up: what is said now waits in the readers' queues.
     clock, said = publishers["/clock"]._publisher, publishers["/said"]._publisher
     time = clock.msg_type()
