@@ -25,8 +25,10 @@ from tests.fuzz.seeds import LAMP, written_run
 ROOT = Path(__file__).parents[2]
 OWN = tuple(
     os.path.realpath(str(each))
-    for each in (sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), ROOT / "rai_missions",
-                 ROOT / "visualize", "/usr/lib", "/usr/share", "/lib", "/proc", "/sys", "/dev/null", "/dev/urandom", "/etc/ld.so.cache")
+    for each in (
+        sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), ROOT / "rai_missions", ROOT / "visualize",
+        "/usr/lib", "/usr/share", "/lib", "/proc", "/sys", "/dev/null", "/dev/urandom", "/etc/ld.so.cache",
+    )
 )  # fmt: skip
 """Where the program itself, its libraries and the system are."""
 SECRET = "a secret of somebody else"
