@@ -43,7 +43,7 @@ def made(states: dict[str, Any], **words: Any) -> Mission:
 def do(name: str, **words: Any) -> dict[str, Any]:
     """A state that does something and goes on to `then`."""
     then = words.pop("then", "done")
-    return {**words, "timeout_s": 60, "transitions": [{"on": "succeeded", "to": then}], **({"action": name})}
+    return {**words, "timeout_s": 60, "transitions": [{"on": "succeeded", "to": then}], "action": name}
 
 
 DONE = {"done": {"final": "canceled"}}
