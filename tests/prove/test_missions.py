@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shipped missions are proved; a mission with a flaw is refuted, with the right claim and a shortest run."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.journal import Header
+from rai_missions.load import dump
+from rai_missions.mission import Mission
+from rai_missions.prove import Proof, prove, record
+from rai_missions.prove.free import Free
+from rai_missions.rebuild import default_ticker
+from rai_missions.replay import replay
+from rai_missions.robot import load_profile, terms
+from tests.prove.explored import ROOT, document
+
+Json = dict[str, Any]
+TRACTOR = "tests/data/tractor_design.json"
+SHIPPED = sorted(path.parent.name for path in ROOT.glob("missions/*/mission.json"))
+
+
+def proof_of(mission: Mission) -> Proof:
+    return prove(mission, default_ticker(mission))
+
+
+@pytest.mark.parametrize("name", ["tractor"])
+def test_the_shipped_missions_are_proved(name: str) -> None:
+    assert_proved(name)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("name", sorted({*SHIPPED} - {"tractor"}))
+def test_the_long_shipped_missions_are_proved_too(name: str) -> None:
+    assert_proved(name)
+
+
+def assert_proved(name: str) -> None:
+    mission = document(f"missions/{name}/mission.json")
+    robot = load_profile(ROOT / "missions" / name / "robot.sim.json")
+    proof = prove(mission, default_ticker(mission), terms=terms(robot))
+    assert [(claim.name, claim.sentence) for claim in proof.claims if claim.verdict != "proved"] == []
+    assert proof.never == () and proof.sampled == ()
+
+
+def test_the_design_s_mission_is_proved_without_a_profile() -> None:
+    assert proof_of(document(TRACTOR)).verdict == "proved"
+
+
+# -- flaws -----------------------------------------------------------------------------------------------------------
+
+
+def over_people(given: Json) -> None:
+    """The guard of the option is gone, and the row that would stop it."""
+    given["states"]["assessing"]["decision"]["options"]["drive_over"].pop("when")
+    rows = given["states"]["crossing"]["transitions"]
+    given["states"]["crossing"]["transitions"] = [row for row in rows if "on" in row]
+
+
+def no_way_out(given: Json) -> None:
+    given["states"]["returning"] = {"about": "stands there"}
+
+
+def by_answer(given: Json) -> None:
+    """A final that requires nothing, reached by an option."""
+    given["states"]["finished"] = {"final": "succeeded"}
+    given["states"]["assessing"]["transitions"][3]["to"] = "finished"
+
+
+def round_and_round(given: Json) -> None:
+    """Two timers that lead to each other."""
+    given["states"]["returning"] = {"transitions": [{"after_s": 5, "to": "waiting"}]}
+    given["states"]["waiting"] = {"transitions": [{"after_s": 5, "to": "returning"}]}
+    given["transitions"][0]["when"]["all"][0] = {"not": {"any": [{"in": "returning"}, {"in": "waiting"}]}}
+
+
+def round_at_home(given: Json) -> None:
+    """A timer that leads to where it began."""
+    given["states"]["returning"] = {"transitions": [{"after_s": 5, "to": "returning"}]}
+
+
+def never_offered(given: Json) -> None:
+    """An option that asks for two things that exclude each other."""
+    option = given["states"]["assessing"]["decision"]["options"]["drive_over"]
+    option["when"] = {"all": [{"key": "obstacle.living", "==": True}, {"key": "obstacle.living", "==": False}]}
+
+
+def always_offered(given: Json) -> None:
+    given["states"]["assessing"]["decision"]["options"]["drive_over"]["when"] = {"in": "assessing"}
+
+
+def cancels_for_ever(given: Json) -> None:
+    """A cancel whose state leads on to one that nothing ends, with no time set to it."""
+    given["on_cancel"] = "returning"
+    no_way_out(given)
+
+
+FLAWS: list[tuple[Callable[[Json], None], str, int]] = [
+    (over_people, "invariants", 4), (no_way_out, "ends", 1), (by_answer, "answers", 4),
+    (round_and_round, "comes to rest", 1), (round_at_home, "comes to rest", 1),
+    (never_offered, "options", 0), (always_offered, "rules", 0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "claim", "steps"), FLAWS, ids=[change.__name__ for change, _, _ in FLAWS])
+def test_a_flaw_is_found_and_shown(change: Callable[[Json], None], claim: str, steps: int, tmp_path: Path) -> None:
+    mission = document(TRACTOR, change)
+    proof = proof_of(mission)
+    assert claim in {each.name for each in proof.claims if each.verdict == "refuted"}
+    assert len(proof.ways.get(claim, ())) == steps
+    if not steps:
+        return
+    path = tmp_path / "refutation.journal"
+    told = proof.ways[claim]
+    assert record(path, Header(dump(mission)), mission, told, default_ticker(mission))
+    again = replay(path)
+    assert again.holds and again.outcome == told[-1].outcome
+
+
+def test_what_is_right_is_not_called_a_flaw_of_the_mutated_missions() -> None:
+    """A mutation refutes its own claim; the emergency stop works in each."""
+    for change, _, _ in FLAWS:
+        proof = proof_of(document(TRACTOR, change))
+        assert {claim.name for claim in proof.claims if claim.verdict == "refuted"}.isdisjoint({"stop", "stopped"})
+
+
+# -- bounds and order ------------------------------------------------------------------------------------------------
+
+
+def counting(many: int) -> Mission:
+    """Regions that count by themselves, so that their states multiply."""
+    regions = {
+        f"region{number}": {
+            "initial": f"a{number}",
+            "states": {
+                f"a{number}": {"transitions": [{"on": f"e{number}", "to": f"b{number}"}]},
+                f"b{number}": {"transitions": [{"on": f"e{number}", "to": f"c{number}"}]},
+                f"c{number}": {"transitions": [{"on": f"e{number}", "to": f"a{number}"}]},
+            },
+        }
+        for number in range(many)
+    }
+    return Mission.model_validate({
+        "format": 1, "name": "regions", "version": "1.0.0", "initial": "all",
+        "events": {**{f"e{number}": {} for number in range(many)}, "stop": {}},
+        "states": {"all": {"parallel": regions}, "over": {"final": "aborted"}},
+        "transitions": [{"on": "stop", "to": "over"}],
+    })  # fmt: skip
+
+
+@pytest.mark.parametrize("many", [1, 2, 3])
+def test_independent_regions_multiply(many: int) -> None:
+    assert proof_of(counting(many)).states == 3**many + 2  # `over`, and canceled
+
+
+def test_a_bound_is_kept_and_nothing_beyond_it_is_called_proved() -> None:
+    mission = counting(4)
+    proof = prove(mission, most=20)
+    assert proof.states == 20 and not proof.is_whole and proof.never == ()
+    assert {claim.verdict for claim in proof.claims} == {"explored"} and proof.verdict == "explored"
+
+
+def test_a_flaw_within_the_bound_is_a_flaw() -> None:
+    mission = document(TRACTOR, over_people)
+    proof = prove(mission, default_ticker(mission), most=120)
+    assert "invariants" in proof.ways and not proof.is_whole
+
+
+def test_the_same_mission_gives_the_same_proof() -> None:
+    mission = document(TRACTOR, over_people)
+    first, second = proof_of(mission), proof_of(mission)
+    assert first._replace(seconds=0.0) == second._replace(seconds=0.0)
+
+
+def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_told() -> None:
+    from rai_missions.prove.space import Space
+
+    chart = Free(document(TRACTOR), default_ticker(document(TRACTOR)))
+    space = Space(chart, 10_000)
+    space.explore()
+    steps: dict[int, set[int]] = {}
+    for source, target, _ in zip(space._sources, space._targets, space._kinds, strict=True):
+        steps.setdefault(source, set()).add(target)
+    far, waiting = {0: 1}, deque([0])
+    starts = [number for number in range(space.states) if space._parents[number] < 0]
+    far, waiting = dict.fromkeys(starts, 1), deque(starts)
+    while waiting:
+        number = waiting.popleft()
+        for target in steps.get(number, ()):
+            if target not in far:
+                far[target] = far[number] + 1
+                waiting.append(target)
+    assert all(len(space.path(number)) == far[number] for number in range(space.states))
+
+
+def test_what_cannot_be_told_apart_whole_is_not_called_proved() -> None:
+    """A counter that is compared with an argument: some arguments are tried, not every one."""
+    mission = Mission.model_validate({
+        "format": 1, "name": "tries", "version": "1.0.0",
+        "blackboard": {"most": {"type": "integer", "source": "argument", "initial": 3}, "tries": {"type": "integer", "initial": 0}},
+        "events": {"again": {}, "stop": {}}, "initial": "trying",
+        "states": {
+            "trying": {"transitions": [
+                {"on": "again", "when": {"key": "tries", "<": {"key": "most"}}, "do": [{"set": "tries", "add": 1}]},
+                {"on": ["again", "stop"], "to": "over"},
+            ]},
+            "over": {"final": "aborted"},
+        },
+    })  # fmt: skip
+    proof = prove(mission)
+    assert proof.is_whole and proof.sampled == ("most", "tries") and proof.verdict == "explored"
