@@ -5,7 +5,8 @@ Rule: reads missions, steps and journals only, and changes nothing; Graphviz is 
 """
 
 from visualize.diff import Difference, difference
-from visualize.files import FORMATS, Drawing, draw, draw_difference, draw_review, drawn, show
+from visualize.files import FORMATS, draw, draw_difference, draw_review, drawn
+from visualize.notebook import Drawing, show, show_missions
 from visualize.picture import picture
 from visualize.shapes import Picture
 
@@ -22,3 +23,5 @@ __all__ = (
     "picture",
     "show",
 )
+
+show_missions()

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The door to Graphviz: a picture as DOT, and DOT as SVG or PNG.
 
-Rule: nothing else imports `graphviz`. The user's own `dot` is preferred; `graphviz-pure` serves where there is none.
+Rule: nothing else imports `graphviz`. The user's own `dot` is preferred; `graphviz-pure` serves where there is none. It
+draws a PNG only where resvg cannot, for it knows few scripts and does not say which.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Literal
 
 from rai_missions.errors import UsageError
 from visualize.graphing import dot_text
+from visualize.raster import can_raster, raster
 from visualize.shapes import Picture
 from visualize.style import FONT, FONTS
 
@@ -46,6 +48,10 @@ def render(picture: Picture, form: Literal["svg", "png"]) -> bytes:
     Raises:
         UsageError: There is no Graphviz, or it refuses.
     """
+    if form == "png" and can_raster():
+        png = raster(render(picture, "svg"), DPI)
+        if png is not None:
+            return png
     import graphviz  # a heavy door, opened when a picture is wanted
     from graphviz.backend import dot_command
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures as files, by their ending, and as objects that notebooks show.
+"""Pictures as files, by their ending.
 
 Rule: a file is whole or it is not there: it is written beside its place and then renamed.
 """
@@ -26,7 +26,7 @@ from visualize.table import table
 if TYPE_CHECKING:
     from visualize.page import Finding, Journal
 
-__all__ = ("FORMATS", "PAGE", "Drawing", "draw", "draw_difference", "draw_review", "drawn", "show")
+__all__ = ("FORMATS", "PAGE", "draw", "draw_difference", "draw_review", "drawn")
 
 FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
     "svg": lambda given: render(given, "svg"),
@@ -163,21 +163,3 @@ def _umask() -> int:
     now = os.umask(0)
     os.umask(now)
     return now
-
-
-class Drawing:
-    """A picture that a notebook shows."""
-
-    def __init__(self, given: Picture) -> None:
-        self.picture = given
-
-    def _repr_svg_(self) -> str:
-        return drawn(self.picture, "svg").decode("utf-8")
-
-    def __repr__(self) -> str:
-        return f"<{self.picture.name}: {len(self.picture.nodes)} states, {len(self.picture.edges)} edges>"
-
-
-def show(mission: Mission, steps: Iterable[Step] = ()) -> Drawing:
-    """The mission as a notebook shows it: `show(mission)` as the last line of a cell."""
-    return Drawing(picture(mission, steps))

@@ -12,7 +12,7 @@ import pytest
 from rai_missions.errors import UsageError
 from tests.visualize.changed import changed
 from tests.visualize.runs import ROOT, tractor, tractor_path
-from visualize import FORMATS, difference, draw, draw_difference, drawn, picture, show
+from visualize import FORMATS, difference, draw, draw_difference, drawn, picture
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -55,12 +55,6 @@ def test_a_difference_is_drawn_like_a_mission(tmp_path: Path) -> None:
     assert "accTitle: tractor_orchard 1.1.0" in text
     with pytest.raises(UsageError, match=r"the endings are .html, .md, .json, .svg, .png, .dot, .mmd, .mermaid"):
         draw_difference(found, tmp_path / "a.txt")
-
-
-def test_a_notebook_shows_the_mission() -> None:
-    shown = show(tractor())
-    assert shown._repr_svg_().startswith("<?xml")
-    assert repr(shown) == "<tractor_orchard: 10 states, 14 edges>"
 
 
 def test_visualize_loads_graphviz_only_to_draw_with_it() -> None:
