@@ -71,13 +71,13 @@ class Goals:
         goal_id, report = self._sent(entry, effect)
         self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, report=report)
 
-    def take_up(self, effect: StartGoal, *, sent: bool, accepted: bool) -> bool:
+    def take_up(self, effect: StartGoal, *, accepted: bool) -> bool:
         """Go on with a goal that an earlier process was to send.
 
         Args:
             effect: Its start.
-            sent: It is known to have been sent.
-            accepted: Its server is known to have accepted it.
+            accepted: Its server is known to have accepted it. That a connector took it to be sent says nothing: it may
+                have been waiting for the server.
 
         Returns:
             Whether its fate is known or will be told; False where nobody can say, and the robot was told to end it.
@@ -86,7 +86,7 @@ class Goals:
         if entry is None or self._connector is None:
             self.start(effect)
         elif entry.action is not None:
-            self._find(entry, effect, sent=sent)
+            self._find(entry, effect, accepted=accepted)
         elif accepted:
             self._composed[effect.action] = CancelGoal(effect.number, effect.action)
         elif entry.repeat:
@@ -99,13 +99,13 @@ class Goals:
             return False
         return True
 
-    def _find(self, entry: ActionEntry, effect: StartGoal, *, sent: bool) -> None:
-        """Ask its server; what was never sent, or may be sent twice, is sent where the server knows nothing of it."""
+    def _find(self, entry: ActionEntry, effect: StartGoal, *, accepted: bool) -> None:
+        """Ask its server; one never accepted, or that may be sent twice, is sent if the server knows nothing of it."""
         assert self._connector is not None and entry.action is not None
         goal_id, told_of = self._sent(entry, effect)
 
         def report(said: Report) -> None:
-            if said.said != "lost" or (sent and not entry.repeat):
+            if said.said != "lost" or (accepted and not entry.repeat):
                 told_of(said)
             elif effect.number in self._unwanted:
                 self._end(effect.number, "canceled", {})

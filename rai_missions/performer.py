@@ -174,8 +174,7 @@ class Performer:
         if anew:
             self._perform[type(effect)](effect)
         elif isinstance(effect, StartGoal):
-            sent, accepted = effect not in under.unconfirmed, effect.number in under.accepted
-            if not self._goals.take_up(effect, sent=sent, accepted=accepted):
+            if not self._goals.take_up(effect, accepted=effect.number in under.accepted):
                 self._doubt("action", effect.action, effect.number, "rejected")
         elif isinstance(effect, CallService) and not self._may_repeat(effect):
             self._doubt("call", effect.service, effect.number, "failed")

@@ -26,7 +26,7 @@ def carry_on(resumed: Resumption, performer: Performer, scribe: Scribe) -> None:
     performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.anew)
     for seq, effects in under.unsure.items():
         if resumed.anew or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):
-            scribe.settle(seq, "performed")
+            scribe.settle(seq, "performed" if resumed.anew else "in doubt")
         elif not any(performer.is_doubtful(each) for each in effects):
             scribe.settle(seq, "repeated")
 

@@ -127,7 +127,7 @@ KINDS = {
         (Wish(1.0, post("poke"), is_in("done")),)),
     "decided_late": Kind(made({
         "moving": do("move", then="asking"),
-        "asking": {"decision": {"question": "?", "options": {"on": {"about": "on", "when": {"key": "battery", ">": 0.5}},
+        "asking": {"decision": {"question": "?", "options": {"on": {"about": "", "when": {"key": "battery", ">": 0.5}},
                                                              "off": {"about": "off"}},
                                 "ask": ["someone"], "deadline_s": 20, "fallback": "off"},
                    "transitions": [{"on": "on", "to": "done"}, {"on": "off", "to": "lost"}]}, **DONE})),
