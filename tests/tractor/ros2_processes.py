@@ -22,7 +22,7 @@ from tests.connectors.ros2.conftest import HERE, lock_free_domain
 ROOT = Path(__file__).parents[2]
 TRACTOR = ROOT / "missions" / "tractor"
 CLI = [sys.executable, "-W", "ignore", "-m", "rai_missions.cli"]
-PATIENCE_S = 120.0
+PATIENCE_S = 150.0
 
 
 @contextmanager

@@ -26,6 +26,9 @@ on_ros = [
     pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}"),
 ]
 LIVELY = {"alleys": 2, "length_m": 14, "obstacles": ["branch", "person"]}
+UNHURRIED = "1"
+"""Where many decisions are compared: a busy machine must not make the mission late by the world's time."""
+with_each_profile = pytest.mark.parametrize("profile", ["robot.ros2.json", "robot.nav2.json"])
 
 
 @pytest.fixture
@@ -36,7 +39,12 @@ def graph(tmp_path: Path) -> Iterator[Graph]:
         made.close()
 
 
-@pytest.mark.parametrize("profile", ["robot.ros2.json", "robot.nav2.json"])
+def skip_what_is_not_here(profile: str) -> None:
+    if "nav2" in profile and importlib.util.find_spec("nav2_msgs") is None:
+        pytest.skip("nav2_msgs is not installed: make ros-interfaces")
+
+
+@with_each_profile
 def test_a_profile_has_all_that_the_mission_uses(profile: str) -> None:
     mission = load(TRACTOR / "mission.json")
     assert list(check(mission)) == []
@@ -57,9 +65,25 @@ def test_the_profile_for_ros_2_needs_nothing_that_is_not_on_pypi_and_the_other_d
 class TestOnRos:
     pytestmark = on_ros
 
+    @with_each_profile
+    def test_it_drives_over_what_is_low_to_the_end_of_the_alley(self, graph: Graph, profile: str) -> None:
+        skip_what_is_not_here(profile)
+        world = graph.world(speed="2", alleys=1, length_m=14, obstacles=["branch"])
+        mission = graph.run("--json", robot=TRACTOR / profile)
+        assert mission.ends() == 0, mission.text + world.text
+        told = json.loads(mission.said.all[-1])
+        assert (told["outcome"], told["state"]) == ("succeeded", "done")
+        assert answers(Path(told["journal"])) == ["drive_over"]
+        assert replay(told["journal"]).holds
+        world.says("passed: True")
+        world.says("alleys_driven: 1")
+        world.signal(signal.SIGINT)
+        assert world.ends() == 0, world.text
+
+    @pytest.mark.drill
     def test_the_same_mission_takes_the_same_answers_to_the_same_end_as_in_one_process(self, graph: Graph) -> None:
         """A branch is driven over, a person is signalled to, as the rules say; nobody is touched."""
-        world = graph.world("--seed", "7", **LIVELY)
+        world = graph.world("--seed", "7", speed=UNHURRIED, **LIVELY)
         over_ros = graph.run("--json", alleys=2)
         assert over_ros.ends() == 0, over_ros.text + world.text
         told = json.loads(over_ros.said.all[-1])
@@ -112,14 +136,14 @@ class TestOnRos:
         assert "aborted: 'stopped' was reached" in mission.text, mission.text
         world.says("state: STOPPED")
 
-    @pytest.mark.parametrize("profile", ["robot.ros2.json", "robot.nav2.json"])
+    @pytest.mark.drill
+    @with_each_profile
     def test_it_drives_over_what_is_low_and_comes_home_where_an_alley_stays_blocked(
         self, graph: Graph, profile: str
     ) -> None:
         """The two actions, composed of plain services, or with servers where the types of Nav2 are known."""
-        if "nav2" in profile and importlib.util.find_spec("nav2_msgs") is None:
-            pytest.skip("nav2_msgs is not installed: make ros-interfaces")
-        world = graph.world(alleys=2, length_m=14, obstacles=["branch", "log"])
+        skip_what_is_not_here(profile)
+        world = graph.world(speed=UNHURRIED, alleys=2, length_m=14, obstacles=["branch", "log"])
         mission = graph.run(alleys=2, robot=TRACTOR / profile)
         assert mission.ends() == 1, mission.text
         assert "failed: 'unfinished_home' was reached" in mission.text, mission.text + world.text
