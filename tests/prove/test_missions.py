@@ -15,6 +15,7 @@ from rai_missions.load import dump
 from rai_missions.mission import Mission
 from rai_missions.prove import Proof, prove, record
 from rai_missions.prove.free import Free
+from rai_missions.prove.space import Space
 from rai_missions.rebuild import default_ticker
 from rai_missions.replay import replay
 from rai_missions.robot import load_profile, terms
@@ -95,12 +96,6 @@ def always_offered(given: Json) -> None:
     given["states"]["assessing"]["decision"]["options"]["drive_over"]["when"] = {"in": "assessing"}
 
 
-def cancels_for_ever(given: Json) -> None:
-    """A cancel whose state leads on to one that nothing ends, with no time set to it."""
-    given["on_cancel"] = "returning"
-    no_way_out(given)
-
-
 FLAWS: list[tuple[Callable[[Json], None], str, int]] = [
     (over_people, "invariants", 4), (no_way_out, "ends", 1), (by_answer, "answers", 4),
     (round_and_round, "comes to rest", 1), (round_at_home, "comes to rest", 1),
@@ -112,7 +107,8 @@ FLAWS: list[tuple[Callable[[Json], None], str, int]] = [
 def test_a_flaw_is_found_and_shown(change: Callable[[Json], None], claim: str, steps: int, tmp_path: Path) -> None:
     mission = document(TRACTOR, change)
     proof = proof_of(mission)
-    assert claim in {each.name for each in proof.claims if each.verdict == "refuted"}
+    refuted = {each.name for each in proof.claims if each.verdict == "refuted"}
+    assert claim in refuted and refuted.isdisjoint({"stop", "cancel", "stopped"})
     assert len(proof.ways.get(claim, ())) == steps
     if not steps:
         return
@@ -121,13 +117,6 @@ def test_a_flaw_is_found_and_shown(change: Callable[[Json], None], claim: str, s
     assert record(path, Header(dump(mission)), mission, told, default_ticker(mission))
     again = replay(path)
     assert again.holds and again.outcome == told[-1].outcome
-
-
-def test_what_is_right_is_not_called_a_flaw_of_the_mutated_missions() -> None:
-    """A mutation refutes its own claim; the emergency stop works in each."""
-    for change, _, _ in FLAWS:
-        proof = proof_of(document(TRACTOR, change))
-        assert {claim.name for claim in proof.claims if claim.verdict == "refuted"}.isdisjoint({"stop", "stopped"})
 
 
 # -- bounds and order ------------------------------------------------------------------------------------------------
@@ -179,15 +168,12 @@ def test_the_same_mission_gives_the_same_proof() -> None:
 
 
 def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_told() -> None:
-    from rai_missions.prove.space import Space
-
     chart = Free(document(TRACTOR), default_ticker(document(TRACTOR)))
     space = Space(chart, 10_000)
     space.explore()
     steps: dict[int, set[int]] = {}
     for source, target, _ in zip(space._sources, space._targets, space._kinds, strict=True):
         steps.setdefault(source, set()).add(target)
-    far, waiting = {0: 1}, deque([0])
     starts = [number for number in range(space.states) if space._parents[number] < 0]
     far, waiting = dict.fromkeys(starts, 1), deque(starts)
     while waiting:
@@ -203,7 +189,8 @@ def test_what_cannot_be_told_apart_whole_is_not_called_proved() -> None:
     """A counter that is compared with an argument: some arguments are tried, not every one."""
     mission = Mission.model_validate({
         "format": 1, "name": "tries", "version": "1.0.0",
-        "blackboard": {"most": {"type": "integer", "source": "argument", "initial": 3}, "tries": {"type": "integer", "initial": 0}},
+        "blackboard": {"most": {"type": "integer", "source": "argument", "initial": 3},
+                       "tries": {"type": "integer", "initial": 0}},
         "events": {"again": {}, "stop": {}}, "initial": "trying",
         "states": {
             "trying": {"transitions": [
