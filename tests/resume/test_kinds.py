@@ -132,7 +132,8 @@ KINDS = {
                                 "ask": ["someone"], "deadline_s": 20, "fallback": "off"},
                    "transitions": [{"on": "on", "to": "done"}, {"on": "off", "to": "lost"}]}, **DONE})),
     "held": Kind(made({
-        "waiting": {"transitions": [{"when": {"held": {"key": "battery", ">": 0.5}, "for_s": 3}, "to": "done"}]}, **DONE})),
+        "waiting": {"transitions": [
+            {"when": {"held": {"key": "battery", ">": 0.5}, "for_s": 3}, "to": "done"}]}, **DONE})),
 }  # fmt: skip
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Real processes and a real `kill -9`: over ROS 2 the robot lives on in another process; a world in the same starts anew."""
+"""Real processes and a real `kill -9`: over ROS 2 the robot lives on; a world in the same process starts anew."""
 
 from __future__ import annotations
 
