@@ -37,7 +37,7 @@ def prove(given: argparse.Namespace) -> int:
     if faults:
         raise DefinitionError(faults, given.mission)
     of_robot = terms(robot) if robot is not None else None
-    most = given.states or MOST_STATES
+    most = MOST_STATES if given.states is None else given.states
     if most < 1:
         raise UsageError(f"{most} states are none; give --states a number above 0")
     proof = explore(mission, default_ticker(mission), terms=of_robot, most=most, progress=_progress())
