@@ -21,7 +21,6 @@ from rai_missions.journal import Journal, read, verify
 from tests.resume.mortal import Choosing, Fate, live
 from tests.resume.test_kills import MISSION, ROBOT, holds, land, lived
 
-
 WAL = "run.journal-wal"
 
 
@@ -73,7 +72,8 @@ def test_a_log_that_is_torn_at_any_byte_is_gone_on_with_from_its_last_whole_row(
     try:
         taken = take_up(path)
     except (DefinitionError, UsageError) as error:
-        assert "no journal" in str(error) or "empty" in str(error), "so little is left that there is no run"
+        is_told = "no journal" in str(error) or "empty" in str(error)
+        assert is_told, "so little is left that there is no run"
         return
     with taken.record as record:
         left = [raw[3] for raw in record.raw()]
@@ -105,7 +105,7 @@ def test_a_row_that_was_altered_is_named(killed: Path, tmp_path: Path) -> None:
     with sqlite3.connect(path) as database:
         database.execute("UPDATE rows SET content = replace(content, '\"at\":', '\"at\": ') WHERE number = 7")
     database.close()
-    with pytest.raises(DefinitionError, match="row 7: its hash .* the journal was altered after the run"):
+    with pytest.raises(DefinitionError, match=r"row 7: its hash .* the journal was altered after the run"):
         take_up(path)
 
 
