@@ -79,6 +79,8 @@ class Handovers:
             done()
 
         self._call(self._connector, entry, "nobody", "mission", over)
+        # A connector that breaks its promise, and never says that nobody answered, holds up no stop.
+        self._later(self._now() + 2 * ANSWERED_S, over)
 
     def _call(self, connector: Connector, entry: ServiceEntry, to: str, by: str, done: Callable[[], None]) -> None:
         def answered(reply: Reply) -> None:

@@ -271,10 +271,10 @@ class Runner:
         while not done():
             self._do_due()
             event = self.mailbox.take()
-            if event is None:
-                self._idle(until)
-            else:
+            if event is not None:
                 self._take(event)
+            elif not done() and not self._requests:  # a wake may just have been taken out, with what it was for undone
+                self._idle(until)
 
     def _do_due(self) -> None:
         """What is asked of the runner itself, and what its time has come for."""

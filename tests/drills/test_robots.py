@@ -27,6 +27,7 @@ from rai_missions.runner import Runner
 from rai_missions.testing import ChaosConnector, Rates
 from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, Postponing, quick_tempers
 from tests.drills.yard import Yard, yard_mission, yard_robot
+from tests.runner.stages import Rig, robot
 from tests.strategies import missions
 from tests.tractor.conftest import TRACTOR
 
@@ -199,3 +200,37 @@ def test_the_tractor_over_a_bad_connection_three_hundred_times() -> None:
     rates = (CALM, BETWEEN, WORST)
     faults = [(seed, with_the_tractor(seed, rates[seed % 3], rates[seed % 3])) for seed in range(300)]
     assert [each for each in faults if each[1]] == []
+
+
+class Mute(LocalConnector):
+    """A connector that answers no call, whatever it promised."""
+
+    def call(self, service: str, type_name: str, request: Any, *, answered: Any, timeout_s: Any = None) -> None:
+        pass
+
+
+def test_an_emergency_stop_ends_even_if_nobody_ever_says_that_control_is_let_go() -> None:
+    profile = robot(control={"nobody": {"service": "/let_go", "type": "std_srvs/srv/Trigger"}})
+    states = {"moving": {"action": "move", "timeout_s": 50, "transitions": []}}
+    rig = Rig(states, robot=profile, connector=Mute())
+    rig.connector._now = rig.clock.now
+    rig.stage.play({1.0: rig.runner.kill})
+    result = rig.run()
+    assert result.outcome == "aborted" and rig.move.canceled == rig.move.goals
+    assert result.duration_s < 30
+
+
+def test_what_is_asked_of_a_run_just_while_it_looks_into_its_mailbox_is_not_forgotten() -> None:
+    rig = Rig({"waiting": {"transitions": []}})
+    take, asked = rig.runner.mailbox.take, list[str]()
+
+    def takes() -> Any:
+        if rig.stage.at >= 1.0 and not asked:
+            asked.append(rig.runner.control("operator"))
+        return take()
+
+    rig.runner.mailbox.take = takes  # type: ignore[method-assign]
+    rig.stage.play({1.0: lambda: rig.post("stop_now"), 5.0: rig.runner.kill})
+    rig.run()
+    (handed,) = [step.at for step in rig.book.steps if step.event.kind == "control"]
+    assert handed < 1.2
