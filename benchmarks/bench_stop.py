@@ -84,7 +84,8 @@ def told(name: str, spent: list[float]) -> None:
     ordered = sorted(spent)
     middle, late = statistics.median(ordered), ordered[min(len(ordered) - 1, int(len(ordered) * 0.99))]
     figures = f"median {1e3 * middle:.2f} ms, p99 {1e3 * late:.2f} ms, longest {1e3 * ordered[-1]:.2f} ms"
-    print(f"{name:<12}{len(ordered)} stops: {figures}", flush=True)
+    late_ones = sum(each > 1.0 for each in ordered)
+    print(f"{name:<26}{len(ordered)} stops: {figures}, {late_ones} over a second", flush=True)
 
 
 class Server:
@@ -162,7 +163,33 @@ def mission_process() -> None:
     os._exit(0)
 
 
-def over_ros() -> list[float]:
+def plain_process() -> None:
+    """The floor: what a program of a few lines does with rclpy under the same pictures, and without anything else."""
+    import rclpy
+    from rclpy.action import ActionClient
+    from sensor_msgs.msg import Image
+    from std_msgs.msg import Empty
+    from test_msgs.action import Fibonacci
+
+    rclpy.init()
+    node, goals = rclpy.create_node("plain"), []  # type: ignore[var-annotated]
+    move = ActionClient(node, Fibonacci, "/move")
+    move.wait_for_server()
+
+    def accepted(sent: Any) -> None:
+        goals.append(sent.result())
+        goals[-1].get_result_async().add_done_callback(lambda ended: start() if len(goals) < ROUNDS else os._exit(0))
+
+    def start() -> None:
+        move.send_goal_async(Fibonacci.Goal()).add_done_callback(accepted)
+
+    node.create_subscription(Image, "/camera", lambda heard: None, 10)
+    node.create_subscription(Empty, "/stop", lambda heard: goals[-1].cancel_goal_async(), 10)
+    start()
+    rclpy.spin(node)
+
+
+def over_ros(kind: str) -> list[float]:
     import rclpy
     from rclpy.action import ActionServer, CancelResponse
     from rclpy.executors import SingleThreadedExecutor
@@ -195,7 +222,7 @@ def over_ros() -> list[float]:
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()
     spent = []
-    other = [sys.executable, "-W", "ignore", "-m", "benchmarks.bench_stop", "mission"]
+    other = [sys.executable, "-W", "ignore", "-m", "benchmarks.bench_stop", kind]
     with subprocess.Popen(other, cwd=Path(__file__).parents[1]) as process:
         for number in range(ROUNDS):
             if not moves.wait(60):
@@ -222,12 +249,18 @@ def main() -> None:
     if importlib.util.find_spec("rclpy") is None or importlib.util.find_spec("test_msgs") is None:
         print("ROS 2 is not installed; over it nothing is measured")
         return
-    told("over ROS 2", over_ros())
-    os._exit(0)
+    for kind in ("plain", "mission"):
+        command = [sys.executable, "-W", "ignore", "-m", "benchmarks.bench_stop", "robot", kind]
+        subprocess.run(command, cwd=Path(__file__).parents[1], check=True)
 
 
 if __name__ == "__main__":
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ.setdefault("ROS_DOMAIN_ID", "73")
     os.environ.setdefault("ROS_LOG_DIR", tempfile.mkdtemp())
-    mission_process() if sys.argv[1:] == ["mission"] else main()
+    if sys.argv[1:2] == ["robot"]:
+        told(
+            {"plain": "over ROS 2, plain rclpy", "mission": "over ROS 2, a mission"}[sys.argv[2]], over_ros(sys.argv[2])
+        )
+        os._exit(0)
+    {"mission": mission_process, "plain": plain_process}.get("".join(sys.argv[1:]), main)()

@@ -32,6 +32,10 @@ from rai_missions.tools import Allowed, Toolbox
 from tests.drills.yard import Yard, yard_mission, yard_robot
 
 SEEDS, LONGEST_S = 20, 5.0
+THINKS_S, PACE_S = 0.025, 0.005
+"""How long an answer takes on the wall, and a tenth of a second of the peer's world."""
+AFTERWARDS = 200
+"""Steps that the world goes on by itself once nobody is in charge any more: twenty seconds."""
 GOAL = (
     "You drive a yard vehicle along a lane of 6 m. Start the action /yard/drive. Where something lies in the way, "
     "/yard/thing says what: drive over it with the action /yard/cross only if it does not live and is lower than "
@@ -65,6 +69,7 @@ class Scripted(DoubleModel):
         said = self._count(messages)
         if self._released.is_set() and self._script is not hangs:
             raise RuntimeError("nobody waits any more")
+        self._released.wait(THINKS_S)
         made = self._script(self, messages, said)
         self._spent["tokens"] += len(str(made) if isinstance(made, str) else str(made.text) + str(made.tool_calls)) // 4
         return made
@@ -254,17 +259,23 @@ def react(script: Says, seed: int) -> Seen:
     thread.join(LONGEST_S)
     ended.set()
     world.join()
-    hung, left = thread.is_alive(), len(yard.goals)
+    hung, left, is_done = thread.is_alive(), len(yard.goals), yard.is_at_end
+    goes_alone(yard)
     model._released.set()
     box.close()
     thread.join(LONGEST_S)
     claims = "complete" in (said[0] if said and not hung else "").lower()
     spent = model.spent
-    return Seen(claims, yard.is_at_end, unsafe_in(yard), hung, left, spent["calls"], spent["tokens"])
+    return Seen(claims, is_done, unsafe_in(yard), hung, left, spent["calls"], spent["tokens"])
 
 
 def goes_on(yard: Yard, ended: threading.Event) -> None:
-    while not ended.wait(0.005):
+    while not ended.wait(PACE_S):
+        yard.step()
+
+
+def goes_alone(yard: Yard) -> None:
+    for _ in range(AFTERWARDS):
         yard.step()
 
 
@@ -283,13 +294,14 @@ def ours(script: Says, seed: int) -> Seen:
     model._released.set()
     box.close()
     agent.stop()
-    spent = model.spent
+    spent, is_done, left = model.spent, yard.is_at_end, len(yard.goals)
+    goes_alone(yard)
     return Seen(
         result.outcome == "succeeded",
-        yard.is_at_end,
+        is_done,
         unsafe_in(yard),
         hung,
-        len(yard.goals),
+        left,
         spent["calls"],
         spent["tokens"],
     )
