@@ -57,7 +57,7 @@ OUTCOMES: Mapping[str, Look] = {
 MARKS: Mapping[str, tuple[str, str, str]] = {
     "+": (BLUE, "bold", "added"),
     "-": (VERMILLION, "dashed", "removed"),
-    "~": ("#9A6A00", "dotted", "changed"),
+    "~": ("#9C4A7C", "dotted", "changed"),
 }
 """Mark → pen, line style, word."""
 

@@ -22,7 +22,7 @@ from visualize.dot import layout_program, render
 from visualize.graphing import dot_text, quoted
 from visualize.picture import picture
 from visualize.raster import can_raster, raster
-from visualize.style import LOOKS, MARKS, OUTCOMES, clean, width, wrapped
+from visualize.style import clean, width, wrapped
 
 SVG = "{http://www.w3.org/2000/svg}"
 ROW = re.compile(r'id="([^"]*/transitions/\d+)>([a-z0-9_/]*)"')
@@ -139,12 +139,6 @@ def test_a_mission_of_a_hundred_states_is_laid_out_in_time() -> None:
     assert "newrank" not in dot_text(picture(mission))
     assert "newrank" in dot_text(picture(tractor()))
     assert svg(mission) is not None
-
-
-def test_nothing_is_told_by_colour_alone() -> None:
-    looks = [*LOOKS.values(), *OUTCOMES.values()]
-    assert len({look.word for look in looks}) == len(looks)
-    assert len({style for _, style, _ in MARKS.values()}) == len(MARKS) == len({pen for pen, _, _ in MARKS.values()})
 
 
 def test_the_path_is_bold_and_counted() -> None:

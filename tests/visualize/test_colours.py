@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Colours that readers with any colour blindness can tell apart, and that never stand alone."""
+
+from __future__ import annotations
+
+import re
+from itertools import combinations
+
+import pytest
+
+from tests.visualize.colours import BLINDNESSES, distance
+from tests.visualize.runs import ROOT
+from visualize.style import LOOKS, MARKS, OUTCOMES
+
+CSS = (ROOT / "visualize/page/assets/page.css").read_text(encoding="utf-8")
+THEMES = re.findall(r"\{([^{}]*--paper: #[^{}]*--blue: [^{}]*)\}", CSS)
+
+
+def nearest(colours: set[str], blindness: str) -> float:
+    return min(distance(one, other, blindness) for one, other in combinations(colours, 2))
+
+
+@pytest.mark.parametrize("blindness", BLINDNESSES)
+def test_what_changed_can_be_told_from_what_came_and_went(blindness: str) -> None:
+    assert nearest({pen for pen, _, _ in MARKS.values()}, blindness) > 20
+
+
+@pytest.mark.parametrize("blindness", BLINDNESSES)
+def test_the_kinds_of_states_can_be_told_apart(blindness: str) -> None:
+    assert nearest({look.pen for look in (*LOOKS.values(), *OUTCOMES.values())}, blindness) > 10
+
+
+@pytest.mark.parametrize("blindness", BLINDNESSES)
+@pytest.mark.parametrize("theme", THEMES, ids=range(len(THEMES)))
+def test_the_lines_of_the_page_can_be_told_apart_and_read(theme: str, blindness: str) -> None:
+    """Twice what an eye can just tell; which kind it is stands in words on each."""
+    colours = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", theme))
+    lines = {colours[name] for name in ("blue", "sky", "orange", "green", "purple", "red", "group-line")}
+    assert len(lines) == 7
+    assert nearest(lines, blindness) > 4.6
+    assert min(distance(line, colours["paper"], blindness) for line in lines) > 30
+
+
+def test_the_page_has_a_light_and_a_dark_theme() -> None:
+    assert len(THEMES) >= 2
+
+
+def test_nothing_is_told_by_colour_alone() -> None:
+    looks = [*LOOKS.values(), *OUTCOMES.values()]
+    assert len({look.word for look in looks}) == len(looks)
+    assert len({style for _, style, _ in MARKS.values()}) == len(MARKS) == len({word for _, _, word in MARKS.values()})
+
+
+def test_a_simulated_reader_sees_what_the_model_says() -> None:
+    """Black and white stay, and the pure red and green that a deuteranope confuses come close together."""
+    for blindness in BLINDNESSES:
+        assert distance("#000000", "#ffffff", blindness) == pytest.approx(100, abs=0.5)
+    assert distance("#8a7a00", "#b06a00", "none") > 3 * distance("#8a7a00", "#b06a00", "deuteranopia")
