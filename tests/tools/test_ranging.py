@@ -13,7 +13,7 @@ from array import array
 from typing import Any, NamedTuple
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rai_missions.errors import ConnectorError, UsageError
@@ -158,7 +158,9 @@ def test_what_stands_before_a_small_part_of_an_object_does_not_count(scene: Scen
         for column in range(64):
             if (column * 7 + row * 13) % 40 < share:
                 values[row * 64 + column] = 0.1
-    found = ranged(*depth_points({**image, "data": values.tobytes()}, CAMERA, scene.box))
+    samples, looked_at = depth_points({**image, "data": values.tobytes()}, CAMERA, scene.box)
+    assume(sum(point[2] < 0.15 for _, _, point in samples) < 0.45 * len(samples))  # in a small box it may be most
+    found = ranged(samples, looked_at)
     assert found.distance_m == pytest.approx(scene.distance_m(), rel=0.08)
 
 
