@@ -72,7 +72,7 @@ socket.getaddrinfo = getaddrinfo_here
 socket.socket = LoopbackSocket  # type: ignore[misc]
 
 
-ON_ROS = frozenset({"ros", "domain", "graph", "house", "tried"})
+ON_ROS = frozenset({"ros", "domain", "graph", "tried"})
 """Fixtures of the tests that start nodes of ROS 2."""
 
 
