@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How fast and in how much memory missions are proved: the shipped ones, and charts whose states multiply.
+
+`python benchmarks/bench_prove.py [REGIONS …]`: each number is a chart of so many regions of ten states each, side by
+side; six of them have a million states. A process each, so that the memory is its own.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+DIGITS = 10
+
+
+def counting(regions: int) -> dict[str, Any]:
+    """Counters side by side, each moved on by an event of its own."""
+
+    def region(number: int) -> dict[str, Any]:
+        names = [f"s{number}_{digit}" for digit in range(DIGITS)]
+        rows = [{"on": f"e{number}", "to": names[(digit + 1) % DIGITS]} for digit in range(DIGITS)]
+        return {"initial": names[0], "states": {n: {"transitions": [row]} for n, row in zip(names, rows, strict=True)}}
+
+    return {
+        "format": 1, "name": "counting", "version": "1.0.0", "initial": "all",
+        "events": {**{f"e{number}": {} for number in range(regions)}, "stop": {}},
+        "states": {"all": {"parallel": {f"r{n}": region(n) for n in range(regions)}}, "over": {"final": "aborted"}},
+        "transitions": [{"on": "stop", "to": "over"}],
+    }  # fmt: skip
+
+
+def measure(what: str) -> dict[str, Any]:
+    from rai_missions import load
+    from rai_missions.mission import Mission
+    from rai_missions.prove import prove
+    from rai_missions.rebuild import default_ticker
+    from rai_missions.robot import load_profile, terms
+
+    robot = None
+    if what.isdigit():
+        mission = Mission.model_validate(counting(int(what)))
+    else:
+        mission = load(ROOT / "missions" / what / "mission.json")
+        robot = terms(load_profile(ROOT / "missions" / what / "robot.sim.json"))
+    before = time.process_time()
+    proof = prove(mission, default_ticker(mission), terms=robot, most=2_000_000)
+    return {
+        "what": f"{what} regions" if what.isdigit() else what, "verdict": proof.verdict, "states": proof.states,
+        "steps": proof.steps, "cpu_s": time.process_time() - before,
+        "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+    }  # fmt: skip
+
+
+def main() -> None:
+    if sys.argv[1:2] == ["--one"]:
+        print(json.dumps(measure(sys.argv[2])))
+        return
+    for what in ["tractor", "rosbot", *(sys.argv[1:] or ["3", "4", "5"])]:
+        ran = subprocess.run([sys.executable, __file__, "--one", what], capture_output=True, text=True, check=True)
+        told = json.loads(ran.stdout)
+        pace = told["steps"] / told["cpu_s"]
+        print(
+            f"{told['what']:<12} {told['verdict']:<9} {told['states']:>9} states {told['steps']:>9} steps"
+            f" {told['cpu_s']:>8.2f} s CPU {pace:>8.0f} steps/s {told['memory_mb']:>6.0f} MB"
+        )
+
+
+if __name__ == "__main__":
+    main()
