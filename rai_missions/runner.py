@@ -13,7 +13,7 @@ import math
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from rai_missions.arguments import accepted
 from rai_missions.behaviours import behaviour_leaves
@@ -27,6 +27,7 @@ from rai_missions.lifecycle import Lifecycle, Status
 from rai_missions.mission import Mission
 from rai_missions.performer import Performer
 from rai_missions.rebuild import default_ticker
+from rai_missions.result import Commands, Result
 from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, missing, terms
 from rai_missions.states.ticker import Trees
@@ -39,47 +40,6 @@ __all__ = ("Commands", "Result", "Runner")
 log = logging.getLogger(__name__)
 
 T = TypeVar("T")
-
-
-class Result(NamedTuple):
-    """How a run ended."""
-
-    outcome: str
-    """`succeeded`, `failed`, `aborted` or `canceled`."""
-    why: str
-    """The rule that decided it."""
-    steps: int
-    journal: str | None = None
-    """The journal's file."""
-    run: str = ""
-    state: tuple[str, ...] = ()
-    """The states in which it ended."""
-    decisions: int = 0
-    """Questions that were asked."""
-    duration_s: float = 0.0
-
-
-class Commands(Protocol):
-    """What a person or another program may do to a run; each from any thread, each an event in the journal."""
-
-    def pause(self, by: str = "operator") -> None: ...
-
-    def resume(self, by: str = "operator") -> None: ...
-
-    def cancel(self, by: str = "operator") -> None: ...
-
-    def kill(self, by: str = "operator") -> None: ...
-
-    def control(self, to: str, by: str = "operator") -> str:
-        """Ask for control to go to somebody; returns why not, or empty."""
-
-    def answer(
-        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
-    ) -> None:
-        """Answer an open question."""
-
-    def post(self, event: Event) -> None:
-        """Something has happened outside."""
 
 
 class Runner:
