@@ -22,9 +22,9 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 Open = Callable[..., Any]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """The system's own Chromium."""
+    """The system's own Chromium; for one file, since no other test may run a loop while Playwright's stands."""
     playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install 'rai-missions[browser]'")
     found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if found is None:
