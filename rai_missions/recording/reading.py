@@ -13,9 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
 
+import zstandard
 from mcap.exceptions import EndOfFile
-from mcap.records import Attachment, Channel, DataEnd, Message, Metadata
-from mcap.stream_reader import StreamReader
+from mcap.records import Attachment, Channel, Chunk, DataEnd, Message, Metadata
+from mcap.stream_reader import StreamReader, breakup_chunk
 
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal import Blob, Raw, copied
@@ -124,12 +125,32 @@ class _Whole:
 def _records(file: IO[bytes], end: int) -> Iterator[Any]:
     """The records before `end`, which is where one ends; chunks are checked and opened."""
     whole = _Whole(file, end)
-    reader: Any = StreamReader(whole, validate_crcs=True, record_size_limit=MOST_BYTES)
+    reader: Any = StreamReader(whole, emit_chunks=True, validate_crcs=True, record_size_limit=MOST_BYTES)
     try:
-        yield from reader.records
+        for record in reader.records:
+            if isinstance(record, Chunk):
+                _check_size(record)
+                yield from breakup_chunk(record, validate_crc=True)
+            else:
+                yield record
     except EndOfFile:
         if not whole.is_read:
             raise
+
+
+def _check_size(chunk: Chunk) -> None:
+    """A few bytes can be packed so that they fill the memory: what they say of their size is looked at first.
+
+    Raises:
+        ValueError: It is too much, or a packing that no recording has.
+    """
+    if chunk.compression not in ("", "zstd"):
+        raise ValueError(f"a chunk is packed with {chunk.compression!r:.20}; recordings are packed with zstd")
+    sizes = [chunk.uncompressed_size]
+    if chunk.compression:
+        sizes.append(zstandard.frame_content_size(chunk.data))
+    if max(sizes) > MOST_BYTES:
+        raise ValueError(f"a chunk of {max(sizes)} bytes; the most are {MOST_BYTES}")
 
 
 def _whole_until(file: IO[bytes]) -> int:
