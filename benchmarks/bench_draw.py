@@ -2,10 +2,13 @@
 """How long pictures take: `python -m benchmarks.bench_draw`.
 
 The tractor's mission as DOT is to take at most 10 ms and as SVG at most 100 ms; a mission of 500 states some seconds.
+Beside it what `transitions` takes for the same states and rows, laid out by the same Graphviz. YASMIN's viewer draws in
+a browser what a running ROS 2 node publishes, and comes with ROS alone: it is not measured here.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import time
 from collections.abc import Callable
@@ -61,6 +64,11 @@ def main() -> None:
             if form == "png" and count > 100:
                 continue  # a picture of many metres is read as SVG
             print(f"  {form:<11}{timed(lambda m=mission, f=form: drawn(picture(m), f), times):9.1f} ms")  # type: ignore[misc]
+        if importlib.util.find_spec("transitions"):
+            from benchmarks.peers_draw import by_transitions
+
+            for form in ("dot", "svg") if count <= 100 else ("dot",):
+                print(f"  transitions {form:<4}{timed(lambda m=mission, f=form: by_transitions(m, f), times):6.1f} ms")  # type: ignore[misc]
         print(f"  {'difference':<11}{timed(lambda m=mission: difference(m, m), times):9.1f} ms")  # type: ignore[misc]
 
 
