@@ -176,15 +176,22 @@ def plain_process() -> None:
     move = ActionClient(node, Fibonacci, "/move")
     move.wait_for_server()
 
+    unwanted = threading.Event()
+
     def accepted(sent: Any) -> None:
         goals.append(sent.result())
+        if unwanted.is_set():  # stopped before it was known to be accepted
+            goals[-1].cancel_goal_async()
         goals[-1].get_result_async().add_done_callback(lambda ended: start() if len(goals) < ROUNDS else os._exit(0))
 
     def start() -> None:
+        unwanted.clear()
         move.send_goal_async(Fibonacci.Goal()).add_done_callback(accepted)
 
     node.create_subscription(Image, "/camera", lambda heard: None, 10)
-    node.create_subscription(Empty, "/stop", lambda heard: goals[-1].cancel_goal_async(), 10)
+    node.create_subscription(
+        Empty, "/stop", lambda heard: (unwanted.set(), goals and goals[-1].cancel_goal_async()), 10
+    )
     start()
     rclpy.spin(node)
 
