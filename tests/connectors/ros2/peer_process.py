@@ -83,7 +83,7 @@ def say(*what: Any) -> None:
 SAYING = threading.Lock()
 
 
-def serve(name: str) -> None:
+def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be asked
     import rclpy
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.callback_groups import ReentrantCallbackGroup
