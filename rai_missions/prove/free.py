@@ -12,12 +12,15 @@ from itertools import product
 from typing import Any
 
 from rai_missions.event import Event
+from rai_missions.mission import Mission
 from rai_missions.prove.choices import OpenFields
 from rai_missions.prove.happening import Happening
 from rai_missions.prove.told import Told, owned
 from rai_missions.prove.watched import NOW
 from rai_missions.states.asking import Asking
 from rai_missions.states.tending import Tended, Tending, TendingMachine
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
 
 __all__ = ("Free",)
 
@@ -39,6 +42,12 @@ class Free(Told):
         yield from self._writes()
         yield from self._handovers()
 
+    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
+        super().__init__(mission, ticker, terms=terms)
+        keys = mission.blackboard.items()
+        self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
+        """What a robot must say again and again."""
+
     def begin(self) -> None:
         """The mission starts."""
         step = self.start(NOW)
@@ -59,12 +68,15 @@ class Free(Told):
                 if known and value == (None if now is None else now.value):
                     continue
                 if value is None:
-                    yield Happening(f"{key} goes stale", "write", self._elapse(self._forget_it(key)), stale=key)
+                    yield Happening(
+                        f"{key} goes stale", "write", self._elapse(self._forget_it(key), beyond=key), stale=key
+                    )
                 else:
                     yield Happening(f"{key} is {_said(value)}", "write", self._say(key, value))
         for key, written in self.mission.blackboard.items():
             if written.max_age_s is not None and written.source != "robot" and self.board.known(key) is not None:
-                yield Happening(f"{key} goes stale", "write", self._elapse(self._forget_it(key)), stale=key)
+                gone = self._elapse(self._forget_it(key), beyond=key)
+                yield Happening(f"{key} goes stale", "write", gone, stale=key)
         restless = [name for name, machine, _ in self._live() if isinstance(machine, TendingMachine)]
         if restless or self.predicates:
             yield Happening("something is said again", "write", lambda: self.time_passes(*restless))
@@ -111,11 +123,17 @@ class Free(Told):
         self._due = frozenset(woken)
         self._instant()
 
-    def _elapse(self, change: Callable[[], None], *woken: str) -> Callable[[], None]:
-        """Time passes until something has run out; what is known may go stale at the same instant."""
+    def _elapse(self, change: Callable[[], None], *woken: str, beyond: str = "") -> Callable[[], None]:
+        """Time passes until something has run out; what is known may go stale at the same instant.
+
+        Args:
+            change: What has run out.
+            woken: The states whose machines are told.
+            beyond: Only keys that come after this: that those before it go stale too is told of them.
+        """
 
         def happen() -> None:
-            before = self._waver()
+            before = self._waver(beyond)
             change()
             self.time_passes(*woken)
             gone = [key for key in before if key not in self._wavering and self.board.known(key) is None]
@@ -127,11 +145,11 @@ class Free(Told):
 
         return happen
 
-    def _waver(self) -> dict[str, Any]:
+    def _waver(self, beyond: str) -> dict[str, Any]:
         """Have every key that can go stale do so at this instant or not, when somebody looks."""
         before: dict[str, Any] = {}
         for key, entry in list(self.board.entries()):
-            if entry is not None and self.mission.blackboard[key].max_age_s is not None and key in self._fleeting:
+            if entry is not None and key > beyond and key in self._passing:
                 before[key] = entry
                 self._wavering[key] = entry.value
                 self.board.pop(key)

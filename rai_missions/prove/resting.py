@@ -176,7 +176,7 @@ class Resting(Watched):
         """Let something happen; what it did can be read until the next."""
         self._clear()
         several = len(self._timers) + len(self._calls) + len(self._ledger.goals) >= MANY
-        before = self._alike() if several else {}
+        before = {words: keys for words, keys in self._alike().items() if len(keys) >= MANY} if several else {}
         happens()
         self.seq += 1
         if before and self.mode != "ended":
@@ -185,8 +185,8 @@ class Resting(Watched):
     def _replenish(self, before: dict[tuple[Any, ...], list[Any]]) -> None:
         """Where there were many, there may be as many still."""
         now = Counter({words: len(keys) for words, keys in self._alike().items()})
-        for words, keys in before.items():
-            if len(keys) >= MANY and now[words] == MANY - 1 and self.choices.choose(2):
+        for words in before:
+            if now[words] == MANY - 1 and self.choices.choose(2):
                 self._add_another(words)
 
     def _add_another(self, words: tuple[Any, ...]) -> None:
