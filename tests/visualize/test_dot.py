@@ -103,17 +103,28 @@ def test_wrapping_loses_nothing(text: str) -> None:
     assert "".join("".join(wrapped(text, 10, 60, lines=1000)).split()) == "".join(text.split())
 
 
-def test_no_label_in_a_box_is_wider_than_the_box() -> None:
+def test_no_label_in_a_box_is_wider_or_higher_than_the_box() -> None:
     """In the reader's font, which may be the widest of them, not in the one that the layout knew."""
     for group in svg(hostile()).iter(f"{SVG}g"):
         shapes = [*group.iter(f"{SVG}polygon"), *group.iter(f"{SVG}path"), *group.iter(f"{SVG}ellipse")]
         if group.get("class") != "node" or not shapes:
             continue
         right = max(_right(shape) for shape in shapes)
+        top, bottom = min(_height(shape)[0] for shape in shapes), max(_height(shape)[1] for shape in shapes)
         for text in group.iter(f"{SVG}text"):
             size = float(text.get("font-size", "10"))
             wide = width("".join(text.itertext()), size, bold=text.get("font-weight") == "bold")
             assert float(text.get("x", "0")) + wide <= right + 6, "".join(text.itertext())
+            assert top <= float(text.get("y", "0")) - 0.76 * size, "".join(text.itertext())
+            assert bottom >= float(text.get("y", "0")) + 0.24 * size, "".join(text.itertext())
+
+
+def _height(shape: ElementTree.Element) -> tuple[float, float]:
+    if shape.tag == f"{SVG}ellipse":
+        middle, radius = float(shape.get("cy", "0")), float(shape.get("ry", "0"))
+        return middle - radius, middle + radius
+    found = re.findall(r"-?[\d.]+,(-?[\d.]+)", shape.get("points") or shape.get("d") or "")
+    return min(map(float, found)), max(map(float, found))
 
 
 def _right(shape: ElementTree.Element) -> float:
