@@ -8,9 +8,9 @@ from collections.abc import Iterator
 
 from rai_missions.check.places import pointer
 from rai_missions.check.survey import Spot, Survey, Work
+from rai_missions.parameters import schema_fault
 from rai_missions.states import Action
 from rai_missions.states.tree import ActionLeaf
-from rai_missions.parameters import schema_fault
 
 __all__ = ("misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "wrong_parameters")
 
