@@ -110,4 +110,7 @@ fi
 if wanted browser && ! command -v chromium >/dev/null && ! command -v chromium-browser >/dev/null && ! command -v google-chrome >/dev/null; then
     install_packages chromium || say "no browser is here, so the tests that need one are skipped (on Debian: apt-get install chromium)"
 fi
+if wanted dev && ! command -v spin >/dev/null; then
+    install_packages spin || say "SPIN is not here, so the tests that hold proofs against it are skipped (on Debian: apt-get install spin)"
+fi
 say "ready"
