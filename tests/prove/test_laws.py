@@ -15,7 +15,7 @@ from tests.strategies import mission_documents
 
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
-MOST = 1200
+MOST = 250
 
 
 def hold_against(document: Json, runs: list[Any], alleys: int, waypoints: list[str]) -> None:
@@ -31,7 +31,7 @@ def runs() -> st.SearchStrategy[list[Any]]:
     return st.lists(scripts(), min_size=3, max_size=8)
 
 
-@settings(lenient, max_examples=12)
+@settings(lenient, max_examples=6)
 @given(mission_documents(), runs(), st.integers(0, 3), st.lists(st.sampled_from(["a", "b"]), max_size=4))
 def test_no_run_leaves_what_was_explored(document: Json, runs: list[Any], alleys: int, waypoints: list[str]) -> None:
     hold_against(document, runs, alleys, waypoints)
