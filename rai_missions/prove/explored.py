@@ -11,6 +11,8 @@ import marshal
 import math
 from typing import Any
 
+from rai_missions.chart.configuration import Configuration
+from rai_missions.chart.node import Node
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.mission import Mission
 from rai_missions.prove.parts import guards_in, parts
@@ -37,6 +39,7 @@ class Explored(Resting):
         super().__init__(mission, ticker, terms=terms)
         self._levels = self._thresholds()
         self._quick = False
+        self._atomic, self._last = self._config.atomic, self._config
 
     # -- ages -----------------------------------------------------------------------------------------------------
 
@@ -80,7 +83,7 @@ class Explored(Resting):
         """What `load` puts back."""
         view = self.view
         return (
-            self._config, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
+            self._config.atomic, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
             _kept(self._memory), _kept(self._timers), _kept(self._running), _kept(self._pending), _kept(self._rounds),
             _kept(self._settling), _kept(self._calls), _kept(self._ledger.goals), self._unknown, self._cancel_by,
             _kept(view.entered), _kept(view.held), view.answer, _kept(self.board), self._listening,
@@ -90,10 +93,11 @@ class Explored(Resting):
         """Be in a state again."""
         view = self.view
         (
-            self._config, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
+            atomic, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
             memory, timers, running, pending, rounds, settling, calls, goals, self._unknown, self._cancel_by,
             entered, held, view.answer, board, self._listening,
         ) = state  # fmt: skip
+        self._config = self._configured(atomic)
         self._memory, self._timers, self._running = memory.copy(), timers.copy(), running.copy()
         self._pending, self._rounds, self._settling = pending.copy(), rounds.copy(), settling.copy()
         self._calls, self._ledger.goals, self._ledger.changed = calls.copy(), goals.copy(), False
@@ -102,6 +106,13 @@ class Explored(Resting):
         self.board.refill(board)
         self._quick, self._due = False, frozenset()
         self._wavering.clear()
+
+    def _configured(self, atomic: tuple[Node, ...]) -> Configuration:
+        """The configuration of these states; saved states do not hold it, lest all there are be kept."""
+        if atomic is not self._atomic:
+            self._atomic = atomic
+            self._last = self._graph.configuration(atomic) if atomic else self._graph.empty
+        return self._last
 
     def key(self) -> bytes:
         """The same for two states from which the same can happen: 16 bytes."""

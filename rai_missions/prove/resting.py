@@ -28,6 +28,8 @@ from rai_missions.states.ticker import Trees
 
 __all__ = ("Resting",)
 
+REMEMBERED = 4096
+"""Of so many configurations it is remembered what they wait for."""
 MANY = 2
 """So many alike stand for any number more."""
 
@@ -42,7 +44,7 @@ class Resting(Watched):
         """Keys that any value does for, and that no guard looks at."""
         self._idle = idle - self.open_keys
         self._full = self.values.saturating()
-        self._waiting: dict[Configuration, tuple[Condition, ...]] = {}
+        self._waiting: dict[tuple[int, ...], tuple[Condition, ...]] = {}
         rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
         self._hears_of_calls = any("call_failed" in row.on for row in rows)
         self.hears_of_doubt = any("uncertain" in row.on for row in rows)
@@ -91,9 +93,11 @@ class Resting(Watched):
             yield from [self._final.requires] if self._final.requires is not None else []
         else:
             config = self._config
-            waiting = self._waiting.get(config)
+            waiting = self._waiting.get(config.key)
             if waiting is None:
-                waiting = self._waiting[config] = tuple(_waiting(config))
+                if len(self._waiting) >= REMEMBERED:
+                    self._waiting.clear()
+                waiting = self._waiting[config.key] = tuple(_waiting(config))
             yield from waiting
         for name in self._settling:
             requires = self._graph.nodes[name].requires
