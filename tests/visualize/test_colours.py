@@ -5,14 +5,15 @@ from __future__ import annotations
 
 import re
 from itertools import combinations
+from pathlib import Path
 
 import pytest
 
+import visualize
 from tests.visualize.colours import BLINDNESSES, distance
-from tests.visualize.runs import ROOT
 from visualize.style import LOOKS, MARKS, OUTCOMES
 
-CSS = (ROOT / "visualize/page/assets/page.css").read_text(encoding="utf-8")
+CSS = (Path(visualize.__file__).parent / "page/assets/page.css").read_text(encoding="utf-8")
 THEMES = re.findall(r"\{([^{}]*--paper: #[^{}]*--blue: [^{}]*)\}", CSS)
 
 
