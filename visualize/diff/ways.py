@@ -2,7 +2,7 @@
 """Where a mission can go by its rows, as far as it matters to a reviewer: which ways lead to `succeeded`.
 
 Rule: guards are taken as if they could always hold. A way that is said to be new is one of rows that were not there; a
-state that is said to be avoidable was on every such way before.
+state that is said to be avoidable was on every such way before. A final at the top leads nowhere.
 """
 
 from __future__ import annotations
@@ -31,12 +31,16 @@ class Ways:
             name for name, state in mission.states.items() if isinstance(state, Final) and state.final == "succeeded"
         )
         """The states in which the whole mission has succeeded."""
+        self.ended = frozenset(name for name, state in mission.states.items() if isinstance(state, Final))
+        """The states that end the mission, however: no row of anything is heard in them."""
         self.initial = mission.initial
         self.onward = {name: frozenset(self._next(name)) for name in self.places}
         self.hopeful = self._before(self.ends)
         """The states from which it may still succeed."""
 
     def _next(self, name: str) -> Iterator[str]:
+        if name in self.ended:
+            return
         yield from self.roads.inside(name)
         chain = (name, *self.roads.above(name))
         for around in (*chain, ""):
@@ -175,7 +179,7 @@ def _hope(old: Ways, new: Ways, was: AbstractSet[str], now: AbstractSet[str]) ->
 
 
 def _targets(ways: Ways, name: str) -> set[str]:
-    return {target for _, row in ways.roads.rows[name] for target in row.to}
+    return {target for _, row in ways.roads.rows[name] for target in row.to} if name not in ways.ended else set()
 
 
 def _road(names: list[str]) -> str:

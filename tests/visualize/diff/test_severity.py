@@ -237,6 +237,20 @@ def test_a_state_from_which_it_may_succeed_again_is_told() -> None:
     assert told == ["stuck: the mission can still succeed from here now"]
 
 
+def test_nothing_leads_out_of_a_final_at_the_top() -> None:
+    """Rows of the mission are heard wherever it is, but for where it has ended."""
+    old = line(("ready", "driving"), ("driving", "lost")).written()
+    old["events"] = ["go", "again"]
+    new = json.loads(json.dumps(old))
+    new["transitions"] = [{"on": "again", "to": "done"}]
+    ways = Ways(Mission.model_validate(new))
+    assert ways.onward["lost"] == ways.onward["done"] == frozenset()
+    assert ways.gives_up(("lost",))
+    told = [each.sentence for each in difference(*map(Mission.model_validate, (old, new))).safety]
+    assert "driving: the mission can still succeed from here now" in told
+    assert "lost: the mission can still succeed from here now" not in told
+
+
 def test_an_option_that_is_gone_is_told() -> None:
     new = document()
     del states(new)["assessing"]["decision"]["options"]["signal"]
