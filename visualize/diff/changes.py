@@ -30,7 +30,7 @@ def changes(old: Mission, new: Mission) -> Iterator[Change]:
     """Every change, in the order of the new mission."""
     before, after = Ways(old), Ways(new)
     whole = Spot("", "", "mission")
-    yield from fields(old, new, whole, ("name", "version"))
+    yield from fields(old, new, whole, ("version",))
     yield from _named("key", old.blackboard, new.blackboard, "blackboard")
     yield from _named("event", old.events, new.events, "events")
     yield from _invariants(old, new)

@@ -13,6 +13,7 @@ from rai_missions.mission import Mission
 from visualize.diff.aligned import Renamed, aligned, original_place
 from visualize.diff.change import Change, weight
 from visualize.diff.changes import changes
+from visualize.diff.fields import grave
 from visualize.diff.merged import merged
 from visualize.diff.told import lines
 from visualize.picture import picture
@@ -46,7 +47,7 @@ class Difference:
 
     @property
     def empty(self) -> bool:
-        """Both mean the same; name and version do not count."""
+        """Both mean the same; the version does not count."""
         return not self.changes
 
     @property
@@ -104,7 +105,15 @@ def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[C
         alike = "" if each.score == 1 else f", {each.score:.0%} alike"
         whose = f"{subject}: " if each.sort == "option" else ""
         sentence = f"{whose}{each.sort} '{each.old}' renamed to '{each.new}'{alike}"
-        yield Change("~", "name", sentence, was, now, subject=subject)
+        outside = _known_outside(each, old)
+        yield Change("~", "name", sentence, was, now, outside, "", grave(bool(outside)), subject)
+
+
+def _known_outside(each: Renamed, old: Mission) -> str:
+    """Who else knows a thing by its old name, in words; empty for nobody."""
+    if each.sort == "event" or (each.sort == "key" and old.blackboard[each.old].source != "mission"):
+        return f"'{each.old}'; profiles and other systems know it by this name"
+    return ""
 
 
 def _documents(renamed: Mission, old: Mission) -> tuple[Json, Json] | None:

@@ -16,7 +16,7 @@ from visualize.diff.change import Change, Severity
 from visualize.diff.weaker import relation
 from visualize.words import child_pointer, effects, template
 
-__all__ = ("LIMITS", "Spot", "fields", "guards", "said")
+__all__ = ("LIMITS", "Spot", "fields", "grave", "guards", "said")
 
 LIMITS = (
     "timeout_s", "deadline_s", "max_age_s", "settle_s", "handover_s", "cancel_s", "ready_s", "within_s", "attempts",

@@ -14,6 +14,9 @@ from visualize.style import clean
 __all__ = ("Told", "by_topic", "counted", "headline", "lines")
 
 
+NOTHING = "nothing that diff weighs as safety-relevant"
+
+
 class Told(Protocol):
     """What there is to tell."""
 
@@ -38,7 +41,7 @@ def headline(given: Told) -> str:
     """How many changes of either sort, in a line."""
     if not given.changes:
         return "no difference in meaning"
-    safety = counted(len(given.safety), "safety-relevant change") if given.safety else "nothing safety-relevant"
+    safety = counted(len(given.safety), "safety-relevant change") if given.safety else NOTHING
     return f"{safety}, {counted(len(given.others), 'other')}"
 
 
