@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,34 @@ def test_a_page_that_was_cut_off_comes_back_to_what_is_so(run: Run, look: Look) 
     run.send("anomaly")
     window.wait_for_selector("[data-line=live]")
     window.wait_for_selector("[data-state=assessing].active", state="attached")
+
+
+@contextmanager
+def hung(page: LivePage) -> Iterator[None]:
+    """The server takes connections and says nothing, as a stopped process does."""
+    go_on = threading.Event()
+    assert page._loop is not None
+    page._loop.call_soon_threadsafe(go_on.wait)
+    try:
+        yield
+    finally:
+        go_on.set()
+
+
+def test_a_page_that_hears_nothing_says_so_and_its_ages_run_on(run: Run, look: Look) -> None:
+    window = look(run.page)
+    window.wait_for_selector("[data-line=live]")
+    with hung(run.page):
+        window.wait_for_selector("body.away [data-line=away]")
+        assert window.inner_text("#mode") == "running?"
+        until(window, "/^last heard [3-9] s ago$/.test(document.querySelector('#heard').textContent)")
+        first = window.evaluate("live.now")
+        until(window, f"live.now > {first}")
+        shown = window.inner_text("header")
+        assert "abort" not in shown.replace("aborted", "") and "fetch" not in shown.lower(), shown
+    window.wait_for_selector("body:not(.away) [data-line=live]")
+    assert window.inner_text("#mode") == "running"
+    assert window.inner_text("#heard") == ""
 
 
 def test_without_the_token_there_is_nothing_to_see_and_with_it_there_is(run: Run, look: Look, browser: Any) -> None:

@@ -11,6 +11,7 @@ import json
 import secrets
 import time
 from collections import deque
+from contextlib import suppress
 from typing import Any
 
 from rai_missions.errors import UsageError
@@ -24,7 +25,7 @@ MOST_WAITING = 256
 """Messages that a viewer may be behind."""
 RING = 512
 """Messages that are kept for viewers who come back."""
-BEAT_S = 2.0
+BEAT_S = 1.0
 """A viewer that has heard nothing for some of these knows that the line is dead."""
 PACE_S = 0.015
 BOARD_S = 0.1
@@ -78,7 +79,7 @@ class Hub:
         self._viewers: set[Viewer] = set()
         self._news, self._opening = asyncio.Event(), asyncio.Lock()
         self._pump: asyncio.Task[None] | None = None
-        self._board_at = 0.0
+        self._board_at = self._sent_at = 0.0
         self.scene = Scene()
 
     @property
@@ -135,20 +136,20 @@ class Hub:
     async def _run(self) -> None:
         try:
             while self._viewers:
-                try:
+                with suppress(TimeoutError):
                     await asyncio.wait_for(self._news.wait(), self._patience())
-                except TimeoutError:
-                    if not self.scene.written:
-                        self._send(self._text("beat", {}))
-                        continue
-                self._news.clear()
-                await self._pass_on(board=time.monotonic() >= self._board_at)
+                if self._news.is_set() or self.scene.written:
+                    self._news.clear()
+                    await self._pass_on(board=time.monotonic() >= self._board_at)
+                if time.monotonic() - self._sent_at >= BEAT_S:  # also where there was news that changes nothing
+                    self._send(self._text("beat", {}))
                 await asyncio.sleep(PACE_S)
         finally:
             self._feed.end()
 
     def _patience(self) -> float:
-        return max(0.0, self._board_at - time.monotonic()) if self.scene.written else BEAT_S
+        due = self._board_at if self.scene.written else self._sent_at + BEAT_S
+        return max(0.0, due - time.monotonic())
 
     async def _pass_on(self, *, board: bool) -> None:
         scene = await self._feed.take(self.scene)
@@ -179,6 +180,7 @@ class Hub:
         return message
 
     def _send(self, message: bytes) -> None:
+        self._sent_at = time.monotonic()
         for viewer in tuple(self._viewers):
             viewer.put(message)
             if viewer.dropped:

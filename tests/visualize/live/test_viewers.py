@@ -178,3 +178,23 @@ def test_the_end_of_the_page_is_told(run: Run) -> None:
     until(lambda: viewer.kinds[-1:] == ["end"], "the end comes")
     assert viewer.sees(mode="aborted", control="nobody", why="killed by operator (page)")
     viewer.cut()
+
+
+def test_a_line_on_which_nothing_happens_is_heard_to_be_alive(run: Run) -> None:
+    viewer = Viewer(run.page)
+    until(lambda: viewer.kinds.count("beat") >= 2, f"it beats; {viewer.kinds}")
+    viewer.cut()
+
+
+def test_news_that_change_nothing_do_not_keep_the_line_silent(run: Run) -> None:
+    viewer = Viewer(run.page)
+    ends_with(viewer, run)
+    viewer.kinds.clear()
+
+    def beats() -> bool:
+        if run.feed._wake is not None:
+            run.feed._wake()
+        return "beat" in viewer.kinds
+
+    until(beats, "it beats")
+    viewer.cut()

@@ -2,7 +2,8 @@
 // The line to the server: a stream that comes back by itself, and requests that carry the token.
 // Rule: the token travels in a header alone, never in an address.
 
-const SILENT_MS = 7000, FIRST_MS = 150, LONGEST_MS = 4000;
+const OPENS_MS = 10000, SILENT_MS = 2500, FIRST_MS = 150, LONGEST_MS = 2000;
+const UNREACHED = "the run does not answer";
 
 class Line {
   /** @param token text  @param told {message(kind, data), line(word, why)} */
@@ -15,7 +16,11 @@ class Line {
   }
 
   async get(path) {
-    return fetch(path, { headers: this.headers(), cache: "no-store", redirect: "error" });
+    try {
+      return await fetch(path, { headers: this.headers(), cache: "no-store", redirect: "error", signal: AbortSignal.timeout(OPENS_MS) });
+    } catch {
+      throw new Error(UNREACHED);
+    }
   }
 
   /** Gives an order; what became of it. */
@@ -32,9 +37,9 @@ class Line {
     while (!this.over) {
       try {
         await this.once();
-        if (!this.over) this.told.line("away", "the line was cut; trying again");
-      } catch (error) {
-        this.told.line("away", `no answer (${error.message}); trying again`);
+        if (!this.over) this.told.line("away", "the line is down; trying again");
+      } catch {
+        this.told.line("away", "the line is down; trying again");
       }
       if (this.over) break;
       await new Promise((done) => setTimeout(done, this.wait * (0.75 + Math.random() / 2)));
@@ -46,14 +51,15 @@ class Line {
     const cut = new AbortController();
     this.cut = cut;
     let watch = 0;
-    const heard = () => {
+    const heard = (most = SILENT_MS) => {
       clearTimeout(watch);
-      watch = setTimeout(() => cut.abort(), SILENT_MS);
+      watch = setTimeout(() => cut.abort(), most);
     };
-    heard();
+    heard(OPENS_MS);
     try {
       const answer = await fetch("/events", { headers: this.headers(this.last ? { "Last-Event-ID": this.last } : {}), cache: "no-store", signal: cut.signal, redirect: "error" });
       if (!answer.ok) return await this.refused(answer);
+      heard();
       this.told.line("live", "");
       this.wait = FIRST_MS;
       await this.read(answer.body.pipeThrough(new TextDecoderStream()).getReader(), heard);

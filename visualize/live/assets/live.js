@@ -10,7 +10,8 @@ class Live {
     this.taken = new Map();
     this.dirty = new Set();
     this.reached = false;
-    this.clock = { now: 0, heard: performance.now() };
+    this.word = ["away", "connecting …"];
+    this.clock = { now: 0, heard: null };
     this.asked = new Map();
   }
 
@@ -61,7 +62,7 @@ class Live {
 
   message(kind, data) {
     this.clock = { now: data.now, heard: performance.now() };
-    if (kind === "end") return this.lineIs("over", "the run has ended, and its page with it");
+    if (kind === "end") return this.lineIs("over", "this page was closed; the run may go on");
     if (kind === "state") this.restart(data);
     else if (kind === "change") this.change(data);
   }
@@ -92,17 +93,24 @@ class Live {
 
   lineIs(word, why) {
     this.reached = word === "live";
-    const element = byId("line");
-    element.dataset.line = word;
-    element.textContent = word === "live" ? "live" : shown(why);
+    this.word = [word, why];
     if (word === "refused") needed(why);
     this.mark("status");
   }
 
-  /** The run's clock now, as far as it can be told from here. */
+  /** Nothing more comes of the run. */
+  get isOver() {
+    return Boolean(this.state.outcome);
+  }
+
+  /** Seconds since anything was heard. */
+  get silent() {
+    return this.clock.heard === null ? 0 : (performance.now() - this.clock.heard) / 1000;
+  }
+
+  /** The run's clock now, as far as it can be told from here; it counts on while the line is away, for the run may, too. */
   get now() {
-    const goes = this.reached && GOES_ON.includes(this.state.mode);
-    return this.clock.now + (goes ? (performance.now() - this.clock.heard) / 1000 : 0);
+    return this.clock.now + (GOES_ON.includes(this.state.mode) && !this.isOver ? this.silent : 0);
   }
 
   // -- what is shown ----------------------------------------------------------------------------------------------
@@ -153,15 +161,24 @@ class Live {
 
   status() {
     const { mode, control, outcome, why, faults } = this.state;
-    byId("mode").textContent = mode;
+    const away = !this.reached && !this.isOver;
+    this.lineWord();
+    byId("mode").textContent = away && GOES_ON.includes(mode) ? `${mode}?` : mode;
     byId("mode").dataset.mode = mode;
     byId("control").textContent = control;
     byId("control").dataset.control = control;
     byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why) : "");
     byId("banner").hidden = !faults.length;
     byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)));
-    document.title = shown(`${outcome || mode} – ${this.data ? this.data.chart.name : ""}`);
+    document.body.classList.toggle("away", away);
+    document.title = shown(`${outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
     if (this.acts) this.acts.show(this.state, this.reached);
+  }
+
+  lineWord() {
+    const [word, why] = this.word, over = this.isOver && word !== "refused";
+    byId("line").dataset.line = over ? "over" : word;
+    byId("line").textContent = over ? "ended" : word === "live" ? "live" : shown(why);
   }
 
   ask() {
@@ -191,9 +208,11 @@ class Live {
   tick() {
     if (!this.board) return;
     this.board.tick(this.now);
+    const heard = this.reached || this.isOver || this.clock.heard === null ? "" : `last heard ${this.silent.toFixed(0)} s ago`;
+    if (byId("heard").textContent !== heard) byId("heard").textContent = heard;
     const now = this.state.mode === "paused" && this.state.paused_at !== null ? this.state.paused_at : this.now;
     for (const each of this.asked.values()) each.tick(now, this.reached);
-    this.cameras.look(this.state.board);
+    if (this.reached) this.cameras.look(this.state.board);
   }
 
   said(words, good) {

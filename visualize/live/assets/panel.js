@@ -78,8 +78,8 @@ class Cameras {
       canvas.getContext("2d").drawImage(bitmap, 0, 0);
       bitmap.close();
       return "";
-    } catch (error) {
-      return `no picture (${error.message})`;
+    } catch {
+      return "no picture";
     }
   }
 }
