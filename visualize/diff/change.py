@@ -23,6 +23,8 @@ TOPICS: Mapping[str, str] = {
     "control": "Who has control",
     "trust": "What is believed, from whom and for how long",
     "row": "Rows that protected, or that go on by themselves",
+    "does": "What the robot is told to do",
+    "effect": "What is done on the way: written, raised, called, published",
     "form": "What a state is, where it stands, where it begins",
     "tree": "Behaviour trees",
     "name": "Other names for the same",

@@ -14,16 +14,13 @@ from rai_missions.states.tree import DecisionLeaf, TreeNode, tree_paths
 from rai_missions.written import Written
 from visualize.diff.aligned import parents
 from visualize.diff.change import Change
-from visualize.diff.fields import Spot, fields, grave, guards
+from visualize.diff.fields import Spot, fields, guards
 from visualize.diff.questions import asked_changes, new_questions, offers
 from visualize.diff.rows import Rows, row_changes
 from visualize.diff.ways import Ways, new_ways
 from visualize.words import child_pointer
 
 __all__ = ("changes",)
-
-WATCHING = ("check", "eternal_guard", "timeout")
-"""Nodes of a tree that protect."""
 
 
 def changes(old: Mission, new: Mission) -> Iterator[Change]:
@@ -81,11 +78,10 @@ def _trees(old: Tree, new: Tree, spot: Spot) -> Iterator[Change]:
         here = spot.inside("tree")._replace(whose=f"{spot.whose}: tree node '{path or 'the root'}'")
         here = here._replace(old="/".join((here.old, *steps)), new="/".join((here.new, *steps)))
         if path not in before:
-            yield here.came("tree", "added", "other", after=after[path].word)
+            yield here.came("tree", "added", "safety", after=after[path].word)
             yield from _asks(after[path], here)
         elif path not in after:
-            severity = grave(before[path].word in WATCHING)
-            yield here.went("tree", "removed", severity, before=before[path].word)
+            yield here.went("tree", "removed", "safety", before=before[path].word)
         elif type(before[path]) is not type(after[path]):
             yield here.changed("tree", "is something else", "safety", before=before[path].word, after=after[path].word)
             yield from _asks(after[path], here)

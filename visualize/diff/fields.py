@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.guards.guard import Guard
 from rai_missions.states.decision import Budget, Option
+from rai_missions.states.tree import TreeNode
 from rai_missions.written import Written
 from visualize.diff.change import Change, Severity
 from visualize.diff.weaker import relation
@@ -24,9 +25,15 @@ LIMITS = (
 )  # fmt: skip
 """What bounds something: to raise or to drop it loosens."""
 PROOFS = ("requires", "achieved")
-ALWAYS = {"control": "control", "source": "trust", "on_cancel": "row", "parameters": "asked", "initial": "form",
-          "policy": "tree"}  # fmt: skip
-"""Fields of which any change is for a reviewer to judge → what it is about."""
+TOPIC_OF = {
+    "control": "control", "source": "trust", "type": "trust", "frame": "trust", "fields": "trust", "on_cancel": "row",
+    "parameters": "asked", "initial": "form", "each": "form", "item": "form", "history": "form", "action": "does",
+    "call": "does", "goal": "does", "request": "does", "result": "does", "message": "does", "publish": "does",
+    "question": "asked", "evidence": "asked",
+}  # fmt: skip
+"""Field → what a change of it is about; of another field of a tree's node `tree`, else `form`."""
+TO_A_MODEL = ("question", "evidence")
+"""What matters where a model is asked, and elsewhere is for people, who see more than that."""
 WHEN_SET = {"over_orphan": "control", "optional": "trust"}
 """What loosens when it is said, and tightens when it is not."""
 APART = (
@@ -68,7 +75,8 @@ def grave(yes: bool) -> Severity:
 
 
 def fields(
-    old: Written, new: Written, spot: Spot, also_apart: Sequence[str] = (), *, of: type[Written] | None = None
+    old: Written, new: Written, spot: Spot, also_apart: Sequence[str] = (), *, of: type[Written] | None = None,
+    asks_a_model: bool = False,
 ) -> Iterator[Change]:  # fmt: skip
     """What is otherwise in two models, but for what they hold of states, rows and options.
 
@@ -78,6 +86,7 @@ def fields(
         spot: Where they stand.
         also_apart: More fields that are compared by hand.
         of: The kind whose fields both have, where they are not of one.
+        asks_a_model: They are what a model is asked, or part of it.
     """
     for name, field in (of or type(new)).model_fields.items():
         before, after = getattr(old, name), getattr(new, name)
@@ -91,12 +100,25 @@ def fields(
         elif isinstance(before, Budget) and isinstance(after, Budget):
             yield from fields(before, after, here)
         elif name in LIMITS:
-            yield _limit(before, after, here, word)
+            yield _limit(before, after, here, word, either=isinstance(new, TreeNode))
         else:
-            words = name == "about" and not isinstance(new, Option)  # a model reads what an option means
-            topic = ALWAYS.get(name) or WHEN_SET.get(name, "words" if words else "rest")
-            severity = grave(name in ALWAYS or (name in WHEN_SET and bool(after)))
+            topic, severity = _weighed(name, new, after, asks_a_model=asks_a_model)
             yield here.changed(topic, f"'{word}' changed", severity, before=said(before), after=said(after))
+
+
+def _weighed(name: str, new: Written, after: Any, *, asks_a_model: bool) -> tuple[str, Severity]:
+    """What a field is about, and whether a change of it is for a reviewer to judge."""
+    if name in WHEN_SET:
+        return WHEN_SET[name], grave(bool(after))
+    if isinstance(new, Option) and name == "about":
+        return ("asked" if asks_a_model else "words"), grave(asks_a_model)
+    if name in TO_A_MODEL and not asks_a_model:
+        return "words" if name == "question" else "rest", "other"
+    if name == "about":
+        return "words", "other"
+    if name == "name":
+        return "rest", "other"
+    return TOPIC_OF.get(name, "tree" if isinstance(new, TreeNode) else "form"), "safety"
 
 
 def _same_program(before: Any, after: Any) -> bool:
@@ -105,12 +127,13 @@ def _same_program(before: Any, after: Any) -> bool:
     return len(names) == 2 and names[0] == names[1] is not None
 
 
-def _limit(before: Any, after: Any, spot: Spot, word: str) -> Change:
+def _limit(before: Any, after: Any, spot: Spot, word: str, *, either: bool) -> Change:
+    """What became of a bound; `either`: to lower it may loosen as well, as in a tree, which goes on past a failure."""
     topic = "trust" if word == "max_age_s" else "limit"
     was, now = (_bound(value, word) for value in (before, after))
     grew = after is None or (before is not None and after > before)
     how = "removed" if after is None else "added" if before is None else "grew" if grew else "shrank"
-    return spot.changed(topic, f"'{word}' {how}", grave(grew), before=was, after=now)
+    return spot.changed(topic, f"'{word}' {how}", grave(grew or either), before=was, after=now)
 
 
 def _bound(value: float | None, word: str) -> str:

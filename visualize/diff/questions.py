@@ -47,7 +47,7 @@ def _open(option: Option) -> str:
 
 def asked_changes(old: Asked, new: Asked, spot: Spot) -> Iterator[Change]:
     """What changed between two questions of one decision."""
-    yield from fields(old, new, spot, ("fallback", "ask", "tools"))
+    yield from fields(old, new, spot, ("fallback", "ask", "tools"), asks_a_model=MODEL in new.ask)
     if old.fallback != new.fallback:
         before, after = (each.fallback or "none: it fails" for each in (old, new))
         yield spot.inside("fallback").changed("fallback", "fallback changed", "safety", before=before, after=after)
@@ -79,4 +79,5 @@ def _options(old: Asked, new: Asked, spot: Spot) -> Iterator[Change]:
             verb = f"a model is newly offered '{option}'" if MODEL in new.ask else f"option '{option}' newly offered"
             yield here.came("offered", verb, "safety", after=_open(now))
         if option in old.options:
-            yield from fields(old.options[option], now, here._replace(whose=f"{spot.whose}: option '{option}'"))
+            named = here._replace(whose=f"{spot.whose}: option '{option}'")
+            yield from fields(old.options[option], now, named, asks_a_model=MODEL in new.ask)

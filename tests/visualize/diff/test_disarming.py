@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import pytest
 
 from rai_missions.mission import Mission
-from tests.visualize.diff.test_severity import compared
+from tests.visualize.diff.test_severity import Mutation, asked_of_people, compared, decision, drive_over, states
 from tests.visualize.runs import document, tractor
 from visualize import difference
 
@@ -32,3 +33,66 @@ def test_another_name_of_the_mission_is_a_difference() -> None:
     found = compared(lambda new: new.update(name="another"))
     assert [change.sentence for change in found.changes] == ["mission: 'name' changed"]
     assert found.lines()[0].endswith("nothing that diff weighs as safety-relevant, 1 other")
+
+
+def horn(new: dict[str, Any]) -> list[Any]:
+    found: list[Any] = states(new)["signalling"]["tree"]["sequence"]
+    return found
+
+
+DISARMS: list[tuple[str, Mutation, str, str]] = [
+    ("question", lambda new: decision(new, question="All clear, go?"), "asked", "assessing: 'question' changed"),
+    ("evidence", lambda new: decision(new, evidence=["signals"]), "asked", "assessing: 'evidence' changed"),
+    ("option_means", lambda new: drive_over(new).update(about="the safe one"), "asked",
+     "assessing: option 'drive_over': 'about' changed"),
+    ("parameters", lambda new: drive_over(new).update(parameters={}), "asked",
+     "assessing: option 'drive_over': 'parameters' changed"),
+    ("action", lambda new: states(new)["working"]["states"]["driving"].update(action="cross"), "does",
+     "driving: 'action' changed"),
+    ("call", lambda new: states(new)["replanning"].update(call="carry_on"), "does", "replanning: 'call' changed"),
+    ("goal", lambda new: states(new)["crossing"].update(goal={"speed": 9}), "does", "crossing: 'goal' changed"),
+    ("request", lambda new: states(new)["replanning"].update(request={"over": True}), "does",
+     "replanning: 'request' changed"),
+    ("history", lambda new: states(new)["working"]["states"]["resume"].update(history="shallow"), "form",
+     "resume: 'history' changed"),
+    ("tree_wait", lambda new: horn(new)[1].update(wait_s=0), "tree",
+     "signalling: tree node 'sequence/1': 'wait_s' changed"),
+    ("tree_timeout", lambda new: horn(new)[0].update(timeout_s=0.001), "limit",
+     "signalling: tree node 'sequence/0': 'timeout_s' shrank"),
+    ("tree_call", lambda new: horn(new)[0].update(call="wink"), "does",
+     "signalling: tree node 'sequence/0': 'call' changed"),
+    ("tree_node_gone", lambda new: horn(new).pop(), "tree", "signalling: tree node 'sequence/1': removed"),
+    ("tree_node_added", lambda new: horn(new).append({"action": "cross"}), "tree",
+     "signalling: tree node 'sequence/2': added"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "topic", "told"), [each[1:] for each in DISARMS], ids=[each[0] for each in DISARMS])
+def test_what_disarms_is_for_review(change: Mutation, topic: str, told: str) -> None:
+    found = compared(change)
+    assert (topic, told) in [(each.topic, each.sentence) for each in found.safety], "\n".join(found.lines())
+
+
+def test_the_list_of_a_loop_is_for_review() -> None:
+    def over(key: str) -> Mission:
+        given = document()
+        given["blackboard"] |= {
+            name: {"type": "list", "source": "argument", "initial": []} for name in ("near", "far")
+        } | {"now": {"type": "string"}}
+        given["states"]["round"] = {
+            "each": key, "as": "now", "initial": "ended", "states": {"ended": {"final": "succeeded"}},
+            "transitions": [{"on": "succeeded", "to": "done"}],
+        }  # fmt: skip
+        return Mission.model_validate(given)
+
+    assert [each.sentence for each in difference(over("near"), over("far")).safety] == ["round: 'each' changed"]
+
+
+def test_what_people_alone_are_asked_is_not() -> None:
+    old = asked_of_people()
+    new = json.loads(json.dumps(old))
+    decision(new, question="What now?", evidence=["signals"])
+    drive_over(new)["about"] = "over it"
+    found = difference(*map(Mission.model_validate, (old, new)))
+    assert len(found.changes) == 3
+    assert found.safety == ()

@@ -168,7 +168,6 @@ TIGHTENS: dict[str, Mutation] = {
     "model_left_out": lambda new: decision(new, ask=["operator", "rules"]),
     "max_age_shrank": lambda new: new["blackboard"]["battery"].update(max_age_s=1),
     "answer_gives_up": lambda new: row(new, "assessing", 1).update(to="aborted"),
-    "question": lambda new: decision(new, question="What now?"),
     "effect": lambda new: row(new, "assessing", 1).update(do=[{"log": "so be it"}]),
     "event_added": lambda new: new["events"].update(rain={}),
     "key_added": lambda new: new["blackboard"].update(rain={"type": "boolean", "initial": False}),
