@@ -271,7 +271,8 @@ class Chart(Instants):
     def _close(self, event: Event) -> Step:
         self.seq += 1
         self._look_ahead()
-        why = self.why if self.outcome is not None and self.mode == "ended" and not self._refused else self._refused
+        is_over = self.outcome is not None and self.mode == "ended"
+        why = self.why if is_over and (self._ended or not self._refused) else self._refused
         step = Step(
             self.seq, self.view.at, event, tuple(self.moves), tuple(self.looked), tuple(self.written), self.outcome,
             None if self._wake == math.inf else self._wake, tuple(self.effects), why, tuple(self.notes),

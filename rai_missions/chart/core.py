@@ -153,6 +153,8 @@ class Core:
         self._internal: deque[Trigger] = deque()
         self._starting: list[Node] = []
         self._refused = ""
+        self._ended = False
+        """The mission has ended in this step."""
         self._touched = False
         """Something that the run remembers has changed, beside the blackboard."""
 

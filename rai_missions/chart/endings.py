@@ -168,7 +168,7 @@ class Endings(Activities):
             return
         if self.mode == "canceling" and not killed:
             outcome, why = "canceled", self.why
-        self.outcome, self.why = outcome, why
+        self.outcome, self.why, self._ended, self._touched = outcome, why, True, True
         for name in list(self._running):
             self._leave_activity(self._graph.nodes[name])
         for node in () if killed else sorted(self._config.nodes, key=lambda node: -node.index):

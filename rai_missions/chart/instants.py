@@ -75,6 +75,7 @@ class Instants(Modes):
 
     def _fire(self, key: tuple[str, Any], timer: Timer) -> None:
         kind, which = key
+        self._touched = True
         if kind == "after":
             self._heard(Trigger("after_s", {}, row=self._graph.rows[which]))
         elif kind == "timeout":
