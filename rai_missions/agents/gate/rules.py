@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rai_missions.agents.gate.numbers import no_finite
 from rai_missions.agents.gate.values import (
     COMMANDERS,
     Alive,
@@ -40,7 +41,7 @@ def step(terms: Terms, gate: Gate, happening: Happening) -> Turn:
     if isinstance(happening, Request):
         gate, done = _request(gate, happening)
     elif isinstance(happening, Command):
-        gate, done = _command(gate, happening)
+        gate, done = _command(terms, gate, happening)
     else:
         gate, done = (_alive(gate, happening.who) if isinstance(happening, Alive) else gate), ()
     done = (*lapsed, *done)
@@ -79,9 +80,9 @@ def _request(gate: Gate, request: Request) -> Turn:
     return gate, (*changes, Answer(gate.revision, request, ""))
 
 
-def _command(gate: Gate, command: Command) -> Turn:
+def _command(terms: Terms, gate: Gate, command: Command) -> Turn:
     who, command = command.who, command._replace(at=gate.at)
-    why = _stops(gate, command)
+    why = _stops(gate, command) or ("" if command.topic in terms.unlooked else no_finite(command.data))
     gate = _alive(gate, who)._replace(commanded={**gate.commanded, who: gate.at})
     if why:
         gate = gate._replace(refused=_counted(gate.refused, who), last_refusal=f"{who} on {command.topic}: {why}")

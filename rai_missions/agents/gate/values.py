@@ -31,6 +31,8 @@ class Terms(NamedTuple):
     """Who has control when the holder falls silent: `autonomy` or `nobody`."""
     status_s: float = 1.0
     """Seconds between two statuses when nothing changes."""
+    unlooked: frozenset[str] = frozenset()
+    """Topics on which a number may be NaN or infinite."""
 
 
 # -- what happens ------------------------------------------------------------------------------------------------------

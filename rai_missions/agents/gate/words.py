@@ -17,7 +17,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.faults import faults_of
 from rai_missions.json_text import read_json
 from rai_missions.wording import shown, suggestion
-from rai_missions.written import Integer, Json, Seconds, Text, Written, fault
+from rai_missions.written import Bool, Integer, Json, Seconds, Text, Written, fault
 
 __all__ = ("CommandTopic", "GateWords", "command_topic", "gate_words", "leases_of", "read_gate")
 
@@ -40,6 +40,8 @@ class CommandTopic(Written):
     Left out, zeros for a Twist or TwistStamped, and no message for other types."""
     depth: Integer = Field(default=1, ge=1)
     """How many commands wait where the gate is slow; 1 means that the newest wins."""
+    finite: Bool = True
+    """A command with a number that is NaN or infinite is refused."""
 
     @field_validator("stop")
     @classmethod
@@ -100,7 +102,8 @@ class GateWords(Written):
     def terms(self) -> Terms:
         """What its rules need to know."""
         leases = {who: lease_s for who, lease_s in self.leases.items() if lease_s > 0}
-        return Terms(leases=leases, safe=self.safe, status_s=self.status_s)
+        unlooked = frozenset(each.topic for each in self.commands if not each.finite)
+        return Terms(leases=leases, safe=self.safe, status_s=self.status_s, unlooked=unlooked)
 
     def options(self, **options: Any) -> dict[str, Any]:
         """What a connector of kind `ros2` is opened with: the quality of each topic, beside what is given."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections import Counter
 from collections.abc import Sequence
 
@@ -27,6 +28,7 @@ from rai_missions.agents.gate.values import (
     Tick,
     status_of,
 )
+from rai_missions.agents.gate.words import gate_words
 from rai_missions.lifecycle import CONTROLLERS, Control
 from tests.agents.gate.happenings import happenings, live, terms
 
@@ -194,3 +196,23 @@ def test_a_request_of_strangers_or_for_strangers_is_refused_with_who_there_is(to
 def test_a_request_of_the_holder_for_what_it_has_changes_no_grant() -> None:
     gate, done = step(AGENT_ALONE, Gate(), Request(0.0, "autonomy", "autonomy"))
     assert gate.revision == 0 and not any(isinstance(each, Change) for each in done)
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf")])
+def test_a_number_that_is_not_finite_goes_no_further_and_is_counted(number: float) -> None:
+    holds = Gate(holder="agent")
+    data = {"linear": {"x": 0.1}, "points": [{"effort": array("d", [1.0, number])}]}
+    after, done = step(AGENT_ALONE, holds, Command(0.1, "agent", "/arm", data))
+    assert [type(each) for each in done if not isinstance(each, Tell)] == [Refuse]
+    assert after.refused == {"agent": 1} and after.passed == {}
+    assert after.last_refusal == f"agent on /arm: 'points.0.effort.1' is {number}, which is no finite number"
+    assert after.alive == {"agent": 0.1}, "who commands nonsense is there all the same"
+
+
+def test_a_topic_may_let_numbers_through_that_are_not_finite() -> None:
+    words = gate_words(
+        {"commands": [{"topic": "/arm", "type": "a/msg/B", "finite": False}, {"topic": "/b", "type": "t"}]}
+    )
+    for topic, sort in (("/arm", Pass), ("/b", Refuse)):
+        _, done = step(words.terms, Gate(holder="agent"), Command(0.1, "agent", topic, {"x": float("nan")}))
+        assert sort in map(type, done)
