@@ -7,11 +7,13 @@ not reached in any run; what is reached here may still be impossible.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 from rai_missions.mission import Mission
-from rai_missions.states import Compound, Each, History, State
+from rai_missions.states import Compound, Each, Final, History, State
 from rai_missions.states.state import Transition
 
 __all__ = ("Reached", "Roads")
@@ -45,41 +47,95 @@ class Roads:
             name = parent
 
     def onward(self, targets: Iterable[str]) -> Reached:
-        """Everything that may be entered once these have been, themselves included."""
-        entered: set[str] = set()
-        heard: set[str] = set()
-        rows: set[str] = set()
-        waiting = list(targets)
+        """Everything that may be entered once these have been, themselves included.
+
+        Args:
+            targets: Entered from nobody knows where: the regions beside them may be anywhere they ever come to.
+        """
+        given = tuple(targets)
+        entered, heard, rows = set[str](), set[str](), set[str]()
+        waiting = [*given, *(door for name in given for door in self._beside(name))]
         while waiting:
             name = waiting.pop()
             if name in entered or name not in self.states:
                 continue
             entered.add(name)
-            waiting += self.inside(name)
-            chain = (name, *self.above(name))
-            for around in (*chain, ""):
-                if around in heard:
-                    continue
-                heard.add(around)
-                if around and around != name and self.states[around].word == "parallel":
-                    waiting += (region for region in self.states[around].children() if region not in chain)
-                for place, row in self.rows[around]:
-                    rows.add(place)
-                    waiting += row.to
+            waiting += self._with({name, *self.above(name)}, self.inside(name))
+            for around in self.hearing(name):
+                if around not in heard:
+                    heard.add(around)
+                    for place, row in self.rows[around]:
+                        rows.add(place)
+                        waiting += self._with(set(self.above(around)), row.to)
         return Reached(frozenset(entered), frozenset(rows))
 
+    def hearing(self, name: str) -> tuple[str, ...]:
+        """Whose rows may fire while a state is active, the mission's own (`""`) last; none where the mission ends."""
+        ends = isinstance(self.states[name], Final) and name not in self.parents
+        return () if ends else (name, *self.above(name), "")
+
     def inside(self, name: str) -> Iterable[str]:
-        """What may be entered with a state: what it begins with, its regions, or all that a history remembers."""
+        """What may be entered with a state, and by nothing else than being there.
+
+        What it begins with, its regions, all that a history remembers, or the next item's start at the end of one.
+        """
         state = self.states[name]
         if isinstance(state, Compound | Each):
             return state.initial
-        if isinstance(state, History) and (parent := self.parents.get(name)):
-            around = self.states[parent]
-            inside = list(around.children())
-            return (
-                inside if state.history == "shallow" else [each for each in self.states if parent in self.above(each)]
-            )
+        if isinstance(state, Final):
+            around = self.states.get(self.parents.get(name, ""))
+            return around.initial if isinstance(around, Each) and state.final == "succeeded" else ()
+        if isinstance(state, History):
+            return self._remembered(name, state)
         return state.children()
+
+    def _remembered(self, name: str, state: History) -> list[str]:
+        parent = self.parents.get(name)
+        if parent is None:
+            return list(self.mission.initial)
+        around = self.states[parent]
+        first = around.initial if isinstance(around, Compound | Each) else ()
+        if state.history == "shallow":
+            return [*first, *around.children()]
+        return [*first, *(each for each in self.states if parent in self.above(each))]
+
+    def _with(self, within: set[str], targets: Iterable[str]) -> Iterator[str]:
+        """Targets, and the regions that are entered beside them unless their own is one that is not left."""
+        for target in targets:
+            yield target
+            for region in self._regions(target):
+                if region not in within:
+                    yield from self._others(region)
+
+    def _beside(self, name: str) -> Iterator[str]:
+        """Wherever the regions beside a state may have been entered: by default, or by a name from outside."""
+        for region in self._regions(name):
+            for other in self._others(region):
+                yield from (other, *self._doors.get(other, ()))
+
+    def _regions(self, name: str) -> Iterator[str]:
+        """The regions of parallel states in which a state lies, or which it is."""
+        for around in (name, *self.above(name)):
+            if (parent := self.parents.get(around)) and self.states[parent].word == "parallel":
+                yield around
+
+    def _others(self, region: str) -> Iterator[str]:
+        return (other for other in self.states[self.parents[region]].children() if other != region)
+
+    @cached_property
+    def _doors(self) -> dict[str, set[str]]:
+        """Region → what inside it is entered by its name from outside."""
+        found: dict[str, set[str]] = defaultdict(set)
+        names = [("", (*self.mission.initial, *((self.mission.on_cancel,) if self.mission.on_cancel else ())))]
+        names += [(name, each.initial) for name, each in self.states.items() if isinstance(each, Compound | Each)]
+        names += [(name, row.to) for name, rows in self.rows.items() for _, row in rows]
+        for source, targets in names:
+            around = {source, *self.above(source)}
+            for target in targets:
+                for region in self._regions(target):
+                    if region not in around:
+                        found[region].add(target)
+        return found
 
 
 def _rows(place: str, rows: tuple[Transition, ...]) -> tuple[tuple[str, Transition], ...]:
