@@ -28,8 +28,9 @@ from rai_missions.step import Step
 
 __all__ = ("MissionNode",)
 
-LOOK_S = 1.0
-"""How long another node of the same name is looked for."""
+LOOK_S = 4.0
+"""How long another node of the same name may take to answer; longer than a connector's `discovery_s`, within which it
+is found or is not there."""
 FAREWELL_S = 2.0
 """How much longer than its `cancel_s` a canceled run may take before it is killed."""
 
@@ -200,7 +201,7 @@ class MissionNode:
 
         service, kind = self.name.below("get_state"), "lifecycle_msgs/srv/GetState"
         self._carrier.connector.call(service, kind, {}, answered=answered, timeout_s=LOOK_S)
-        is_answered.wait(3 * LOOK_S)
+        is_answered.wait(LOOK_S + 1.0)
         if replies and replies[0].outcome == "succeeded":
             raise UsageError(f"another node is called {self.name.path} already; give this one a name with --node NAME")
 

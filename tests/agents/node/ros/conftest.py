@@ -66,7 +66,7 @@ def open_node(domain: int) -> Iterator[Callable[..., MissionNode]]:
     opened: list[MissionNode] = []
 
     def open_one(name: str, **words: Any) -> MissionNode:
-        setting = Setting(mission(), robot({"kind": "ros2", "domain_id": domain}, f"/{name}_robot"))
+        setting = Setting(mission(), robot({"kind": "ros2", "domain_id": domain, "discovery_s": 1.0}, f"/{name}_robot"))
         opened.append(MissionNode(setting, name, **words))
         opened[-1].run()
         return opened[-1]

@@ -11,8 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.agents.node import MissionNode
+from rai_missions.agents.node.node import LOOK_S
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.ros2.options import read_options
 from rai_missions.errors import UsageError
 from tests.agents.node.scenes import Client, StandIn
 from tests.agents.node.test_node import ORDERS, obeys, revisions_rise
@@ -102,6 +104,10 @@ def test_a_second_node_of_the_same_name_is_refused(errand: Client, open_node: Op
     with pytest.raises(UsageError, match="another node is called /errand already"):
         open_node("errand")
     assert errand.state() == "active", "the first is left as it was"
+
+
+def test_another_node_is_looked_for_until_whoever_is_there_was_found() -> None:
+    assert read_options({}).discovery_s < LOOK_S
 
 
 def test_a_malformed_command_is_answered_with_why(errand: Client) -> None:
