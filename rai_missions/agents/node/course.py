@@ -80,6 +80,25 @@ class Course:
         heard = [(name, key, board.get(name)) for name, key in keys]
         return tuple(name for name, key, entry in heard if entry is not None and stale_at(key, entry) <= now)
 
+    # -- after it -------------------------------------------------------------------------------------------------
+
+    @property
+    def is_locked(self) -> bool:
+        """It is over and left control with nobody: the next may begin once an operator has taken it.
+
+        Where the robot says who holds control, it says so to the next run as well, and nothing is kept here.
+        """
+        is_told = self._robot is not None and self._robot.holder is not None
+        return self.is_over and not is_told and self.status is not None and self.status.control == "nobody"
+
+    def unlock(self, order: Order) -> Receipt:
+        """An operator takes the control that the run has left with nobody."""
+        if order.to != "operator" or not is_operator(_controller(order.by)):
+            return Receipt(False, "control is with nobody since the stop; an operator takes it first", order.id)
+        if self.status is not None:
+            self.status = self.status._replace(control="operator")
+        return Receipt(True, "", order.id)
+
     # -- orders ---------------------------------------------------------------------------------------------------
 
     def submit(self, order: Order, told: Told) -> None:
@@ -88,8 +107,7 @@ class Course:
         if why:
             told(Receipt(False, why, order.id))
         elif order.command == "control":
-            is_known = order.by in CONTROLLERS or is_operator(order.by)
-            why = self.runner.control(order.to, order.by if is_known else f"operator ({order.by})")
+            why = self.runner.control(order.to, _controller(order.by))
             told(Receipt(not why, why, order.id))
         else:
             self._post(order, told)
@@ -187,6 +205,11 @@ class Course:
             left, self._waiting = tuple(self._waiting.values()), {}
         for order, told in left:
             told(Receipt(False, OVER, order.id))
+
+
+def _controller(by: str) -> str:
+    """As whom somebody asks for control: one of those who can hold it, else as the operator."""
+    return by if by in CONTROLLERS or is_operator(by) else f"operator ({by})"
 
 
 def _receipt(order: Order, step: Step) -> Receipt:

@@ -21,6 +21,7 @@ log = logging.getLogger(__name__)
 PATIENCE_S = 1.0
 """How long a service waits for the run to take an order."""
 NOT_YET = "the run has not taken it yet; it stands in line, and the status will say what became of it"
+LOCKED = 'control is with nobody since the stop; first an operator takes it: {"command": "control", "to": "operator"}'
 ALWAYS = ("cancel", "e_stop")
 """Taken by a node that is not active, too."""
 
@@ -53,8 +54,11 @@ class Desk:
         if order.command == "start":
             told(self._start(order))
             return
-        course = self.live
-        if course is None:
+        course, last = self.live, self.course
+        if course is None and order.command == "control" and last is not None and last.is_locked:
+            told(last.unlock(order))
+            self._changed()
+        elif course is None:
             told(Receipt(False, "no mission is running; start one", order.id))
         elif self.closed and order.command not in ALWAYS:
             told(Receipt(False, self.closed, order.id))
@@ -106,7 +110,7 @@ class Desk:
                 if self._begin is None
                 else f"a mission is under way, {course.mode}; cancel it first"
                 if course is not None
-                else self.closed
+                else self.closed or (LOCKED if self.course is not None and self.course.is_locked else "")
             )
             if why or self._begin is None:
                 return Receipt(False, why, order.id)

@@ -26,11 +26,12 @@ from rai_missions.testing import check_agent
 from tests.agents.node.conftest import Scene
 from tests.agents.node.scenes import Client, mission, robot
 
-ORDERS = ("start", "pause", "resume", "cancel", "e_stop")
+ORDERS = ("start", "pause", "resume", "cancel", "e_stop", "control")
 ALLOWED = {
     "idle": {"start": "running"},
-    "running": {"pause": "paused", "cancel": "idle", "e_stop": "idle"},
-    "paused": {"resume": "running", "cancel": "idle", "e_stop": "idle"},
+    "running": {"pause": "paused", "cancel": "idle", "e_stop": "stopped", "control": "running"},
+    "paused": {"resume": "running", "cancel": "idle", "e_stop": "stopped", "control": "paused"},
+    "stopped": {"control": "idle"},
 }
 """Mode → the orders that make sense in it, and what it is then."""
 
@@ -39,18 +40,20 @@ def obeys(client: Client, orders: list[str]) -> None:
     """Give the orders one after the other; each is taken where the lifecycle allows it, and nowhere else."""
     mode = "idle"
     for order in orders:
-        told = client.call(order)
+        told = client.call(order) if order != "control" else client.command(command="control", to="operator")
         assert told["success"] is (order in ALLOWED[mode]), (mode, order, told)
-        assert told["success"] or told["message"], f"a refused '{order}' says why"
+        assert told["success"] or told.get("message") or told["why"], f"a refused '{order}' says why"
         mode = ALLOWED[mode].get(order, mode)
-        if told["success"] and mode == "idle":
-            outcome = "canceled" if order == "cancel" else "aborted"
-            client.await_status("it is over", outcome=outcome)
-        elif told["success"]:
+        if told["success"] and order in ("cancel", "e_stop"):
+            client.await_status("it is over", outcome="canceled" if order == "cancel" else "aborted")
+        elif told["success"] and mode != "idle":
             client.await_status(f"it is {mode}", mode=mode)
-    if mode != "idle":
+    if mode in ("running", "paused"):
         client.call("e_stop")
         client.await_status("it is over", outcome="aborted")
+        mode = "stopped"
+    if mode == "stopped":
+        assert client.command(command="control", to="operator")["success"]
 
 
 def revisions_rise(client: Client) -> None:
@@ -128,6 +131,20 @@ def test_cleaning_up_cancels_the_mission_and_ends_when_that_has_ended(scene: Sce
     assert scene.client.change("deactivate") and scene.client.change("cleanup")
     scene.client.await_status("it is unconfigured", lifecycle="unconfigured", outcome="canceled")
     assert scene.client.change("configure")
+
+
+def test_after_an_emergency_stop_nothing_begins_until_an_operator_has_taken_control(scene: Scene) -> None:
+    scene.client.activate()
+    scene.client.start()
+    assert scene.client.call("e_stop")["success"]
+    scene.client.await_status("it is over", outcome="aborted", control="nobody")
+    assert scene.client.call("start")["message"].startswith("control is with nobody since the stop")
+    for by, to in (("agent", "operator"), ("nobody", "operator"), ("Ann", "autonomy")):
+        assert "nobody since the stop" in scene.client.command(command="control", to=to, by=by)["why"]
+    assert not scene.client.call("start")["success"]
+    assert scene.client.command(command="control", to="operator", by="Ann")["success"]
+    scene.client.await_status("the operator has it", control="operator")
+    assert scene.client.call("start")["success"]
 
 
 def test_an_inactive_node_can_still_be_stopped(scene: Scene) -> None:
