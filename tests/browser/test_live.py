@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ from rai_missions.robot import Robot
 from rai_missions.runner import Result
 from tests.browser.conftest import PATIENCE, until
 from tests.browser.test_review import poisoned
+from tests.visualize.live.conftest import Desk
 from tests.visualize.live.stage import Run
 from tests.visualize.page.reading import HOSTILE
 from tests.visualize.runs import ROOT, tractor
@@ -128,6 +130,26 @@ def test_a_page_that_hears_nothing_says_so_and_its_ages_run_on(run: Run, look: L
     window.wait_for_selector("body:not(.away) [data-line=live]")
     assert window.inner_text("#mode") == "running"
     assert window.inner_text("#heard") == ""
+
+
+def test_an_order_says_at_once_that_it_is_sent_and_then_what_became_of_it(look: Look) -> None:
+    desk = Desk()
+    with Run(tractor(), desk) as run:
+        run.start()
+        window = look(run.page)
+        window.wait_for_selector("[data-act=pause]:not(:disabled)")
+        said = "document.querySelector('#said')"
+        with hung(run.page):
+            assert window.evaluate(f"(live.acts.buttons.stop.click(), {said}.textContent)") == "e-stop: sent …"
+            window.wait_for_selector("#said.alarm:has-text('e-stop: NO ANSWER')")
+            assert "use the robot's own stop" in window.inner_text("#said")
+            window.evaluate("live.acts.order({ command: 'pause' })")
+            window.wait_for_selector("#said.alarm:has-text('pause: NO ANSWER')")
+        until(window, f"{said}.className === 'good' && {said}.textContent.startsWith('e-stop: done')")
+        assert [json.loads(text)["command"] for text in desk.orders if "pause" not in text] == ["e_stop"]
+        run.page.stop()
+        window.evaluate("live.acts.order({ command: 'e_stop' })")
+        window.wait_for_selector("#said.alarm:has-text('e-stop: not delivered')")
 
 
 def test_without_the_token_there_is_nothing_to_see_and_with_it_there_is(run: Run, look: Look, browser: Any) -> None:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
+import time
 from collections import OrderedDict
 from contextlib import suppress
 from typing import Any, Protocol
@@ -31,8 +33,14 @@ __all__ = ("Desk", "Told", "application")
 
 LARGEST_ORDER = 65_536
 """Bytes."""
-PATIENCE_S = 3.0
-"""How long an order's reply waits for the run to take it."""
+PATIENCE_S = 1.5
+"""How long an order's reply waits for the run to take it; a page waits for 2 s."""
+OLDEST_S = 5.0
+"""An order that was on its way for longer is not carried out: whoever gave it has gone on."""
+SENT_HEADER = "x-mission-sent"
+"""When an order was given, by the clock that each message of the stream tells as `sent`."""
+ALWAYS = frozenset({"e_stop", "cancel"})
+"""Orders that are carried out however late they come."""
 STALLED_S = 10.0
 """A viewer that takes nothing for so long is gone."""
 MOST_CAMERAS = 32
@@ -147,9 +155,12 @@ class Pages:
         text = await _body(request)
         if text is None:
             return _refused(413, f"an order has at most {LARGEST_ORDER} bytes")
-        allowance = self._stops if _is_stop(text) else self._orders
+        command = _command(text)
+        allowance = self._stops if command == "e_stop" else self._orders
         if not allowance.take():
             return _refused(429, "too many orders at once; wait a second")
+        if command not in ALWAYS and (why := _is_late(request.headers.get(SENT_HEADER))):
+            return _refused(409, why)
         return await self._carry(self._desk, text)
 
     async def _carry(self, desk: Desk, text: str) -> Response:
@@ -191,10 +202,24 @@ async def _body(request: Request) -> str | None:
     return found.decode("utf-8", "replace")
 
 
-def _is_stop(text: str) -> bool:
-    """An emergency stop has an allowance of its own, so that nothing else uses it up."""
+def _command(text: str) -> str:
+    """What is ordered; nothing where that cannot be read."""
     try:
         given = json.loads(text)
     except (ValueError, RecursionError):
-        return False
-    return isinstance(given, dict) and given.get("command") == "e_stop"
+        return ""
+    return str(given.get("command", "")) if isinstance(given, dict) else ""
+
+
+def _is_late(sent: str | None) -> str:
+    """Why an order is too old; who does not say when it was given is taken to have just given it."""
+    if sent is None:
+        return ""
+    try:
+        age_s = time.monotonic() - float(sent)
+    except ValueError:
+        age_s = math.nan
+    if age_s <= OLDEST_S:
+        return ""
+    old = "it does not say when it was given" if math.isnan(age_s) else f"it came {age_s:.0f} s after it was given"
+    return f"{old}, and orders older than {OLDEST_S:.0f} s are not carried out; look again, and give it anew"

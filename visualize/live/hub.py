@@ -188,6 +188,6 @@ class Hub:
 
     def _text(self, kind: str, what: dict[str, Any], number: int = 0) -> bytes:
         """A server-sent event (WHATWG HTML, section 9.2)."""
-        data = json.dumps({"now": self._feed.now(), **what}, separators=(",", ":"))
+        data = json.dumps({"now": self._feed.now(), "sent": round(time.monotonic(), 3), **what}, separators=(",", ":"))
         named = f"id: {self._boot}-{number}\n" if number else ""
         return f"{named}event: {kind}\ndata: {data}\n\n".encode()

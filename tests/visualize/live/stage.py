@@ -82,7 +82,7 @@ class Run:
 
 def folded(seen: dict[str, Any], kind: str, data: Mapping[str, Any]) -> None:
     """What a browser makes of a message."""
-    fields = {name: item for name, item in data.items() if name not in ("board", "steps", "now")}
+    fields = {name: item for name, item in data.items() if name not in ("board", "steps", "now", "sent")}
     if kind == "state":
         seen.clear()
         seen.update(fields, board=dict(data["board"]), steps=list(data["steps"]))
@@ -98,6 +98,7 @@ class Viewer:
     def __init__(self, page: LivePage) -> None:
         self.page, self.seen, self.last = page, dict[str, Any](), ""
         self.kinds: list[str] = []
+        self.sent = 0.0
         self.error = ""
         self._connection: http.client.HTTPConnection | None = None
         self._thread: threading.Thread | None = None
@@ -129,6 +130,7 @@ class Viewer:
             for kind, number, data in messages(answer):
                 folded(self.seen, kind, data)
                 self.kinds.append(kind)
+                self.sent = data["sent"]
                 self.last = number or self.last
         except (OSError, ValueError, AttributeError, http.client.HTTPException) as error:
             self.error = str(error)

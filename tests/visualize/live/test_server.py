@@ -8,6 +8,7 @@ import json
 import socket
 import ssl
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -110,6 +111,28 @@ def test_orders_come_at_a_bounded_rate_and_a_stop_has_its_own(run: Run) -> None:
     assert statuses[:20] == [200] * 20
     assert 429 in statuses
     assert ask(run.page, "POST", "/orders", json.dumps({"command": "e_stop"}).encode())[0] == 200
+
+
+@pytest.mark.parametrize("sent", [-6.0, -3600.0, float("nan"), float("-inf")])
+def test_an_order_that_was_long_on_its_way_is_not_carried_out(run: Run, sent: float) -> None:
+    status, _, told = ask(run.page, "POST", "/orders", PAUSE, X_Mission_Sent=str(time.monotonic() + sent))
+    assert (status, told["success"]) == (409, False)
+    assert "orders older than 5 s are not carried out" in told["why"]
+    assert run.desk.orders == []
+
+
+@pytest.mark.parametrize("command", ["e_stop", "cancel"])
+def test_a_stop_and_a_cancel_are_carried_out_however_late_they_come(run: Run, command: str) -> None:
+    order = json.dumps({"command": command})
+    assert ask(run.page, "POST", "/orders", order.encode(), X_Mission_Sent=str(time.monotonic() - 3600))[0] == 200
+    assert run.desk.orders == [order]
+
+
+def test_an_order_given_by_the_clock_of_the_stream_is_carried_out(run: Run) -> None:
+    viewer = Viewer(run.page)
+    until(lambda: viewer.seen, "something comes")
+    assert ask(run.page, "POST", "/orders", PAUSE, X_Mission_Sent=str(viewer.sent))[0] == 200
+    viewer.cut()
 
 
 def test_a_page_without_a_desk_only_looks(run: Run) -> None:

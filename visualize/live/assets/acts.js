@@ -5,7 +5,7 @@ const GOES_ON = ["ready", "running", "paused", "canceling"];
 const SURE_MS = 4000;
 
 class Acts {
-  /** @param host element  @param line Line  @param told {said(words, good)} */
+  /** @param host element  @param line Line  @param told {said(words, kind)} */
   constructor(host, line, told) {
     Object.assign(this, { host, line, told });
     const button = (id, words, title, order) => make("button", { type: "button", "data-act": id, title, on: { click: () => order() } }, words);
@@ -65,10 +65,15 @@ class Acts {
 
   async order(order) {
     const name = this.who.value.trim();
-    const receipt = await this.line.order({ ...order, by: name ? `operator ${name} (page)` : "operator (page)" });
     const what = order.option ? `answer '${order.option}'` : order.command.replace("_", "-") + (order.to ? ` to ${order.to}` : "");
-    this.told.said(receipt.success ? `${what}: done${receipt.why ? `, ${receipt.why}` : ""}` : `${what}: refused. ${receipt.why}`, receipt.success);
-    return receipt;
+    this.told.said(`${what}: sent …`, "sent");
+    const late = () => this.told.said(`${what}: NO ANSWER – it may or may not have arrived; use the robot's own stop`, "alarm");
+    const given = { ...order, by: name ? `operator ${name} (page)` : "operator (page)" };
+    const { fate, why } = await this.line.order(given, late);
+    if (fate === "done") this.told.said(`${what}: done${why ? `, ${why}` : ""}`, "good");
+    else if (fate === "refused") this.told.said(`${what}: refused. ${why}`, "bad");
+    else if (fate === "waiting") this.told.said(`${what}: NOT TAKEN YET – ${why}`, "alarm");
+    else if (fate === "undelivered") this.told.said(`${what}: not delivered; the run cannot be reached. Use the robot's own stop`, "alarm");
   }
 }
 

@@ -3,12 +3,13 @@
 // Rule: the token travels in a header alone, never in an address.
 
 const OPENS_MS = 10000, SILENT_MS = 2500, FIRST_MS = 150, LONGEST_MS = 2000;
+const ANSWERS_MS = 2000, LASTING = ["e_stop", "cancel"];
 const UNREACHED = "the run does not answer";
 
 class Line {
   /** @param token text  @param told {message(kind, data), line(word, why)} */
   constructor(token, told) {
-    Object.assign(this, { token, told, last: "", wait: FIRST_MS, over: false });
+    Object.assign(this, { token, told, last: "", wait: FIRST_MS, over: false, clock: null });
   }
 
   headers(more) {
@@ -23,13 +24,30 @@ class Line {
     }
   }
 
-  /** Gives an order; what became of it. */
-  async order(order) {
+  /** When an order is given, by the server's clock as it was last heard. */
+  sent() {
+    return this.clock ? { "X-Mission-Sent": String(this.clock.sent + (performance.now() - this.clock.heard) / 1000) } : {};
+  }
+
+  /** Gives an order; its fate is done, refused, waiting, unanswered or undelivered. `late` hears once that no answer has come so
+   *  far: then a stop and a cancel go on trying to get through, and any other order is taken back as far as it can be. */
+  async order(order, late) {
+    const cut = new AbortController();
+    let isLate = false;
+    const timer = setTimeout(() => {
+      isLate = true;
+      late();
+      if (!LASTING.includes(order.command)) cut.abort();
+    }, ANSWERS_MS);
     try {
-      const answer = await fetch("/orders", { method: "POST", headers: this.headers({ "Content-Type": "application/json" }), body: JSON.stringify(order), redirect: "error" });
-      return await answer.json();
-    } catch (error) {
-      return { success: false, why: `the run could not be reached (${error.message}); the order may not have arrived` };
+      const headers = this.headers({ "Content-Type": "application/json", ...this.sent() });
+      const answer = await fetch("/orders", { method: "POST", headers, body: JSON.stringify(order), redirect: "error", cache: "no-store", signal: cut.signal });
+      const { success, why } = await answer.json();
+      return { fate: success ? "done" : answer.status === 202 ? "waiting" : "refused", why };
+    } catch {
+      return { fate: isLate ? "unanswered" : "undelivered", why: "" };
+    } finally {
+      clearTimeout(timer);
     }
   }
 
@@ -92,6 +110,7 @@ class Line {
   message(block) {
     const fields = Object.fromEntries(block.split("\n").map((each) => [each.slice(0, each.indexOf(": ")), each.slice(each.indexOf(": ") + 2)]));
     const kind = fields.event, data = JSON.parse(fields.data);
+    if (typeof data.sent === "number") this.clock = { sent: data.sent, heard: performance.now() };
     this.told.message(kind, data);
     if (fields.id) this.last = fields.id;
     if (kind === "end") this.over = true;

@@ -35,7 +35,7 @@ class Live {
     this.board = new Board(byId("board"), chart.keys);
     this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
     this.tail = new Tail(byId("steps"), { go });
-    if (acts) this.acts = new Acts(byId("acts"), this.line, { said: (words, good) => this.said(words, good) });
+    if (acts) this.acts = new Acts(byId("acts"), this.line, { said: (words, kind) => this.said(words, kind) });
     byId("name").textContent = shown(chart.name);
     byId("version").textContent = shown(chart.version);
     byId("where").textContent = shown([this.data.run && `run ${this.data.run}`, this.data.journal].filter(Boolean).join(" · "));
@@ -199,7 +199,7 @@ class Live {
     const made = new Asked(question, Boolean(this.acts) && this.data.answers, {
       answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, option, parameters }),
       picture: (canvas, query) => this.cameras.picture(canvas, query),
-      said: (words) => this.said(words, false), go: (name) => this.go("state", name),
+      said: (words) => this.said(words, "bad"), go: (name) => this.go("state", name),
     });
     this.asked.set(question.number, made);
     byId("asked").append(made.element);
@@ -215,13 +215,14 @@ class Live {
     if (this.reached) this.cameras.look(this.state.board);
   }
 
-  said(words, good) {
+  said(words, kind) {
     const element = byId("said");
     element.hidden = false;
-    element.className = good ? "good" : "bad";
+    element.className = kind;
     element.textContent = shown(words);
     clearTimeout(this.quiet);
-    this.quiet = setTimeout(() => { element.hidden = true; }, good ? 4000 : 15000);
+    const stays = { good: 4000, bad: 15000 }[kind]; // an alarm stays until something else is said
+    if (stays) this.quiet = setTimeout(() => { element.hidden = true; }, stays);
   }
 
   select(kind, name, places) {
