@@ -7,6 +7,7 @@ Rule: the run is not asked, slowed or locked; the file is looked at here, and on
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import time
 from collections.abc import Callable
@@ -18,10 +19,14 @@ from rai_missions.journal.record import Record
 from rai_missions.journal.rows import GENESIS, Raw, chained
 from rai_missions.mission import Mission
 from visualize.live.scene import Scene
+from visualize.live.writer import is_written
 
 __all__ = ("JournalFeed",)
 
 LOOKS_EVERY_S = 0.1
+ASKS_EVERY = 10
+"""Looks after which it is asked whether anybody still writes."""
+CUT_SHORT = "no process writes its journal any more, and no end of the mission is in it"
 BATCH = 2000
 """Rows that are read before what they say is passed on."""
 
@@ -72,12 +77,13 @@ class JournalFeed:
 
     def now(self) -> float:
         scene = self._scene
-        return scene.at if scene.outcome else scene.at + time.monotonic() - self._heard_at
+        return scene.at if scene.outcome or scene.cut else scene.at + time.monotonic() - self._heard_at
 
     async def _look(self, wake: Callable[[], None]) -> None:
-        while True:
+        for count in itertools.count(1):
             await asyncio.sleep(LOOKS_EVERY_S)
-            if self._stat() != self._size:
+            asks = count % ASKS_EVERY == 0 and not (self._scene.outcome or self._scene.cut)
+            if self._stat() != self._size or (asks and not await asyncio.to_thread(is_written, self.path)):
                 wake()
 
     def _stat(self) -> tuple[object, ...]:
@@ -93,7 +99,7 @@ class JournalFeed:
 
     def _read(self) -> bool:
         """Take up what has been written since; whether that was all."""
-        size = self._stat()
+        size, goes_on = self._stat(), is_written(self.path)  # asked first: what was written before is read below
         try:
             record = Record(self.path)  # closed with the last picture that may be asked of it
             for count, raw in enumerate(record.raw(self._number)):
@@ -103,6 +109,7 @@ class JournalFeed:
         except MissionError as error:
             self._scene.fault(str(error))
         self._size = size
+        self._scene.cut_short("" if goes_on or self._scene.outcome else CUT_SHORT)
         return True
 
     def _follow(self, record: Record, raw: Raw) -> None:

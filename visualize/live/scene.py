@@ -46,6 +46,8 @@ class Scene:
         self.board: dict[str, tuple[Any, float]] = dict(board or {})
         self.questions = {question.number: question for question in questions}
         self.paused_at: float | None = at if mode == "paused" else None
+        self.cut = ""
+        """How it is known that the run was cut short; empty where it was not."""
         self.faults: list[str] = []
         """What keeps the page from showing all of the run."""
         self.tail: deque[Json] = deque(maxlen=TAIL)
@@ -84,6 +86,12 @@ class Scene:
         if sentence not in self.faults:
             self.faults.append(sentence)
             self._fields.add("faults")
+
+    def cut_short(self, sentence: str) -> None:
+        """Say how it is known that nothing more comes; empty where the run goes on."""
+        if sentence != self.cut:
+            self.cut = sentence
+            self._fields.add("cut")
 
     def _write(self, key: str, value: Any, stamp: float) -> None:
         entry = self.board.get(key)
@@ -187,7 +195,7 @@ class Scene:
 
     def whole(self) -> Json:
         """All of it."""
-        names = ("mode", "control", "active", "questions", "outcome", "why", "paused_at", "faults")
+        names = ("mode", "control", "active", "questions", "outcome", "why", "paused_at", "cut", "faults")
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {"board": board, "steps": list(self.tail)}
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import json
 import sqlite3
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,11 +14,12 @@ import pytest
 
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import Header, Journal
+from rai_missions.journal.database import Lock
 from rai_missions.mission import Mission
 from tests.visualize.live.stage import Run, Viewer, ask, until
 from tests.visualize.live.test_scene import play
 from tests.visualize.page.reading import answered, journal_of
-from tests.visualize.runs import tractor
+from tests.visualize.runs import ROOT, tractor
 from visualize.live import JournalFeed, LivePage, Place
 
 
@@ -107,3 +110,52 @@ def test_a_journal_that_goes_away_is_told(tmp_path: Path, page: LivePage) -> Non
     path.unlink()
     until(lambda: "there is no such file" in "".join(viewer.seen["faults"]), "it is told")
     viewer.cut()
+
+
+WRITES = """
+import json, sys
+from rai_missions.journal import Header, Journal
+from tests.visualize.live.stage import Run
+from tests.visualize.runs import ROOT, tractor
+journal = Journal.create(sys.argv[1], Header(json.dumps(tractor().written())))
+journal.write(Run(tractor()).start(), since=0.0)
+print("written", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_a_run_whose_process_is_dead_was_cut_short(tmp_path: Path, page: LivePage) -> None:
+    path = tmp_path / "a.journal"
+    words = [sys.executable, "-c", WRITES, str(path)]
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=ROOT) as writer:
+        assert writer.stdout is not None
+        assert writer.stdout.readline() == b"written\n"
+        feed = JournalFeed(path)
+        page.start(feed.mission, feed)
+        viewer = Viewer(page)
+        until(lambda: viewer.sees(mode="running", cut=""), f"{viewer.seen}")
+        writer.kill()
+    until(lambda: "no process writes" in viewer.seen["cut"], f"{viewer.seen}")
+    assert feed.now() == feed.now() == feed._scene.at
+    late = Viewer(page)
+    until(lambda: "no process writes" in late.seen.get("cut", ""), f"{late.seen}")
+    viewer.cut()
+    late.cut()
+
+
+def test_a_run_that_has_ended_was_not_cut_short(tmp_path: Path) -> None:
+    path = journal_of(tmp_path / "a.journal", tractor(), answered(tractor()))
+    feed = JournalFeed(path)
+    assert feed._read()
+    assert (feed._scene.outcome, feed._scene.cut) == ("aborted", "")
+
+
+def test_a_journal_that_is_written_again_goes_on(tmp_path: Path) -> None:
+    path = journal_of(tmp_path / "a.journal", tractor(), answered(tractor())[:3])
+    feed = JournalFeed(path)
+    assert feed._read()
+    assert feed._scene.cut
+    lock = Lock(path, new=False)
+    assert feed._read()
+    assert feed._scene.cut == ""
+    lock.release()

@@ -6,7 +6,7 @@ const FADES_MS = 4000, TICK_MS = 200;
 class Live {
   constructor(token) {
     this.line = new Line(token, { message: (kind, data) => this.message(kind, data), line: (word, why) => this.lineIs(word, why) });
-    this.state = { mode: "ready", control: "", active: [], questions: [], board: {}, outcome: "", why: "", paused_at: null, faults: [] };
+    this.state = { mode: "ready", control: "", active: [], questions: [], board: {}, outcome: "", why: "", cut: "", paused_at: null, faults: [] };
     this.taken = new Map();
     this.dirty = new Set();
     this.reached = false;
@@ -100,7 +100,7 @@ class Live {
 
   /** Nothing more comes of the run. */
   get isOver() {
-    return Boolean(this.state.outcome);
+    return Boolean(this.state.outcome || this.state.cut);
   }
 
   /** Seconds since anything was heard. */
@@ -160,14 +160,15 @@ class Live {
   }
 
   status() {
-    const { mode, control, outcome, why, faults } = this.state;
+    const { mode, control, outcome, why, cut, faults } = this.state;
     const away = !this.reached && !this.isOver;
     this.lineWord();
-    byId("mode").textContent = away && GOES_ON.includes(mode) ? `${mode}?` : mode;
-    byId("mode").dataset.mode = mode;
+    byId("mode").textContent = cut ? "cut short" : away && GOES_ON.includes(mode) ? `${mode}?` : mode;
+    byId("mode").dataset.mode = cut ? "cut" : mode;
     byId("control").textContent = control;
     byId("control").dataset.control = control;
-    byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why) : "");
+    byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why)
+      : cut ? make("p", { class: "outcome" }, make("b", {}, "the run was cut short: "), cut) : "");
     byId("banner").hidden = !faults.length;
     byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)));
     document.body.classList.toggle("away", away);
