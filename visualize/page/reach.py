@@ -12,11 +12,18 @@ from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import NamedTuple
 
+from rai_missions.effects import Raise
 from rai_missions.mission import Mission
-from rai_missions.states import Compound, Each, Final, History, State
-from rai_missions.states.state import Transition
+from rai_missions.states import Compound, Each, Final, History, State, Tree
+from rai_missions.states.state import OUTCOMES, Transition
+from rai_missions.states.tree import tree_paths
+from rai_missions.states.tree.behaviour import BehaviourLeaf
+from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf, DecisionLeaf, WaitLeaf
 
 __all__ = ("Reached", "Roads")
+
+SLOW = (ActionLeaf, BehaviourLeaf, CallLeaf, DecisionLeaf, WaitLeaf)
+"""The leaves of a tree that it waits for; one without them may end as soon as it begins."""
 
 
 class Reached(NamedTuple):
@@ -73,6 +80,39 @@ class Roads:
         """Whose rows may fire while a state is active, the mission's own (`""`) last; none where the mission ends."""
         ends = isinstance(self.states[name], Final) and name not in self.parents
         return () if ends else (name, *self.above(name), "")
+
+    def at_once(self, targets: Iterable[str]) -> frozenset[str]:
+        """What may be entered in the same breath, themselves included: nothing is heard, finished or waited for."""
+        found: set[str] = set()
+        waiting = list(targets)
+        while waiting:
+            name = waiting.pop()
+            if name in found or name not in self.states:
+                continue
+            found.add(name)
+            waiting += self.inside(name)
+            heard = self._raised | self._ends_at_once(name)
+            for around in self.hearing(name):
+                rows = (row for _, row in self.rows[around] if row.eventless or not heard.isdisjoint(row.on))
+                waiting += (target for row in rows for target in row.to)
+        return frozenset(found)
+
+    def _ends_at_once(self, name: str) -> frozenset[str]:
+        """The outcomes, of it and of what is around it, that may be there as soon as it is entered."""
+        state = self.states[name]
+        if isinstance(state, Tree):
+            waits = any(isinstance(node, SLOW) for _, node in tree_paths(state.tree))
+            return frozenset() if waits else frozenset(OUTCOMES)
+        if isinstance(state, Final):
+            return frozenset(OUTCOMES) - (set() if state.final == "succeeded" else {"succeeded"})
+        return frozenset(OUTCOMES if isinstance(state, Each) else ())
+
+    @cached_property
+    def _raised(self) -> frozenset[str]:
+        """The events that the mission raises itself, at once."""
+        effects = [each for rows in self.rows.values() for _, row in rows for each in row.do]
+        effects += [each for state in self.states.values() for each in (*state.entry, *state.exit)]
+        return frozenset(each.event for each in effects if isinstance(each, Raise) and each.after_s is None)
 
     def inside(self, name: str) -> Iterable[str]:
         """What may be entered with a state, and by nothing else than being there.

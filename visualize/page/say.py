@@ -68,8 +68,9 @@ def say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
         sections.append((f"{each.state}: “{each.asked.question}”", list(_told(each, edges, roads))))
     after = roads.onward(direct)
     finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
-    ends = [item(_end_words(name, state, direct, after), state=name) for name, state in finals]
-    sections.insert(0, ("Ends", [*ends, item("no answer sets the state, and none alone makes a mission succeed")]))
+    at_once = roads.at_once(direct)
+    ends = [item(_end_words(name, state, at_once, after), state=name) for name, state in finals]
+    sections.insert(0, ("Ends", [*ends, *_success_words(finals, at_once)]))
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
     states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
     return lens(
@@ -80,9 +81,8 @@ def say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
 
 def _told(each: AskedHere, edges: list[Edge], roads: Roads) -> Iterator[Json]:
     asked = each.asked
-    within = f"at most {asked.deadline_s:g} s" if asked.deadline_s is not None else "no deadline"
     often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
-    yield item(f"bounded: asks {', then '.join(asked.ask)}, {often} each, {within}", state=each.state)
+    yield item(f"bounded: asks {', then '.join(asked.ask)}, {often} each, {_within(asked)}", state=each.state)
     yield item(f"fallback: {asked.fallback}" if asked.fallback else "no fallback: without an answer it has failed")
     for name, option in asked.options.items():
         bound = f"only when {option.when.words()}" if option.when is not None else "always open"
@@ -96,6 +96,29 @@ def _told(each: AskedHere, edges: list[Edge], roads: Roads) -> Iterator[Json]:
         )
 
 
+def _within(asked: Asked) -> str:
+    """How long it takes at the most, and how that is split among those who are asked."""
+    most = f"at most {asked.deadline_s:g} s" if asked.deadline_s is not None else "no deadline"
+    if asked.within_s is not None:
+        return f"{most}, {asked.within_s:g} s at most for an attempt"
+    if asked.deadline_s is None or len(asked.ask) == 1:
+        return most
+    share = asked.deadline_s / len(asked.ask)
+    shares = ", ".join(
+        f"{share:.3g} s{'' if index else ' of these'} for the {who}" for index, who in enumerate(asked.ask)
+    )
+    return f"{most}, {shares}; an attempt has an equal share of the time that is left by then"
+
+
+def _success_words(finals: list[tuple[str, Final]], at_once: frozenset[str]) -> list[Json]:
+    said = ["no answer sets the state"]
+    for name, state in finals:
+        if name in at_once and state.final == "succeeded":
+            held = f"where {state.requires.words()} already holds, " if state.requires is not None else ""
+            said.append(f"{held}the answer ends the mission as succeeded, in '{name}'")
+    return [item(each) for each in (said if len(said) > 1 else [f"{said[0]}, and none alone makes a mission succeed"])]
+
+
 def _ends_after(targets: list[str], roads: Roads) -> str:
     after = roads.onward(targets).states
     finals = [name for name, state in roads.mission.states.items() if isinstance(state, Final)]
@@ -105,12 +128,11 @@ def _ends_after(targets: list[str], roads: Roads) -> str:
     return f"; from there never {', '.join(missed)}"
 
 
-def _end_words(name: str, state: Final, direct: set[str], after: Reached) -> str:
+def _end_words(name: str, state: Final, at_once: frozenset[str], after: Reached) -> str:
     facts = f", and only if {state.requires.words()}" if state.requires is not None else ""
-    if name in direct:
+    if name in at_once:
         return f"{name} ({state.final}): an answer leads there at once{facts}"
     if name in after.states:
-        return (
-            f"{name} ({state.final}): not by an answer alone: an event or what the robot reports must lead there{facts}"
-        )
+        needed = "an event, what the robot reports, or time that passes must lead there"
+        return f"{name} ({state.final}): not by an answer alone: {needed}{facts}"
     return f"{name} ({state.final}): out of reach of every answer"

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,7 +21,7 @@ from rai_missions.step import Step
 from rai_missions.trees import PyTrees
 from tests.strategies import EVENTS, missions
 from tests.visualize.page.reading import answered, data_of, folded, journal_of
-from tests.visualize.runs import hostile, run, tractor
+from tests.visualize.runs import document, hostile, run, tractor
 from visualize.page import review, review_data, run_of_steps
 from visualize.page.plain import plain
 from visualize.page.reach import Roads
@@ -150,6 +151,63 @@ def test_no_answer_of_the_tractors_model_leads_to_success_at_once() -> None:
     assert "not by an answer alone" in said["done"]
     assert "and only if alleys_driven ≥ alleys" in said["done"]
     assert "an answer leads there at once" in said["aborted"]
+
+
+def ends_of(change: Callable[[dict[str, Any]], Any]) -> list[str]:
+    """What the first lens says of the ends of the tractor's mission, changed."""
+    given = document()
+    change(given["states"])
+    lens = review_data(Mission.model_validate(given))["lenses"][0]
+    return [item["text"] for item in next(each for each in lens["sections"] if each["heading"] == "Ends")["items"]]
+
+
+def abort_to(states: dict[str, Any], target: str) -> None:
+    next(row for row in states["assessing"]["transitions"] if row["on"] == "abort")["to"] = target
+
+
+def through_a_room(states: dict[str, Any]) -> None:
+    abort_to(states, "room")
+    states["room"] = {"initial": "end", "states": {"end": {"final": "succeeded"}}}
+    states["room"]["transitions"] = [{"on": "succeeded", "to": "done"}]
+
+
+def through_a_wait(states: dict[str, Any]) -> None:
+    abort_to(states, "still")
+    states["still"] = {"transitions": [{"when": {"key": "alleys", ">": 0}, "to": "done"}]}
+
+
+@pytest.mark.parametrize("change", [lambda states: abort_to(states, "done"), through_a_wait, through_a_room])
+def test_an_answer_that_may_end_the_mission_as_succeeded_is_told(change: Callable[[dict[str, Any]], Any]) -> None:
+    said = ends_of(change)
+    assert any(each.startswith("done (succeeded): an answer leads there at once") for each in said)
+    assert said[-1].startswith("where alleys_driven ≥ alleys")
+    assert said[-1].endswith("already holds, the answer ends the mission as succeeded, in 'done'")
+    assert not any("none alone" in each for each in said)
+
+
+def test_time_that_passes_may_lead_to_an_end() -> None:
+    def later(states: dict[str, Any]) -> None:
+        abort_to(states, "still")
+        states["still"] = {"transitions": [{"after_s": 5, "to": "done"}]}
+
+    said = ends_of(later)
+    assert any(
+        each.startswith("done (succeeded): not by an answer alone") and "time that passes" in each for each in said
+    )
+    assert "none alone makes a mission succeed" in said[-1]
+
+
+@pytest.mark.parametrize(("asked", "said"), [
+    ({"ask": ["agent", "operator"]}, "at most 20 s, 10 s of these for the agent, 10 s for the operator; an attempt"),
+    ({"ask": ["agent"]}, "at most 20 s"),
+    ({"ask": ["agent", "operator"], "within_s": 4}, "at most 20 s, 4 s at most for an attempt"),
+])  # fmt: skip
+def test_how_the_time_of_a_decision_is_split_is_told(asked: dict[str, Any], said: str) -> None:
+    given = document()
+    given["states"]["assessing"]["decision"] |= {"deadline_s": 20, **asked}
+    texts = [item["text"] for each in review_data(Mission.model_validate(given))["lenses"][0]["sections"]
+             for item in each["items"]]  # fmt: skip
+    assert any(said in text for text in texts if text.startswith("bounded"))
 
 
 def test_a_question_has_its_evidence_its_picture_its_answers_and_the_verdicts() -> None:

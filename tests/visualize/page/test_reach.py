@@ -47,8 +47,9 @@ def hold(mission: Mission) -> None:
     reach: dict[frozenset[str], frozenset[str]] = {}
     for number in range(space.states):
         entered: set[str] = set()
-        while number >= 0:
-            number, is_cancel, moves = space.came[number]
+        here = number
+        while here >= 0:
+            here, is_cancel, moves = space.came[here]
             for move in reversed(moves):
                 entered |= set(move.entered)
                 leads = frozenset(name for place in move.taken for name in to[place])
