@@ -14,7 +14,7 @@ from typing import Any
 from rai_missions.connectors.connector import Close, Connector, Reply
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
-from rai_missions.robot import EventSource, Robot, Source
+from rai_missions.robot import EventSource, Robot, Source, unsaid
 
 __all__ = ("Senses",)
 
@@ -115,7 +115,9 @@ class Senses:
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle(key, error)
                 return
-            if value is not None:
+            if value is None:
+                self._miss(key, source, message)
+            else:
                 self._post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
 
         return hear
@@ -125,6 +127,8 @@ class Senses:
             try:
                 fires = source.fires(message)
                 happens = source.happens(self._before.get(name), fires)
+                if happens or fires is None:
+                    self._miss(name, source, message)
                 self._before[name] = fires
                 if happens:
                     self._post(Event(name, self._now(), source.payload(message)))
@@ -147,6 +151,12 @@ class Senses:
                 self._post(Event(holder, self._now(), {"by": "robot"}, "control"))
 
         return hear
+
+    def _miss(self, name: str, source: Source | EventSource, message: Mapping[str, Any]) -> None:
+        """What was sought is not in a message: it has no place there, which is told once, or was left open."""
+        if name not in self._puzzled and (why := unsaid(source, message)):
+            self._puzzled.add(name)
+            log.warning("'%s': %s", name, why)
 
     def _puzzle(self, name: str, error: Exception) -> None:
         if name not in self._puzzled:

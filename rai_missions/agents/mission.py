@@ -29,7 +29,7 @@ from rai_missions.load import dump, load
 from rai_missions.mission import Mission
 from rai_missions.recording import Recording, observers, recorded
 from rai_missions.resume import Resumption
-from rai_missions.robot import Robot, dump_profile, identity_folder, lacking, load_profile, missing
+from rai_missions.robot import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Step
 from rai_missions.verdict import Answerer
@@ -157,8 +157,13 @@ class Prepared:
             clock = self._continued(heard or setting.clock or WallClock())
             room = importlib.import_module(REMOTE[kind])
             opened: Connector = room.open_connector(options, now=clock.now)
-            if hasattr(room, "why_absent") and (faults := lacking(self.mission, self.robot, room.why_absent)):
-                raise DefinitionError(faults, str(setting.robot))
+            if hasattr(room, "why_absent"):
+                faults = (
+                    *lacking(self.mission, self.robot, room.why_absent),
+                    *misnamed(self.mission, self.robot, room.fields_of),
+                )
+                if faults:
+                    raise DefinitionError(faults, str(setting.robot))
             if heard is not None:
                 self._follow(heard, opened)
             return None, opened, clock

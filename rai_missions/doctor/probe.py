@@ -54,6 +54,13 @@ def types(wanted: list[list[Any]]) -> list[str]:
     return [why_absent(name, kind) for name, kind in wanted]
 
 
+def fields(wanted: list[list[Any]]) -> list[Any]:
+    """What each type of a kind holds; None for one that is not here."""
+    from rai_missions.connectors.ros2 import fields_of
+
+    return [fields_of(name, kind) for name, kind in wanted]
+
+
 def graph(given: Mapping[str, Any]) -> dict[str, dict[str, str]]:
     """What is there by mode, waited for as long as something wanted is not."""
     from rai_missions.agents.mission import REMOTE
@@ -86,7 +93,13 @@ def _awaited(is_so: Callable[[], bool], within_s: float) -> bool:
     return True
 
 
-PROBES: Mapping[str, Callable[[Any], Any]] = {"load": load, "discovery": discovery, "types": types, "graph": graph}
+PROBES: Mapping[str, Callable[[Any], Any]] = {
+    "load": load,
+    "discovery": discovery,
+    "types": types,
+    "fields": fields,
+    "graph": graph,
+}
 
 
 def main() -> int:

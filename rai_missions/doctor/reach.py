@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from rai_missions.agents.mission import REMOTE
 from rai_missions.connectors.connector import Mode
-from rai_missions.doctor.finding import Finding, tried
-from rai_missions.robot import Robot
-from rai_missions.robot.types import typed
+from rai_missions.doctor.finding import Finding, Tried, tried
+from rai_missions.robot import Robot, misnamed
+from rai_missions.robot.types import Kind, heard, typed
 from rai_missions.wording import suggestion
 from rai_missions.worlds.world import WORLDS
 
@@ -113,10 +113,25 @@ def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
     if found.fault:
         yield Finding("missing", f"the types that '{robot.name}' names cannot be looked up", found.fault)
         return
+    yield from _fields(robot, given)
     absent = [(each, why) for each, why in zip(asked, found.said, strict=True) if why]
     yield from (Finding("missing", f"{each.place.lstrip('/')}: {each.type}", why) for each, why in absent)
     if not absent:
         yield Finding("ok", f"all {len({each.type for each in asked})} types that '{robot.name}' names are here")
+
+
+def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
+    """Fields of which the profile speaks, and the types have not."""
+    asked: list[tuple[str, Kind]] = [
+        (source.type, "srv" if source.service is not None else "msg") for _, _, source in heard(None, robot)
+    ]
+    found = tried("fields", asked, given) if asked else Tried([])
+    if found.fault:
+        yield Finding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
+        return
+    there = dict(zip(asked, found.said, strict=True))
+    for fault in misnamed(None, robot, lambda name, kind: there[name, kind]):
+        yield Finding("missing", fault.place.lstrip("/"), fault.sentence)
 
 
 def _looked_for(each: Wanted, there: Mapping[str, str]) -> Finding:

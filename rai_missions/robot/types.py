@@ -16,7 +16,7 @@ from rai_missions.states import Action
 from rai_missions.states.tree import ActionLeaf, PublishLeaf
 from rai_missions.wording import pointer
 
-__all__ = ("Kind", "Typed", "lacking", "typed")
+__all__ = ("Kind", "Typed", "heard", "lacking", "typed")
 
 Kind = Literal["msg", "srv", "action"]
 
@@ -32,11 +32,7 @@ class Typed(NamedTuple):
 def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
     """The types of what the mission uses, of everything without one; a type not written is left out."""
     used = _used(mission) if mission is not None else _all(robot)
-    heard: list[tuple[str, str, Source | EventSource]] = [
-        *(("blackboard", name, source) for name, source in robot.blackboard.items() if name in used["blackboard"]),
-        *(("events", name, source) for name, source in robot.events.items() if name in used["events"]),
-    ]
-    for sort, name, source in heard:
+    for sort, name, source in heard(mission, robot):
         yield from _one(source.type, "srv" if source.service is not None else "msg", sort, name, "type")
     for name, action in robot.actions.items():
         if name in used["actions"]:
@@ -52,6 +48,16 @@ def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
             yield from _one(topic.type, "msg", "topics", name, "type")
     for name, service in robot.control.items():
         yield from _one(service.type, "srv", "control", name)
+
+
+def heard(mission: Mission | None, robot: Robot) -> Iterator[tuple[str, str, Source | EventSource]]:
+    """What the mission hears, everything without one: `blackboard` or `events`, the name there, and the source."""
+    for name, source in robot.blackboard.items():
+        if mission is None or name in mission.blackboard:
+            yield "blackboard", name, source
+    for name, event in robot.events.items():
+        if mission is None or name in mission.events:
+            yield "events", name, event
 
 
 def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> tuple[Fault, ...]:

@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.errors import UsageError
+from rai_missions.errors import ConnectorError, UsageError
 
-__all__ = ("REMEDY", "open_connector", "why_absent")
+__all__ = ("REMEDY", "fields_of", "open_connector", "why_absent")
 
 REMEDY = (
     "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "
@@ -38,6 +38,18 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
     from rai_missions.connectors.ros2.connector import Ros2Connector
 
     return Ros2Connector(options, now=now)
+
+
+def fields_of(type_name: str, kind: Literal["msg", "srv"]) -> Mapping[str, Any] | None:
+    """The fields of a message, or of a service's reply, as `describe.describe_type` tells them; None if it cannot."""
+    from rai_missions.connectors.ros2.describe import describe_type
+
+    try:
+        told = describe_type(type_name)
+    except ConnectorError:
+        return None
+    fields: Mapping[str, Any] = told["response"] if kind == "srv" else told
+    return fields
 
 
 def why_absent(type_name: str, kind: Literal["msg", "srv", "action"]) -> str:
