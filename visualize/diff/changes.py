@@ -14,8 +14,9 @@ from rai_missions.states.tree import DecisionLeaf, TreeNode, tree_paths
 from rai_missions.written import Written
 from visualize.diff.aligned import parents
 from visualize.diff.change import Change
-from visualize.diff.fields import Spot, fields, guards
+from visualize.diff.fields import Spot, effects_changed, fields, guards, said
 from visualize.diff.questions import asked_changes, new_questions, offers
+from visualize.diff.reads import Uses, otherwise, uses
 from visualize.diff.rows import Rows, row_changes
 from visualize.diff.ways import Ways, new_ways
 from visualize.words import child_pointer
@@ -25,26 +26,27 @@ __all__ = ("changes",)
 
 def changes(old: Mission, new: Mission) -> Iterator[Change]:
     """Every change, in the order of the new mission."""
-    before, after = Ways(old), Ways(new)
+    before, after, used = Ways(old), Ways(new), uses(old, new)
     whole = Spot("", "", "mission")
     yield from fields(old, new, whole, ("version",))
     yield from _named("key", old.blackboard, new.blackboard, "blackboard")
     yield from _named("event", old.events, new.events, "events")
     yield from _invariants(old, new)
     yield from new_ways(before, after)
-    yield from row_changes(Rows(old.transitions, new.transitions, whole, before, after, new))
+    yield from row_changes(Rows(old.transitions, new.transitions, whole, before, after, used))
     left = {name: (place, state) for place, name, state in old.walk()}
     around, now_around = parents(old), parents(new)
     for place, name, state in new.walk():
         if name not in left:
             yield Spot("", place, name, name).came("rest", "state added", "other", after=_is(state))
             yield from new_questions(state, place, name)
+            yield from _does_on_the_way(state, Spot("", place, name, name), used)
             continue
         spot = Spot(left[name][0], place, name, name)
         if around[name] != now_around[name]:
             was, now = (f"in '{each}'" if each else "at the top" for each in (around[name], now_around[name]))
             yield spot.changed("form", "moved", "safety", before=was, after=now)
-        yield from _state(left[name][1], state, spot, (before, after, new))
+        yield from _state(left[name][1], state, spot, (before, after, used))
     for name, (place, state) in left.items():
         if name not in now_around:
             yield Spot(place, "", name, name).went("rest", "state removed", "other", before=_is(state))
@@ -54,21 +56,36 @@ def _is(state: State) -> str:
     return state.activity() or state.word or "a state that waits"
 
 
-def _state(old: State, new: State, spot: Spot, ways: tuple[Ways, Ways, Mission]) -> Iterator[Change]:
+def _state(old: State, new: State, spot: Spot, ways: tuple[Ways, Ways, Uses]) -> Iterator[Change]:
     if type(old) is not type(new):
         yield spot.changed("form", "is something else", "safety", before=_is(old), after=_is(new))
         yield from new_questions(new, spot.new, spot.subject)
         yield from fields(old, new, spot, of=State)
     else:
         yield from fields(old, new, spot)
+    yield from _passing(old, new, spot, ways[2])
     if isinstance(old, Decision) and isinstance(new, Decision):
         yield from asked_changes(old.decision, new.decision, spot.inside("decision"))
     if isinstance(old, Tree) and isinstance(new, Tree):
         yield from _trees(old, new, spot)
-    options = frozenset(
-        name for each in (old, new) if isinstance(each, Decision) for name in each.options
-    )  # fmt: skip
-    yield from row_changes(Rows(old.transitions, new.transitions, spot, *ways, options))
+    before, after = (frozenset(each.options if isinstance(each, Decision) else ()) for each in (old, new))
+    yield from row_changes(Rows(old.transitions, new.transitions, spot, *ways, before - after, after - before))
+
+
+def _does_on_the_way(state: State, spot: Spot, used: Uses) -> Iterator[Change]:
+    """What a state that was not there does on the way in and out, where that matters to more than a reader."""
+    for word, does in (("entry", state.entry), ("exit", state.exit)):
+        if why := used.matter(does):
+            because = ", ".join(dict.fromkeys(why))
+            yield spot.inside(word).came("effect", f"'{word}' added: {because}", "safety", after=said(does))
+
+
+def _passing(old: State, new: State, spot: Spot, used: Uses) -> Iterator[Change]:
+    """What is done on the way in and out."""
+    for word, was, now in (("entry", old.entry, new.entry), ("exit", old.exit, new.exit)):
+        if was != now:
+            why = used.matter(otherwise(was, now))
+            yield effects_changed(was, now, spot.inside(word), word, why)
 
 
 def _trees(old: Tree, new: Tree, spot: Spot) -> Iterator[Change]:

@@ -17,7 +17,7 @@ from visualize.diff.change import Change, Severity
 from visualize.diff.weaker import relation
 from visualize.words import child_pointer, effects, template
 
-__all__ = ("LIMITS", "Spot", "fields", "grave", "guards", "said")
+__all__ = ("LIMITS", "Spot", "effects_changed", "fields", "grave", "guards", "said")
 
 LIMITS = (
     "timeout_s", "deadline_s", "max_age_s", "settle_s", "handover_s", "cancel_s", "ready_s", "within_s", "attempts",
@@ -38,6 +38,7 @@ WHEN_SET = {"over_orphan": "control", "optional": "trust"}
 """What loosens when it is said, and tightens when it is not."""
 APART = (
     "transitions", "states", "parallel", "decision", "tree", "options", "blackboard", "events", "invariants", "format",
+    "entry", "exit",
 )  # fmt: skip
 """Fields that are compared by hand."""
 
@@ -156,6 +157,13 @@ def guards(
         yield spot.changed(topic, f"{called} {verb}", severity, before=was, after=now)
     elif before != after:
         yield spot.changed("rest", f"{called} written otherwise, means the same", "other", before=was, after=now)
+
+
+def effects_changed(before: Any, after: Any, spot: Spot, word: str, why: Sequence[str]) -> Change:
+    """What is done on the way is otherwise; `why` it matters to more than a reader."""
+    because = f": {', '.join(dict.fromkeys(why))}" if why else ""
+    topic = "effect" if why else "rest"
+    return spot.changed(topic, f"'{word}' changed{because}", grave(bool(why)), before=said(before), after=said(after))
 
 
 def said(value: Any) -> str:

@@ -2,8 +2,8 @@
 """What changed in the rows of a state, or of the mission.
 
 Rule: a row that gives up (it leads to where the mission can no longer succeed) protects: to narrow it, to lead it
-elsewhere or to drop it is `safety`. A row that goes on is one that must be earned: to widen it is. Of a row that needs
-no event both are, for it may be either.
+elsewhere or to drop it is `safety`. A row that goes on is one that must be earned: to add or to widen it is. Of a row
+that needs no event both are, for it may be either. What a row does counts where more than a reader sees it.
 """
 
 from __future__ import annotations
@@ -11,18 +11,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from rai_missions.mission import Mission
 from rai_missions.states import Transition
-from rai_missions.states.state import ANY_EVENT, OUTCOMES
+from rai_missions.states.state import ANY_EVENT
 from visualize.diff.aligned import paired
 from visualize.diff.change import Change, Severity
-from visualize.diff.fields import Spot, grave, guards, said
+from visualize.diff.fields import Spot, effects_changed, grave, guards, said
+from visualize.diff.reads import Uses, otherwise
 from visualize.diff.ways import Ways
 from visualize.words import effects, trigger
 
 __all__ = ("Rows", "row_changes")
-
-FAILURES = frozenset(OUTCOMES) - {"succeeded"}
 
 
 class Rows(NamedTuple):
@@ -34,10 +32,12 @@ class Rows(NamedTuple):
     """Of the state."""
     before: Ways
     after: Ways
-    mission: Mission
-    """The new one."""
-    options: frozenset[str] = frozenset()
-    """Of the state's own decision, in either."""
+    used: Uses
+    """What either mission reads and hears."""
+    gone: frozenset[str] = frozenset()
+    """The options of the state's own decision that are no more."""
+    come: frozenset[str] = frozenset()
+    """Those that were not there; that they are offered is told for itself, with where they lead."""
 
 
 def row_changes(rows: Rows) -> Iterator[Change]:
@@ -46,8 +46,7 @@ def row_changes(rows: Rows) -> Iterator[Change]:
     kept = [(before, after) for before, after in pairs if before is not None and after is not None]
     for before, after in pairs:
         if before is None and after is not None:
-            shadowed = [index for _, index in kept if index > after and _meet(rows.new[after], rows.new[index])]
-            yield _added(rows, after, shadows=bool(shadowed))
+            yield _added(rows, after, shadows=any(_meet(rows.new[after], row) for row in _later(rows, after, kept)))
         elif after is None and before is not None:
             yield _removed(rows, before)
         elif before is not None and after is not None and rows.old[before] != rows.new[after]:
@@ -56,21 +55,30 @@ def row_changes(rows: Rows) -> Iterator[Change]:
         yield rows.spot.inside("transitions").changed("row", "rows are tried in another order", "safety")
 
 
+def _later(rows: Rows, added: int, kept: Sequence[tuple[int, int]]) -> Iterator[Transition]:
+    """The rows that are tried after a new one: those below it that were there, and those of the states around."""
+    yield from (rows.new[index] for _, index in kept if index > added)
+    if rows.spot.subject:
+        for around in (*rows.after.roads.above(rows.spot.subject), ""):
+            yield from (row for _, row in rows.after.roads.rows[around])
+
+
 def _added(rows: Rows, index: int, *, shadows: bool) -> Change:
     row = rows.new[index]
     spot = rows.spot.inside("transitions", str(index))
     if rows.after.ends.intersection(row.to):
         return spot.came("success", f"a new row to '{', '.join(row.to)}'", "safety", after=_row(row))
-    by_itself = not row.on or bool(FAILURES.intersection(row.on))
-    severity = grave((by_itself or shadows) and bool(row.to) and not rows.after.gives_up(row.to))
+    why = rows.used.matter(row.do)
+    answers = bool(row.on) and rows.come.issuperset(row.on)
+    goes_on = bool(row.to) and not answers
+    severity = grave(bool(why) or ((shadows or goes_on) and not rows.after.gives_up(row.to)))
     said_ = "row added, tried before one that it may keep from firing" if shadows else "row added"
     return spot.came("row" if severity == "safety" else "rest", said_, severity, after=_row(row))
 
 
 def _removed(rows: Rows, index: int) -> Change:
     row = rows.old[index]
-    own = set(OUTCOMES) | rows.options
-    severity = grave(rows.before.gives_up(row.to) or not row.on or not own.issuperset(row.on))
+    severity = grave(rows.before.gives_up(row.to) or not row.on or not rows.gone.issuperset(row.on))
     spot = rows.spot.inside("transitions", str(index))
     return spot.went("row" if severity == "safety" else "rest", "row removed", severity, before=_row(row))
 
@@ -82,7 +90,9 @@ def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
         f"{rows.spot.old}/transitions/{before}", f"{rows.spot.new}/transitions/{after}",
         f"{rows.spot.whose}: row '{name}'", rows.spot.subject,
     )  # fmt: skip
-    for field in ("on", "of", "after_s", "to", "do", "internal", "about"):
+    if old.do != new.do:
+        yield effects_changed(old.do, new.do, spot.inside("do"), "do", rows.used.matter(otherwise(old.do, new.do)))
+    for field in ("on", "of", "after_s", "to", "internal", "about"):
         was, now = getattr(old, field), getattr(new, field)
         if was != now and not (field == "on" and set(was) == set(now)):
             topic, severity = _weighed(rows, field, old, new)
@@ -99,14 +109,15 @@ def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
 
 def _weighed(rows: Rows, field: str, old: Transition, new: Transition) -> tuple[str, Severity]:
     """What a change of a row's field is about, and whether it is for a reviewer to judge."""
-    if field in ("do", "internal", "about"):
-        return "words" if field == "about" else "rest", "other"
+    if field == "about":
+        return "words", "other"
+    if field == "internal":
+        return "row", "safety"
     if field == "to" and rows.after.ends.intersection(set(new.to) - set(old.to)):
         return "success", "safety"
     gave_up, gives_up = rows.before.gives_up(old.to), rows.after.gives_up(new.to)
     if field == "to":
-        plain = set(old.on) == {"succeeded"} and not gave_up
-        return "row", grave(not plain and not (gives_up and not gave_up))
+        return "row", grave(gave_up or not gives_up)
     if field == "after_s" and gave_up and old.after_s is not None and new.after_s is not None:
         return "limit", grave(new.after_s > old.after_s)
     more = field == "on" and set(old.on) <= set(new.on)

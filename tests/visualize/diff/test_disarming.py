@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One edit a case by which the design's mission loses its teeth: none of them may be told as nothing."""
+"""One edit a case by which the tractor's mission loses its teeth: none of them may be told as nothing."""
 
 from __future__ import annotations
 
@@ -9,9 +9,22 @@ from typing import Any
 import pytest
 
 from rai_missions.mission import Mission
-from tests.visualize.diff.test_severity import Mutation, asked_of_people, compared, decision, drive_over, states
-from tests.visualize.runs import document, tractor
-from visualize import difference
+from tests.visualize.diff.test_severity import Json, Mutation, asked_of_people, decision, drive_over, row, states
+from tests.visualize.runs import ROOT, document, tractor
+from visualize import Difference, difference
+
+FORGET = [{"set": "crossings", "value": 0}]
+
+
+def shipped() -> Json:
+    found: Json = json.loads((ROOT / "missions/tractor/mission.json").read_text(encoding="utf-8"))
+    return found
+
+
+def compared(change: Mutation) -> Difference:
+    old, new = shipped(), shipped()
+    change(new)
+    return difference(*map(Mission.model_validate, (old, new)))
 
 
 @pytest.mark.parametrize(("old", "new", "sort"), [("anomaly", "trouble", "event"), ("battery", "charge", "key")])
@@ -64,6 +77,28 @@ DISARMS: list[tuple[str, Mutation, str, str]] = [
     ("tree_node_gone", lambda new: horn(new).pop(), "tree", "signalling: tree node 'sequence/1': removed"),
     ("tree_node_added", lambda new: horn(new).append({"action": "cross"}), "tree",
      "signalling: tree node 'sequence/2': added"),
+    ("counts_no_more", lambda new: states(new)["crossing"].pop("entry"), "effect",
+     "crossing: 'entry' changed: 'crossings' is read"),
+    ("counts_backwards", lambda new: states(new)["crossing"]["entry"][0].update(add=-1), "effect",
+     "crossing: 'entry' changed: 'crossings' is read"),
+    ("forgets", lambda new: states(new)["assessing"].update(exit=FORGET), "effect",
+     "assessing: 'exit' changed: 'crossings' is read"),
+    ("row_forgets", lambda new: row(new, "assessing", 1).update(do=FORGET), "effect",
+     "assessing: row 'replan': 'do' changed: 'crossings' is read"),
+    ("row_that_only_forgets",
+     lambda new: states(new)["crossing"]["transitions"].append({"after_s": 1, "do": FORGET}), "row",
+     "crossing: row added"),
+    ("halts_no_more", lambda new: states(new)["done"].pop("entry"), "effect",
+     "done: 'entry' changed: it is told to the robot"),
+    ("halts_otherwise", lambda new: states(new)["done"]["entry"][0].update(call="carry_on"), "effect",
+     "done: 'entry' changed: it is told to the robot"),
+    ("raises", lambda new: row(new, "assessing", 1).update(do=[{"raise": "anomaly"}]), "effect",
+     "assessing: row 'replan': 'do' changed: rows hear 'anomaly'"),
+    ("swallows", lambda new: states(new)["assessing"]["transitions"].append({"on": "e_stop"}), "row",
+     "assessing: row added, tried before one that it may keep from firing"),
+    ("success_leads_elsewhere", lambda new: row(new, "replanning", 0).update(to="crossing"), "row",
+     "replanning: row 'succeeded': 'to' changed"),
+    ("success_unheard", lambda new: states(new)["crossing"]["transitions"].pop(1), "row", "crossing: row removed"),
 ]  # fmt: skip
 
 

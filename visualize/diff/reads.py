@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission reads and hears, and so which of its effects matter to more than a reader.
+
+Rule: an effect matters where it writes a key that is read anywhere, raises or takes back an event that a row hears, or
+has the robot do something. A sentence that is said or logged does not.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions import renaming
+from rai_missions.effects import Call, Drop, Effect, Publish, Raise, Set
+from rai_missions.mission import Mission
+from rai_missions.states import Transition
+from rai_missions.states.state import ANY_EVENT
+from rai_missions.written import Written
+
+__all__ = ("Uses", "otherwise", "uses")
+
+WRITTEN_TO = ("result",)
+"""Fields in which keys are written, besides those that name a key and nothing else."""
+
+
+class Uses(NamedTuple):
+    """What is read and heard in either of two missions."""
+
+    keys: frozenset[str]
+    heard: frozenset[str]
+    """Events and outcomes that rows name."""
+    timers: Mapping[str, frozenset[str]]
+    """What `drop` calls a delayed event by → the events that it may be."""
+
+    def matter(self, given: Iterable[Effect]) -> list[str]:
+        """Why effects matter, in words; nothing where none does."""
+        return [why for effect in given if (why := self._why(effect))]
+
+    def _why(self, effect: Effect) -> str:
+        if isinstance(effect, Set):
+            return f"'{effect.set}' is read" if effect.set in self.keys else ""
+        if isinstance(effect, Raise | Drop):
+            events = self.timers.get(effect.drop, frozenset()) if isinstance(effect, Drop) else {effect.event}
+            heard = events if ANY_EVENT in self.heard else self.heard.intersection(events)
+            return f"rows hear '{min(heard)}'" if heard else ""
+        if isinstance(effect, Call | Publish):
+            return "it is told to the robot"
+        return ""
+
+
+def otherwise(old: Iterable[Effect], new: Iterable[Effect]) -> list[Effect]:
+    """The effects that came or went; all of them where only their order is another."""
+    before, after = tuple(old), tuple(new)
+    left, right = (Counter(map(repr, each)) for each in (before, after))
+    found = [effect for effect in before if right[repr(effect)] < left[repr(effect)]]
+    found += [effect for effect in after if left[repr(effect)] < right[repr(effect)]]
+    return found or (list(after) if before != after else [])
+
+
+def uses(*missions: Mission) -> Uses:
+    """What these missions read and hear."""
+    keys, heard = set[str](), set[str]()
+    timers: dict[str, frozenset[str]] = {}
+    for mission in missions:
+        for item in _all(mission):
+            keys.update(_read(item))
+            if isinstance(item, Transition):
+                heard.update(item.on)
+            if isinstance(item, Raise) and item.id is not None:
+                timers[item.id] = timers.get(item.id, frozenset()) | {item.event}
+    return Uses(frozenset(keys), frozenset(heard), timers)
+
+
+def _all(given: Any) -> Iterator[Written]:
+    """Every written thing in one, itself included."""
+    inner: Iterable[Any] = ()
+    if isinstance(given, Written):
+        yield given
+        inner = (getattr(given, name) for name in given.model_fields_set)
+    elif isinstance(given, Mapping):
+        inner = given.values()
+    elif isinstance(given, tuple):
+        inner = given
+    for item in inner:
+        yield from _all(item)
+
+
+def _read(item: Written) -> set[str]:
+    """The keys that a thing reads, by what `renaming` knows of its fields."""
+    found = set[str]()
+
+    def note(name: str) -> str:
+        found.add(name)
+        return name
+
+    def same(name: str) -> str:
+        return name
+
+    names = renaming.Names(same, note, same, same, lambda given: given)
+    for field, change in renaming.REFERS.get(type(item), {}).items():
+        given = getattr(item, field)
+        if given is not None and change is not renaming.key and field not in WRITTEN_TO:
+            change(names, given)
+    return found
