@@ -65,7 +65,7 @@ def _state(old: State, new: State, spot: Spot, ways: tuple[Ways, Ways, Uses]) ->
         yield from fields(old, new, spot)
     yield from _passing(old, new, spot, ways[2])
     if isinstance(old, Decision) and isinstance(new, Decision):
-        yield from asked_changes(old.decision, new.decision, spot.inside("decision"))
+        yield from asked_changes(old, new, spot.inside("decision"))
     if isinstance(old, Tree) and isinstance(new, Tree):
         yield from _trees(old, new, spot)
     before, after = (frozenset(each.options if isinstance(each, Decision) else ()) for each in (old, new))
@@ -108,14 +108,14 @@ def _trees(old: Tree, new: Tree, spot: Spot) -> Iterator[Change]:
 
 def _asks(node: TreeNode, spot: Spot) -> Iterator[Change]:
     if isinstance(node, DecisionLeaf):
-        yield from offers(node.decision, child_pointer(spot.new, "decision"), spot.whose, spot.subject)
+        yield from offers(node, child_pointer(spot.new, "decision"), spot.whose, spot.subject)
 
 
 def _twig(old: TreeNode, new: TreeNode, spot: Spot) -> Iterator[Change]:
     inner = [pointer.partition("/")[0] for pointer, _ in new.branches()]
     yield from fields(old, new, spot, (*inner, "child", "then"))
     if isinstance(old, DecisionLeaf) and isinstance(new, DecisionLeaf):
-        yield from asked_changes(old.decision, new.decision, spot.inside("decision"))
+        yield from asked_changes(old, new, spot.inside("decision"))
 
 
 def _named(sort: str, before: Mapping[str, Written], after: Mapping[str, Written], word: str) -> Iterator[Change]:

@@ -5,52 +5,65 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rai_missions.states import Decision, State, Tree
-from rai_missions.states.decision import Asked, Option
+from rai_missions.states import Decision, State, Transition, Tree
+from rai_missions.states.decision import Asked
 from rai_missions.states.tree import DecisionLeaf, tree_paths
 from visualize.diff.change import Change
 from visualize.diff.fields import Spot, fields, grave, said
-from visualize.words import child_pointer
+from visualize.words import child_pointer, effects
 
-__all__ = ("asked_changes", "new_questions")
+__all__ = ("asked_changes", "new_questions", "offers")
 
 MODEL = "agent"
+Asks = Decision | DecisionLeaf
 
 
 def new_questions(state: State, place: str, name: str) -> Iterator[Change]:
     """What a state that was not there offers to a model."""
-    for here, whose, asked in _questions(state, place, name):
-        yield from offers(asked, here, whose, name)
-
-
-def _questions(state: State, place: str, name: str) -> Iterator[tuple[str, str, Asked]]:
     if isinstance(state, Decision):
-        yield child_pointer(place, "decision"), name, state.decision
+        yield from offers(state, child_pointer(place, "decision"), name, name)
     if isinstance(state, Tree):
         for path, node in tree_paths(state.tree):
             if isinstance(node, DecisionLeaf):
                 here = f"{place}/tree/{path}".rstrip("/")
-                yield child_pointer(here, "decision"), f"{name}: tree node '{path or 'the root'}'", node.decision
+                yield from offers(
+                    node, child_pointer(here, "decision"), f"{name}: tree node '{path or 'the root'}'", name
+                )
 
 
-def offers(asked: Asked, place: str, whose: str, subject: str) -> Iterator[Change]:
+def offers(asks: Asks, place: str, whose: str, subject: str) -> Iterator[Change]:
     """Every option of a question that a model was not asked before."""
-    if MODEL in asked.ask:
-        for option, now in asked.options.items():
+    if MODEL in asks.decision.ask:
+        for option in asks.decision.options:
             spot = Spot("", child_pointer(place, "options", option), whose, subject)
-            yield spot.came("offered", f"a model is newly offered '{option}'", "safety", after=_open(now))
+            yield spot.came("offered", f"a model is newly offered '{option}'", "safety", after=_open(asks, option))
 
 
-def _open(option: Option) -> str:
-    return f"offered when {option.when.words()}" if option.when is not None else "always open"
+def _open(asks: Asks, name: str) -> str:
+    """When an option is offered and where it leads."""
+    option = asks.decision.options[name]
+    offered = f"offered when {option.when.words()}" if option.when is not None else "always open"
+    if isinstance(asks, DecisionLeaf):
+        then = asks.then.get(name)
+        return f"{offered}, {f'then {then.word}' if then is not None else 'and then the node has succeeded'}"
+    leads = [_leads(row) for row in asks.transitions if name in row.on and row.of is None]
+    return f"{offered}, {', else '.join(leads) if leads else 'no row of its own: it leads nowhere from here'}"
 
 
-def asked_changes(old: Asked, new: Asked, spot: Spot) -> Iterator[Change]:
+def _leads(row: Transition) -> str:
+    to = f"leads to {', '.join(row.to)}" if row.to else "stays"
+    guard = f" when {row.when.words()}" if row.when is not None else ""
+    do = f", does {'; '.join(effects(row.do))}" if row.do else ""
+    return f"{to}{guard}{do}"
+
+
+def asked_changes(before: Asks, after: Asks, spot: Spot) -> Iterator[Change]:
     """What changed between two questions of one decision."""
+    old, new = before.decision, after.decision
     yield from fields(old, new, spot, ("fallback", "ask", "tools"), asks_a_model=MODEL in new.ask)
     if old.fallback != new.fallback:
-        before, after = (each.fallback or "none: it fails" for each in (old, new))
-        yield spot.inside("fallback").changed("fallback", "fallback changed", "safety", before=before, after=after)
+        was, now = (each.fallback or "none: it fails" for each in (old, new))
+        yield spot.inside("fallback").changed("fallback", "fallback changed", "safety", before=was, after=now)
     if old.ask != new.ask:
         yield _ask(old, new, spot.inside("ask"))
     if old.tools != new.tools:
@@ -58,7 +71,7 @@ def asked_changes(old: Asked, new: Asked, spot: Spot) -> Iterator[Change]:
         yield spot.inside("tools").changed(
             "asked", "what a model may look with changed", grave(more), before=said(old.tools), after=said(new.tools)
         )
-    yield from _options(old, new, spot)
+    yield from _options(old, after, spot)
 
 
 def _ask(old: Asked, new: Asked, spot: Spot) -> Change:
@@ -69,7 +82,8 @@ def _ask(old: Asked, new: Asked, spot: Spot) -> Change:
     return spot.changed("asked", word, grave(new.ask != without), before=before, after=after)
 
 
-def _options(old: Asked, new: Asked, spot: Spot) -> Iterator[Change]:
+def _options(old: Asked, asks: Asks, spot: Spot) -> Iterator[Change]:
+    new = asks.decision
     newly = MODEL in new.ask and MODEL not in old.ask
     for option in old.options.keys() - new.options.keys():
         yield spot.inside("options", option).went("rest", f"option '{option}' removed", "other")
@@ -77,7 +91,7 @@ def _options(old: Asked, new: Asked, spot: Spot) -> Iterator[Change]:
         here = spot.inside("options", option)
         if option not in old.options or newly:
             verb = f"a model is newly offered '{option}'" if MODEL in new.ask else f"option '{option}' newly offered"
-            yield here.came("offered", verb, "safety", after=_open(now))
+            yield here.came("offered", verb, "safety", after=_open(asks, option))
         if option in old.options:
             named = here._replace(whose=f"{spot.whose}: option '{option}'")
             yield from fields(old.options[option], now, named, asks_a_model=MODEL in new.ask)

@@ -131,3 +131,27 @@ def test_what_people_alone_are_asked_is_not() -> None:
     found = difference(*map(Mission.model_validate, (old, new)))
     assert len(found.changes) == 3
     assert found.safety == ()
+
+
+def test_a_newly_offered_option_says_where_it_leads() -> None:
+    def push(new: Json) -> None:
+        states(new)["assessing"]["decision"]["options"]["push"] = {"about": "push it away"}
+        states(new)["assessing"]["transitions"].append({"on": "push", "to": "crossing"})
+
+    (found,) = compared(push).safety
+    assert found.sentence == "assessing: a model is newly offered 'push'"
+    assert found.after == "always open, leads to crossing"
+
+
+def test_a_newly_offered_option_of_a_tree_says_what_is_done_then() -> None:
+    def asked(*options: str) -> Mission:
+        given = shipped()
+        given["states"]["signalling"]["tree"] = {
+            "decision": {"question": "How?", "options": {name: {} for name in options}, "fallback": options[0]},
+            "then": {"loud": {"call": "horn"}} if "loud" in options else {},
+        }
+        return Mission.model_validate(given)
+
+    told = {each.sentence: each.after for each in difference(asked("mute"), asked("mute", "loud")).safety}
+    whose = "signalling: tree node 'the root'"
+    assert told[f"{whose}: a model is newly offered 'loud'"] == "always open, then call"
