@@ -76,7 +76,7 @@ class Performer:
         self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
         self._senses = Senses(robot, connector, post=post, later=later, now=now)
         self._perform: Mapping[type, Callable[[Any], None]] = {
-            StartGoal: self._goals.start, CancelGoal: self._goals.cancel, CallService: self._call,
+            StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
             PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
             StartBehaviour: self._behaviours.start, StopBehaviour: self._behaviours.stop,
             SayAloud: self._say, LogLine: lambda effect: log.info("%s", effect.text),
@@ -174,6 +174,7 @@ class Performer:
         if anew:
             self._perform[type(effect)](effect)
         elif isinstance(effect, StartGoal):
+            self._senses.begin_action(effect.action, anew=False)
             if not self._goals.take_up(effect, accepted=effect.number in under.accepted):
                 self._doubt("action", effect.action, effect.number, "rejected")
         elif isinstance(effect, CallService) and not self._may_repeat(effect):
@@ -210,7 +211,15 @@ class Performer:
     def _event(self, kind: str, name: str, number: int, data: Mapping[str, Any]) -> None:
         self._post(Event(name, self._now(), dict(data), kind, number))
 
-    # -- calls and messages ---------------------------------------------------------------------------------------
+    # -- goals, calls and messages ------------------------------------------------------------------------------------
+
+    def _start(self, effect: StartGoal) -> None:
+        self._senses.begin_action(effect.action)
+        self._goals.start(effect)
+
+    def _cancel(self, effect: CancelGoal) -> None:
+        self._senses.end_action(effect.action)
+        self._goals.cancel(effect)
 
     def _call(self, effect: CallService) -> None:
         entry = self._robot.services.get(effect.service) if self._robot is not None else None

@@ -46,6 +46,8 @@ class Senses:
         self._open = False
         self._puzzled: set[str] = set()
         self._before: dict[str, bool | None] = {}
+        self._under_way: set[str] = set()
+        """Actions that were begun and whose end was not asked for."""
         self._polls: dict[Poll, tuple[Mapping[str, Any], list[Hear]]] = {}
         self.holder = None if robot is None or robot.holder is None else ""
         """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
@@ -68,6 +70,21 @@ class Senses:
     def begin(self) -> None:
         """The mission starts: what was so before is no news to it yet, so an event that lasts happens anew."""
         self._before.clear()
+
+    def begin_action(self, action: str, *, anew: bool = True) -> None:
+        """An action is about to begin: what is so now is no news during it, unless another process had begun it.
+
+        Args:
+            action: Its name.
+            anew: It begins now; else it goes on.
+        """
+        if self._robot is not None and anew:
+            self._before |= {name: True for name, event in self._robot.events.items() if event.during == action}
+        self._under_way.add(action)
+
+    def end_action(self, action: str) -> None:
+        """An action is asked to end: what the robot does about that is no event."""
+        self._under_way.discard(action)
 
     def close(self) -> None:
         """Hear nothing more."""
@@ -124,6 +141,8 @@ class Senses:
 
     def _event_of(self, name: str, source: EventSource) -> Hear:
         def hear(message: Mapping[str, Any], _: float) -> None:
+            if source.during is not None and source.during not in self._under_way:
+                return
             try:
                 fires = source.fires(message)
                 happens = source.happens(self._before.get(name), fires)

@@ -109,6 +109,14 @@ class Robot(Written):
             raise fault("connector", 'a connector has a \'kind\': "local", "ros2", …')
         return self
 
+    @model_validator(mode="after")
+    def _knows_its_actions(self) -> Self:
+        for name, event in self.events.items():
+            if event.during is not None and event.during not in self.actions:
+                near = suggestion(event.during, self.actions)
+                raise fault("events", f"'{name}' is heard during '{event.during}', which is no action here{near}")
+        return self
+
     def written(self) -> dict[str, Any]:
         """As JSON has it."""
         return {"format": self.format, **super().written()}

@@ -143,6 +143,9 @@ class EventSource(Written):
     """Over the fields of the message: `{"key": "message", "==": "WAITING"}`."""
     fields: dict[Name, Text] = Field(default_factory=dict)
     """The payload's fields → where they stand in the message; left out, the whole message."""
+    during: Name | None = None
+    """An action of the profile: heard only from its start until the mission asks for its end. What was so before it
+    began is no news."""
     posted: Bool = False
     """Nothing of the robot says it: another program or a person posts it to the runner."""
 
@@ -152,6 +155,8 @@ class EventSource(Written):
             check_heard(self.topic, self.service, self.every_s)
         elif self.topic is not None or self.service is not None:
             raise fault("posted", "an event is 'posted' or heard on a topic or service, not both; drop one")
+        elif self.during is not None:
+            raise fault("during", "an event that is 'posted' is not listened for; drop 'during'")
         return self
 
     def fires(self, message: Mapping[str, Any]) -> Truth:

@@ -25,14 +25,17 @@ class Drive:
     Args:
         orchard: What the world takes; no camera, but the detector, unless it says so.
         moments: When → what happens then.
+        events_of: The profile whose anomaly is listened for.
         words: Fields of `Setting`.
     """
 
     def __init__(
-        self, orchard: Mapping[str, Any], moments: Mapping[float, Callable[[Drive], object]], **words: Any
-    ) -> None:
+        self, orchard: Mapping[str, Any], moments: Mapping[float, Callable[[Drive], object]], *,
+        events_of: str = "robot.sim.json", **words: Any,
+    ) -> None:  # fmt: skip
         profile = parse_json((TRACTOR / "robot.sim.json").read_bytes(), "robot.sim.json")
         profile["connector"] |= orchard
+        profile["events"]["anomaly"] = parse_json((TRACTOR / events_of).read_bytes(), events_of)["events"]["anomaly"]
         self.moments, self.steps = sorted(moments.items()), list[Step]()
         alleys = {"alleys": orchard["alleys"]} if "alleys" in orchard else {}
         words = {"arguments": alleys, **words}

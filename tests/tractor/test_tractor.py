@@ -126,7 +126,8 @@ def test_an_emergency_stop_stops_it_at_once_from_anywhere(drive: Any) -> None:
 
 
 @pytest.mark.sim
-def test_a_pause_stops_the_tractor_and_resume_goes_on(drive: Any) -> None:
+@pytest.mark.parametrize("events_of", ["robot.sim.json", "robot.ros2.json", "robot.nav2.json"])
+def test_a_pause_stops_the_tractor_and_resume_goes_on(drive: Any, events_of: str) -> None:
     speeds: list[float] = []
     one = drive(
         moments={
@@ -134,10 +135,32 @@ def test_a_pause_stops_the_tractor_and_resume_goes_on(drive: Any) -> None:
             15.0: lambda one: speeds.append(abs(one.world.pose.speed)),
             20.0: lambda one: one.runner.resume(),
         },
+        words={"events_of": events_of},
         alleys=1,
         obstacles=["none"],
     )
     assert one.run().outcome == "succeeded" and speeds[0] < 0.05
+    assert "assessing" not in one.entered, "its own stop is no anomaly"
+
+
+@pytest.mark.sim
+def test_an_operator_who_takes_control_and_gives_it_back_makes_no_anomaly(drive: Any) -> None:
+    one = drive(
+        moments={
+            10.0: lambda one: one.runner.control("operator"),
+            20.0: lambda one: one.runner.control("autonomy"),
+        },
+        alleys=1,
+        obstacles=["none"],
+    )
+    assert one.run().outcome == "succeeded" and "assessing" not in one.entered
+
+
+@pytest.mark.sim
+def test_an_anomaly_after_a_pause_is_still_one(drive: Any) -> None:
+    moments = {4.0: lambda one: one.runner.pause(), 8.0: lambda one: one.runner.resume()}
+    one = drive(moments=moments, alleys=1, obstacles=["branch"])
+    assert one.run().outcome == "succeeded" and "drive_over" in one.answers
 
 
 @pytest.mark.sim
