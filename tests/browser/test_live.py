@@ -24,9 +24,10 @@ from tests.browser.conftest import PATIENCE, until
 from tests.browser.test_review import poisoned
 from tests.visualize.live.conftest import Desk
 from tests.visualize.live.stage import Run
-from tests.visualize.page.reading import HOSTILE
+from tests.visualize.live.test_scene import play
+from tests.visualize.page.reading import HOSTILE, answered, journal_of
 from tests.visualize.runs import ROOT, tractor
-from visualize.live import LivePage, Place
+from visualize.live import JournalFeed, LivePage, Place
 
 TRACTOR = ROOT / "missions/tractor"
 Look = Callable[..., Any]
@@ -150,6 +151,52 @@ def test_an_order_says_at_once_that_it_is_sent_and_then_what_became_of_it(look: 
         run.page.stop()
         window.evaluate("live.acts.order({ command: 'e_stop' })")
         window.wait_for_selector("#said.alarm:has-text('e-stop: not delivered')")
+
+
+def test_evidence_says_how_long_ago_it_was_shown_and_what_is_so_now(run: Run, look: Look) -> None:
+    window = look(run.page)
+    play(run, "obstacle")
+    play(run, "anomaly")
+    play(run, "agent")
+    row = "document.querySelector('.question [data-evidence=obstacle]')"
+    until(window, f"{row} && /old as asked, [0-9]+ s ago$/.test({row}.lastElementChild.textContent)")
+    until(window, f"!/ 0 s ago$/.test({row}.lastElementChild.textContent)")
+    assert window.locator(".question .present.changed:not(:empty)").count() == 0
+    run.write("obstacle", {"distance_m": 0.5, "height_m": 0.4, "living": True, "kind": "dog"})
+    window.wait_for_selector(".question [data-evidence=obstacle] .present.changed:has-text('dog')")
+    assert "as offered" in window.inner_text(".question")
+
+
+def test_after_the_end_nothing_looks_as_if_it_went_on(look: Look) -> None:
+    with Run(tractor(), Desk()) as run:
+        run.write("battery", 0.8)
+        run.start()
+        window = look(run.page)
+        window.wait_for_selector("[data-state=driving].active", state="attached")
+        window.click("[data-act=cancel]")
+        window.wait_for_selector("[data-act=cancel][data-sure]")
+        run.send("kill", "command", by="x")
+        window.wait_for_selector("body.over [data-line=over]")
+        assert window.inner_text("#line") == "ended"
+        assert window.locator("[data-act=cancel][data-sure]").count() == 0
+        forms = "[...document.querySelectorAll('.state.active > .form')]"
+        assert lit(window)
+        assert "none" not in window.evaluate(f"{forms}.map((each) => getComputedStyle(each).strokeDasharray)")
+
+
+def test_a_run_that_was_cut_short_is_shown_so(look: Look, tmp_path: Path) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    feed = JournalFeed(journal_of(tmp_path / "a.journal", tractor(), answered(tractor())[:3]))
+    page = LivePage(Place(port=0))
+    page.start(feed.mission, feed)
+    try:
+        window = look(page)
+        window.wait_for_selector("#mode[data-mode=cut]")
+        assert window.inner_text("#mode") == "cut short"
+        assert window.inner_text("#line") == "ended"
+        assert "the run was cut short: no process writes" in window.inner_text("#ended")
+    finally:
+        page.stop()
 
 
 def test_without_the_token_there_is_nothing_to_see_and_with_it_there_is(run: Run, look: Look, browser: Any) -> None:

@@ -40,6 +40,7 @@ class Acts {
       give.disabled = !reached || !on;
     }
     stop.disabled = !on;
+    if (cancel.disabled) this.calm(cancel);
   }
 
   /** What cannot be taken back is asked twice. */

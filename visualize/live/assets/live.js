@@ -172,6 +172,7 @@ class Live {
     byId("banner").hidden = !faults.length;
     byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)));
     document.body.classList.toggle("away", away);
+    document.body.classList.toggle("over", this.isOver);
     document.title = shown(`${outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
     if (this.acts) this.acts.show(this.state, this.reached);
   }
@@ -191,7 +192,7 @@ class Live {
     }
     for (const question of this.state.questions) {
       const known = this.asked.get(question.number);
-      if (known) known.question = question;
+      if (known) known.update(question);
       else this.put(question);
     }
   }
@@ -212,7 +213,7 @@ class Live {
     const heard = this.reached || this.isOver || this.clock.heard === null ? "" : `last heard ${this.silent.toFixed(0)} s ago`;
     if (byId("heard").textContent !== heard) byId("heard").textContent = heard;
     const now = this.state.mode === "paused" && this.state.paused_at !== null ? this.state.paused_at : this.now;
-    for (const each of this.asked.values()) each.tick(now, this.reached);
+    for (const each of this.asked.values()) each.tick(now, this.reached && !this.isOver, this.now, this.state.board);
     if (this.reached) this.cameras.look(this.state.board);
   }
 

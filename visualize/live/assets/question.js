@@ -9,15 +9,33 @@ class Asked {
   constructor(question, can, told) {
     Object.assign(this, { question, told, since: performance.now() });
     this.left = make("b", {});
+    this.shown = [];
+    this.offered = make("p", { class: "muted" });
+    this.offers = make("div", {});
+    this.mine = can && question.asked === "operator";
+    const mine = this.mine;
     this.bar = make("progress", { max: "1", value: "1", "aria-label": "time left" });
-    const mine = can && question.asked === "operator";
     this.buttons = [];
     this.element = make("section", { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number) },
       make("h3", {}, mine ? "You are asked" : `${question.asked} is asked`, make("small", {}, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""}, `, this.state(), " ", this.left)),
       make("p", { class: "text" }, question.text || ""), this.bar,
       make("table", { class: "board" }, make("tbody", {}, question.evidence.map((each) => this.evidence(each)))),
       (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
-      mine ? question.options.map((option) => this.offer(option)) : make("p", {}, "offered: ", question.options.map((option) => option.name).join(", ")));
+      this.offered, this.offers);
+    this.offerAll();
+  }
+
+  /** What the run says of it now; fields that somebody is filling stay as they are unless what is offered has changed. */
+  update(question) {
+    const same = JSON.stringify(question.options) === JSON.stringify(this.question.options);
+    this.question = question;
+    if (!same) this.offerAll();
+  }
+
+  offerAll() {
+    const { options } = this.question;
+    this.buttons = [];
+    this.offers.replaceChildren(...(this.mine ? options.map((option) => this.offer(option)) : [make("p", {}, "offered: ", options.map((option) => option.name).join(", "))]));
   }
 
   state() {
@@ -27,9 +45,25 @@ class Asked {
   evidence(each) {
     const picture = each.picture ? make("canvas", { class: "shot", width: "0", height: "0", role: "img", "aria-label": `${each.key} as it was shown` }) : null;
     if (picture) this.told.picture(picture, { key: each.key, question: String(this.question.number) });
-    return make("tr", { class: each.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, each.key)),
-      make("td", {}, picture || (each.fresh ? said(each.value) : "unknown")),
-      make("td", {}, each.age_s === null ? "never heard" : `${Number(each.age_s).toFixed(1)} s old`));
+    const then = make("td", {}), now = make("div", { class: "present" });
+    this.shown.push({ each, then, now, text: each.fresh ? said(each.value) : "unknown" });
+    return make("tr", { class: each.fresh ? "fresh" : "stale", "data-evidence": each.key }, make("td", {}, make("code", {}, each.key)),
+      make("td", {}, picture || (each.fresh ? said(each.value) : "unknown"), now), then);
+  }
+
+  /** How long ago it was shown so, and what is so now where that is newer. */
+  tickEvidence(now, board) {
+    const asked = ago(now - this.question.at);
+    for (const { each, then, now: present, text } of this.shown) {
+      const unheard = each.age_s === null, entry = board[each.key];
+      write(then, `${unheard ? "never heard" : `${Number(each.age_s).toFixed(1)} s old`} as asked, ${asked}`);
+      const isNewer = entry && (unheard || entry[1] > this.question.at - each.age_s + 0.01);
+      const value = !isNewer ? "" : each.picture ? "a newer picture" : said(entry[0]);
+      const words = !isNewer ? "" : value === text ? `the same ${ago(now - entry[1])}` : `now ${value} (${ago(now - entry[1])})`;
+      write(present, words);
+      present.className = value === text ? "present muted" : "present changed";
+    }
+    write(this.offered, `as offered ${asked}`);
   }
 
   offer(option) {
@@ -54,8 +88,9 @@ class Asked {
     return make("form", { class: "offer", on: { submit: send } }, fields.map((field) => field.element), button);
   }
 
-  /** The time left; `now` is the run's. */
-  tick(now, reached) {
+  /** The time left; `now` is the run's, and stands still while it is paused, as `clock` does not. */
+  tick(now, reached, clock, board) {
+    this.tickEvidence(clock, board);
     const { at, until } = this.question;
     if (until === null) {
       this.left.textContent = "no deadline";
@@ -68,6 +103,16 @@ class Asked {
     const settled = performance.now() - this.since > SETTLES_MS; // who was about to click elsewhere has not answered
     for (const button of this.buttons) button.disabled = !reached || !settled;
   }
+}
+
+function ago(seconds) {
+  return `${Math.max(0, seconds).toFixed(0)} s ago`;
+}
+
+/** Text that is the same is not written again, so that a selection in it stays. */
+function write(element, words) {
+  const text = shown(words);
+  if (element.textContent !== text) element.textContent = text;
 }
 
 /** A field for each parameter that a JSON Schema names. */
