@@ -33,6 +33,7 @@ LONGEST_BYTES = 64 * 1024 * 1024
 """No row and no picture is longer: neither written nor read."""
 WAL_HEADER, WAL_FRAME = 32, 24
 """Bytes of the header of a write-ahead log, and of each of its frames beside its page."""
+DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
 
@@ -120,9 +121,7 @@ def open_to_read(path: Path) -> Reading:
     except OSError as error:
         raise UsageError(f"the journal {path} cannot be read: {error.strerror}") from None
     except sqlite3.Error as error:
-        raise DefinitionError(
-            [Fault("", f"no journal: {error}; give a file that a run has written")], str(path)
-        ) from None
+        raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
     try:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
         connection.execute("PRAGMA trusted_schema=OFF")
@@ -131,6 +130,12 @@ def open_to_read(path: Path) -> Reading:
         connection.close()
         raise
     return connection
+
+
+def _no_journal(error: Exception) -> str:
+    if getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_CORRUPT:
+        return DAMAGED
+    return f"no journal: {error}; give a file that a run has written"
 
 
 def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
@@ -144,9 +149,7 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
         version = connection.execute("PRAGMA user_version").fetchone()[0]
         found = connection.execute("SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL").fetchall()
     except (sqlite3.Error, UnicodeDecodeError) as error:
-        raise DefinitionError(
-            [Fault("", f"no journal: {error}; give a file that a run has written")], str(path)
-        ) from None
+        raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
     if application != APPLICATION:
         sentence = "a SQLite file, but no journal; give a file that a run has written"
     elif version != FORMAT:
