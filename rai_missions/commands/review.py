@@ -6,10 +6,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from rai_missions.check import check, exit_status
+from rai_missions.check import Finding, check, exit_status
 from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.errors import Fault
 from rai_missions.load import load
@@ -45,8 +46,10 @@ def draw(given: argparse.Namespace) -> int:
     """Draw a mission; as a page for review where the file ends so."""
     mission = load(given.mission, python=not given.no_python)
     output = given.output or f"{mission.name.replace('/', '_')}.svg"
+    findings = check(mission)
+    warn(_told(given.mission, [each for each in findings if each.severity == "error"], "'rai-missions check' says all"))
     if output.lower().endswith(".html"):
-        _draw_review(given, mission, output)
+        _draw_review(given, mission, output, findings)
     else:
         from visualize import draw as draw_picture
 
@@ -56,13 +59,21 @@ def draw(given: argparse.Namespace) -> int:
     return 0
 
 
-def _draw_review(given: argparse.Namespace, mission: Mission, output: str) -> None:
+def _told(path: str, faults: Sequence[Fault | Finding], where: str) -> str:
+    """What is wrong with what is drawn, in a line; empty for nothing."""
+    more = f" (and {len(faults) - 1} more; {where})" if len(faults) > 1 else ""
+    return f"{path}: drawn with this error: {faults[0]}{more}" if faults else ""
+
+
+def _draw_review(given: argparse.Namespace, mission: Mission, output: str, findings: Sequence[Finding]) -> None:
+    from rai_missions.journal import verify
     from rai_missions.recording import journal_of
     from visualize import draw_review
 
     with ExitStack() as open_recordings:
         found = [(path, open_recordings.enter_context(journal_of(path))) for path in given.journal]
-        for _, journal in found:
-            warn(journal.warning)
         journals = [(Path(path).name, journal.path) for path, journal in found]
-        draw_review(mission, output, journals, check(mission))
+        draw_review(mission, output, journals, findings)
+        for path, journal in found:
+            warn(journal.warning)
+            warn(_told(path, verify(journal.path), "the page says all"))

@@ -118,6 +118,46 @@ def test_draw_writes_the_page_from_several_journals(tmp_path: Path, capsys: pyte
     assert [run["name"] for run in data_of(page.read_bytes())["runs"]] == ["a.journal", "b.journal"]
 
 
+def test_draw_says_on_stderr_that_a_journal_was_altered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = broken(journal_of(tmp_path / "a.journal", tractor(), answered(tractor())))
+    given = ["draw", str(ROOT / "tests/data/tractor_design.json"), "-o", str(tmp_path / "a.html")]
+    assert main([*given, "--journal", str(path)]) == 0
+    said = capsys.readouterr().err
+    assert said.startswith(f"{path}: drawn with this error: row ")
+    assert said.endswith("the journal was altered after the run\n")
+    assert len(said.splitlines()) == 1
+
+
+@pytest.mark.parametrize("ending", ["html", "svg"])
+def test_draw_says_on_stderr_that_a_mission_does_not_check(
+    ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written = document()
+    written["states"]["crossing"]["transitions"][1]["to"] = "nowhere"
+    mission = tmp_path / "mission.json"
+    mission.write_text(json.dumps(written))
+    assert main(["draw", str(mission), "-o", str(tmp_path / f"a.{ending}")]) == 0
+    said = capsys.readouterr().err
+    assert said.startswith(f"{mission}: drawn with this error: /states/crossing/transitions/1/to")
+    assert len(said.splitlines()) == 1
+
+
+@pytest.mark.parametrize("ending", ["html", "svg"])
+@pytest.mark.parametrize("kept", [1000, 6000, 20000])
+def test_a_torn_journal_is_called_damaged(
+    ending: str, kept: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = journal_of(tmp_path / "a.journal", tractor(), answered(tractor()))
+    path.write_bytes(path.read_bytes()[:kept])
+    page = tmp_path / f"a.{ending}"
+    given = ["draw", str(ROOT / "tests/data/tractor_design.json"), "-o", str(page), "--journal", str(path)]
+    assert main(given) == 2
+    said = capsys.readouterr().err
+    assert "the journal is damaged: a part of its file is missing or was overwritten" in said
+    assert "malformed" not in said
+    assert not page.exists()
+
+
 def test_draw_says_what_keeps_a_journal_from_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = tmp_path / "review.html"
     given = ["draw", str(ROOT / "missions/tractor/mission.json"), "-o", str(page)]
