@@ -33,6 +33,8 @@ class Wanted(NamedTuple):
     type: str
     is_listener: bool = False
     """It is published on: nobody has to listen."""
+    may_be_silent: bool = False
+    """An event: who tells of it may come to be when it happens."""
 
 
 def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterator[Finding]:
@@ -78,7 +80,7 @@ def _heard(robot: Robot) -> Iterator[Wanted]:
         for name, source in sources.items():
             place = f"{sort}/{name}".lstrip("/")
             if source is not None and source.topic is not None:
-                yield Wanted(place, "topics", source.topic, source.type)
+                yield Wanted(place, "topics", source.topic, source.type, may_be_silent=sort == "events")
             elif source is not None and source.service is not None:
                 yield Wanted(place, "services", source.service, source.type)
 
@@ -139,6 +141,8 @@ def _looked_for(each: Wanted, there: Mapping[str, str]) -> Finding:
     if each.name not in there:
         if each.is_listener:
             return Finding("absent", f"{what} has no listener")
+        if each.may_be_silent:
+            return Finding("absent", f"{what} is published by nobody now")
         return Finding("missing", f"{what} is not there", f"start what offers it{suggestion(each.name, there)}")
     types = there[each.name]
     if each.type and types and each.type not in types.split(", "):

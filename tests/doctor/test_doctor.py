@@ -134,6 +134,7 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
             "horn": {"service": "/beacon/flahs"},
         },
         topics={"say": {"topic": "/beacon/say", "type": "std_msgs/msg/String"}},
+        events={"stop_now": {"topic": "/beacon/flahs", "type": "std_msgs/msg/Empty"}},
     )
     words = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
     with subprocess.Popen([sys.executable, "-W", "ignore", "-c", SERVER], **words) as server:  # type: ignore[call-overload]
@@ -146,6 +147,16 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
     other = found["services/light: service /beacon/light is there as std_srvs/srv/SetBool"]
     assert other.status == "missing" and "std_srvs/srv/Trigger" in other.remedy
     assert found["topics/say: topic /beacon/say has no listener"].status == "absent"
+    silent = found["events/stop_now: topic /beacon/flahs is published by nobody now"]
+    assert silent.status == "absent" and not silent.remedy, "an emergency stop is published when it is pressed"
+
+
+@with_ros
+def test_a_field_that_a_type_has_not_is_told(environment: dict[str, str]) -> None:
+    source = {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percent"}
+    found = list(reach(robot(blackboard={"battery": source}), environment))
+    (told,) = (each for each in found if each.what == "blackboard/battery/field")
+    assert told.status == "missing" and "has no field 'percent' (did you mean 'percentage'?)" in told.remedy
 
 
 @with_ros
