@@ -27,11 +27,12 @@ def replay(given: argparse.Namespace) -> int:
             mission = load(given.mission, python=not given.no_python) if given.mission else mission_of(record)
         lines = Lines(mission, sys.stdout)
         result = again(found.path, on_step=lines.step if given.verbose and not given.json else None, mission=mission)
+    holds = result.holds and result.steps > 0
     if given.json:
         print(
             json.dumps(
                 {
-                    "holds": result.holds,
+                    "holds": holds,
                     "steps": result.steps,
                     "difference": result.difference,
                     "outcome": result.outcome,
@@ -39,9 +40,11 @@ def replay(given: argparse.Namespace) -> int:
                 }
             )
         )
+    elif not result.steps and result.holds:
+        print(f"{given.journal} holds no step of a run: there is nothing to compare")
     elif result.holds:
         ended = f"{result.outcome}: {result.why}" if result.outcome else "it had not ended"
         print(f"{result.steps} steps done again, all the same; {ended}")
     else:
         print(f"{result.steps} steps were the same, then: {result.difference}")
-    return 0 if result.holds else 1
+    return 0 if holds else 1

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from rai_missions.cli import main
+from rai_missions.load import load
 
 LAMP: dict[str, Any] = {
     "name": "lamp",
@@ -237,3 +238,12 @@ def test_a_folder_that_cannot_be_made_is_told_in_a_sentence(folder: Path, capsys
 def test_a_file_that_cannot_be_written_is_told_in_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "lamp.json", "--journal", "a.journal", "--picture", "lamp.json/x.svg"]) == 2
     assert "rai-missions run: " in capsys.readouterr().err
+
+
+def test_a_journal_without_a_step_proves_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from rai_missions.journal import Header, Journal
+    from rai_missions.load import dump
+
+    Journal.create(folder / "empty.journal", Header(mission=dump(load("lamp.json")))).close()
+    assert main(["replay", "empty.journal"]) == 1
+    assert "empty.journal holds no step of a run: there is nothing to compare" in capsys.readouterr().out
