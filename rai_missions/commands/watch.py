@@ -12,7 +12,7 @@ import stat
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -24,6 +24,8 @@ from rai_missions.errors import MissionError, UsageError
 __all__ = ("found", "serving", "watch")
 
 FOLDER = Path("journals")
+RUN_FILES = ("*.journal.watch", "*/*.journal.watch", "*/*/*.journal.watch")
+"""Where a run that goes on is looked for: here, and two folders deep."""
 ANSWERS_S = 1.0
 
 
@@ -68,10 +70,7 @@ def found(name: str | None) -> Path:
         return Path(name)
     journals = sorted(FOLDER.glob("*.journal"), key=_changed, reverse=True)
     if name is None:
-        running = [path for path in journals if serving(path) is not None]
-        if not (running or journals):
-            raise UsageError(f"no run has written a journal in {FOLDER}/; begin one with: rai-missions run --watch …")
-        return (running or journals)[0]
+        return _newest(journals)
     named = [path for path in journals if name in (path.stem, path.name) or _run_of(path) == name]
     if not named:
         known = ", ".join(path.stem for path in journals[:5])
@@ -79,6 +78,33 @@ def found(name: str | None) -> Path:
             f"there is no journal '{name}', and no run of that name in {FOLDER}/{': ' if known else ''}{known}"
         )
     return named[0]
+
+
+def _newest(journals: list[Path]) -> Path:
+    running = next((path for path in [*journals, *_elsewhere()] if serving(path) is not None), None)
+    if running is not None:
+        return running
+    if not journals:
+        raise UsageError(
+            f"no run has written a journal in {FOLDER}/, and none that goes on has a page in a folder below this one; "
+            "begin one with: rai-missions run --watch …, or name a journal: rai-missions watch JOURNAL"
+        )
+    print(
+        f"no run with a page goes on here; this is the newest journal in {FOLDER}/, and only that folder was looked at "
+        f"for journals: {journals[0]}. Name another with: rai-missions watch JOURNAL",
+        file=sys.stderr,
+    )
+    return journals[0]
+
+
+def _elsewhere() -> list[Path]:
+    """The journals of runs that go on below this folder, the newest run first."""
+    marks = [path for pattern in RUN_FILES for path in Path().glob(pattern)]
+    dated: list[tuple[float, Path]] = []
+    for mark in marks:
+        with suppress(OSError):  # its run has just ended
+            dated.append((mark.stat().st_mtime, mark.with_suffix("")))
+    return [path for _, path in sorted(dated, reverse=True)]
 
 
 def serving(journal: Path) -> dict[str, Any] | None:

@@ -9,6 +9,7 @@ import re
 import stat
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -239,6 +240,32 @@ def test_watch_prints_the_page_of_the_run_that_goes_on(
     assert room.found("old") == Path("journals/old.journal")
     with pytest.raises(UsageError, match=r"no journal 'nothing', and no run of that name in journals/: new, old"):
         room.found("nothing")
+
+
+def test_watch_finds_a_run_that_writes_its_journal_elsewhere_below(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in ("journals", "field/monday", "too/deep/by/far"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "journals/old.journal").write_text("")
+    with LivePage(Place(port=0))._socket as listening:
+        url = f"http://127.0.0.1:{listening.getsockname()[1]}/#token="
+        with ExitStack() as files:
+            for name in ("field/monday/a", "b", "too/deep/by/far/c"):
+                files.enter_context(run_file(f"{name}.journal", {"url": f"{url}{name[-1]}"}))
+            os.utime("b.journal.watch", (1, 1))
+            assert room.found(None) == Path("field/monday/a.journal")
+            os.utime("field/monday/a.journal.watch", (0, 0))
+            assert room.found(None) == Path("b.journal")
+            assert main(["watch"]) == 0
+    told = capsys.readouterr()
+    assert (told.out, told.err) == (f"watch: {url}b\n", "")
+    assert room.found(None) == Path("journals/old.journal")
+    assert (
+        "newest journal in journals/, and only that folder was looked at for journals: journals/old"
+        in capsys.readouterr().err
+    )
 
 
 def test_watch_without_any_run_says_how_to_begin_one(
