@@ -9,10 +9,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from benchmarks.bench_draw import chain
+from rai_missions.load import load
 from rai_missions.mission import Mission
 from tests.browser.conftest import Open, until
 from tests.strategies import missions
-from tests.visualize.runs import hostile, tractor
+from tests.visualize.runs import ROOT, hostile, tractor
 from visualize.page import review
 
 STATES = "[...document.querySelectorAll('.state')].map((each) => each.dataset.state)"
@@ -110,6 +111,42 @@ def test_a_search_marks_what_it_finds_and_goes_from_one_to_the_next(opened: Open
     assert window.locator(".state.selected").get_attribute("data-state") != first
     window.keyboard.press("Escape")
     assert found.count() == 0
+
+
+SEEN = """(() => {
+  const chart = document.querySelector('svg.chart').getBoundingClientRect();
+  const first = document.querySelector(`.state[data-state="${review.chart.first()}"] .form`).getBoundingClientRect();
+  const small = [...document.querySelectorAll('svg.chart text')].map((each) => each.getAttribute('font-size'));
+  const inside = first.left >= chart.left && first.top >= chart.top && first.right <= chart.right;
+  const least = Math.min(...small.filter(Boolean).map(Number)) * review.chart.gestures.scale;
+  return { inside: inside && first.bottom <= chart.bottom, least };
+})()"""
+
+
+@pytest.mark.parametrize(
+    "mission", [tractor(), load(ROOT / "missions/rosbot/mission.json"), chain(40)], ids=["tractor", "rosbot", "chain"]
+)
+def test_a_page_opens_where_the_mission_begins_and_so_that_it_is_read(mission: Mission, opened: Open) -> None:
+    window = opened(review(mission))
+    seen = window.evaluate(SEEN)
+    assert seen["inside"]
+    assert seen["least"] >= 8.99
+
+
+def test_all_of_a_very_large_chart_fits(opened: Open) -> None:
+    window = opened(review(chain(500)))
+    window.click("#open-all")
+    window.set_viewport_size({"width": 900, "height": 280})
+    window.keyboard.press("f")
+    outside = """(() => {
+      const chart = document.querySelector('svg.chart').getBoundingClientRect();
+      const all = [...document.querySelectorAll('.state .form')].map((each) => each.getBoundingClientRect());
+      const out = (each) => each.left < chart.left || each.top < chart.top || each.right > chart.right
+        || each.bottom > chart.bottom;
+      return all.filter(out).length;
+    })()"""
+    assert window.evaluate(outside) == 0
+    assert window.evaluate("review.chart.gestures.scale") < 0.05
 
 
 def test_the_chart_is_moved_zoomed_and_fitted(opened: Open) -> None:

@@ -2,7 +2,7 @@
 // The chart: a mission's states and rows, drawn from data, with states of highlight put over it.
 // Rule: what is lit, dimmed, active or taken is told by `show`, and changes no place; opening and closing does.
 
-const OPEN_AT_FIRST = 45, READABLE = 0.62;
+const OPEN_AT_FIRST = 45, READABLE = 0.9; // the smallest text is 10 high, and must be 9 on the screen
 
 class Chart {
   /** @param host element  @param data chart data  @param told {select(kind, name, places)}  @param findings [{place, sentence}] */
@@ -242,8 +242,17 @@ class Chart {
     if (place) this.gestures.center(place.x, place.y + Math.min(place.h, 200) / 2);
   }
 
+  /** All of it; with a least scale, where the mission begins if not all can be seen. */
   fit(least) {
-    this.gestures.fit(least);
+    this.gestures.fit(least, least ? this.place(this.first()) : null);
+  }
+
+  /** The innermost state that the mission begins with. */
+  first() {
+    const begins = new Map([...this.model.data.initials].reverse());
+    let name = begins.get("");
+    for (let deep = 0; begins.has(name) && deep < 100; deep += 1) name = begins.get(name);
+    return name;
   }
 }
 

@@ -52,7 +52,7 @@ class Gestures {
   /** Nearer or farther, with one point of the window held. */
   zoom(by, x, y) {
     const box = this.svg.getBoundingClientRect();
-    const scale = Math.min(MOST, Math.max(LEAST, this.scale * by));
+    const scale = Math.min(MOST, Math.max(Math.min(LEAST, this.scale), this.scale * by));
     const [holdX, holdY] = [x ?? box.width / 2, y ?? box.height / 2];
     this.x = holdX - ((holdX - this.x) * scale) / this.scale;
     this.y = holdY - ((holdY - this.y) * scale) / this.scale;
@@ -79,13 +79,22 @@ class Gestures {
     this.apply();
   }
 
-  /** All of it, or at least so large that it can be read. */
-  fit(least = LEAST) {
+  /** All of it, however small; or at least so large that it can be read, and then from a place that is to be seen. */
+  fit(least = 0, first = null) {
     const box = this.svg.getBoundingClientRect(), { w, h } = this.size();
     const scale = Math.min((box.width - 40) / Math.max(w, 1), (box.height - 40) / Math.max(h, 1), 1.25);
-    this.scale = Math.max(scale, least);
-    this.x = Math.max(w * this.scale > box.width ? 20 : 0, (box.width - w * this.scale) / 2);
-    this.y = Math.max(20, (box.height - h * this.scale) / 2);
+    this.scale = Math.max(scale, least, 0.001);
+    this.x = this.edge(box.width, w, first && first.x - first.w / 2, first && first.w);
+    this.y = this.edge(box.height, h, first && first.y, first && first.h);
     this.apply();
+  }
+
+  /** Where the chart begins on one axis: in the middle, or such that what is to be seen is, and no more is left out than must be. */
+  edge(room, size, from, length) {
+    const full = size * this.scale;
+    if (full + 40 <= room || from === null) return Math.max(20, (room - full) / 2);
+    const middle = room / 2 - (from + length / 2) * this.scale;
+    const start = length * this.scale + 80 > room ? 60 - from * this.scale : middle;
+    return Math.min(20, Math.max(room - full - 20, start));
   }
 }
