@@ -15,6 +15,7 @@ from rai_missions.written import Written
 from visualize.diff.aligned import parents
 from visualize.diff.change import Change
 from visualize.diff.fields import Spot, effects_changed, fields, guards, said
+from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.diff.questions import asked_changes, new_questions, offers
 from visualize.diff.reads import Uses, otherwise, uses
 from visualize.diff.rows import Rows, row_changes
@@ -24,15 +25,15 @@ from visualize.words import child_pointer
 __all__ = ("changes",)
 
 
-def changes(old: Mission, new: Mission) -> Iterator[Change]:
-    """Every change, in the order of the new mission."""
+def changes(old: Mission, new: Mission, own: Originals = AS_THEY_ARE) -> Iterator[Change]:
+    """Every change, in the order of the new mission; what was is told in the old one's own words."""
     before, after, used = Ways(old), Ways(new), uses(old, new)
-    whole = Spot("", "", "mission")
+    whole = Spot("", "", "mission", own=own)
     yield from fields(old, new, whole, ("version",))
-    yield from _named("key", old.blackboard, new.blackboard, "blackboard")
-    yield from _named("event", old.events, new.events, "events")
-    yield from _invariants(old, new)
-    yield from new_ways(before, after)
+    yield from _named(whole, "key", old.blackboard, new.blackboard, "blackboard")
+    yield from _named(whole, "event", old.events, new.events, "events")
+    yield from _invariants(old, new, whole)
+    yield from new_ways(before, after, own)
     yield from row_changes(Rows(old.transitions, new.transitions, whole, before, after, used))
     left = {name: (place, state) for place, name, state in old.walk()}
     around, now_around = parents(old), parents(new)
@@ -42,14 +43,16 @@ def changes(old: Mission, new: Mission) -> Iterator[Change]:
             yield from new_questions(state, place, name)
             yield from _does_on_the_way(state, Spot("", place, name, name), used)
             continue
-        spot = Spot(left[name][0], place, name, name)
+        spot = Spot(left[name][0], place, name, name, own)
         if around[name] != now_around[name]:
-            was, now = (f"in '{each}'" if each else "at the top" for each in (around[name], now_around[name]))
+            was, now = (
+                f"in '{each}'" if each else "at the top" for each in (own.state(around[name]), now_around[name])
+            )
             yield spot.changed("form", "moved", "safety", before=was, after=now)
         yield from _state(left[name][1], state, spot, (before, after, used))
     for name, (place, state) in left.items():
         if name not in now_around:
-            yield Spot(place, "", name, name).went("rest", "state removed", "other", before=_is(state))
+            yield Spot(place, "", name, name).went("rest", "state removed", "other", before=_is(own.of(state)))
 
 
 def _is(state: State) -> str:
@@ -58,7 +61,7 @@ def _is(state: State) -> str:
 
 def _state(old: State, new: State, spot: Spot, ways: tuple[Ways, Ways, Uses]) -> Iterator[Change]:
     if type(old) is not type(new):
-        yield spot.changed("form", "is something else", "safety", before=_is(old), after=_is(new))
+        yield spot.changed("form", "is something else", "safety", before=_is(spot.own.of(old)), after=_is(new))
         yield from new_questions(new, spot.new, spot.subject)
         yield from fields(old, new, spot, of=State)
     else:
@@ -118,10 +121,11 @@ def _twig(old: TreeNode, new: TreeNode, spot: Spot) -> Iterator[Change]:
         yield from asked_changes(old, new, spot.inside("decision"))
 
 
-def _named(sort: str, before: Mapping[str, Written], after: Mapping[str, Written], word: str) -> Iterator[Change]:
+def _named(
+    whole: Spot, sort: str, before: Mapping[str, Written], after: Mapping[str, Written], word: str
+) -> Iterator[Change]:
     for name in [*after, *(name for name in before if name not in after)]:
-        place = child_pointer("", word, name)
-        spot = Spot(place, place, f"{sort} '{name}'")
+        spot = whole.inside(word, name, whose=f"{sort} '{name}'")
         if name not in before:
             yield spot.came("rest", "added", "other")
         elif name not in after:
@@ -130,13 +134,12 @@ def _named(sort: str, before: Mapping[str, Written], after: Mapping[str, Written
             yield from fields(before[name], after[name], spot)
 
 
-def _invariants(old: Mission, new: Mission) -> Iterator[Change]:
+def _invariants(old: Mission, new: Mission, whole: Spot) -> Iterator[Change]:
     for name in [*new.invariants, *(name for name in old.invariants if name not in new.invariants)]:
-        place = child_pointer("", "invariants", name)
-        spot = Spot(place, place, f"invariant '{name}'")
+        spot = whole.inside("invariants", name, whose=f"invariant '{name}'")
         if name not in old.invariants:
             yield spot.came("rest", "added", "other", after=new.invariants[name].words())
         elif name not in new.invariants:
-            yield spot.went("proof", "removed", "safety", before=old.invariants[name].words())
+            yield spot.went("proof", "removed", "safety", before=whole.own.of(old.invariants[name]).words())
         else:
             yield from guards(old.invariants[name], new.invariants[name], spot, "guard", topic="proof")

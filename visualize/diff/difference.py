@@ -15,6 +15,7 @@ from visualize.diff.change import Change, weight
 from visualize.diff.changes import changes
 from visualize.diff.fields import grave
 from visualize.diff.merged import merged
+from visualize.diff.originals import Originals
 from visualize.diff.told import lines
 from visualize.picture import picture
 from visualize.shapes import Picture
@@ -84,7 +85,7 @@ def difference(old: Mission, new: Mission) -> Difference:
     """
     before, names = aligned(old, new)
     documents = _documents(before, old)
-    found = [*_renames(names, old, new), *_as_written(changes(before, new), documents)]
+    found = [*_renames(names, old, new), *_as_written(changes(before, new, Originals(before, old)), documents)]
     return Difference(before, new, names, tuple(sorted(found, key=weight)), (old.version, new.version), documents)
 
 

@@ -14,6 +14,7 @@ from rai_missions.states.decision import Budget, Option
 from rai_missions.states.tree import TreeNode
 from rai_missions.written import Written
 from visualize.diff.change import Change, Severity
+from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.diff.weaker import relation
 from visualize.words import child_pointer, effects, template
 
@@ -52,10 +53,13 @@ class Spot(NamedTuple):
     whose: str
     """How a sentence begins: `crossing`, `key 'battery'`."""
     subject: str = ""
+    own: Originals = AS_THEY_ARE
+    """Things of the old mission in their own words."""
 
     def inside(self, *words: str, whose: str = "") -> Spot:
         """A part of it."""
-        return Spot(child_pointer(self.old, *words), child_pointer(self.new, *words), whose or self.whose, self.subject)
+        old, new = (child_pointer(each, *words) for each in (self.old, self.new))
+        return self._replace(old=old, new=new, whose=whose or self.whose)
 
     def changed(
         self, topic: str, sentence: str, severity: Severity, *, before: str = "", after: str = ""
@@ -103,8 +107,9 @@ def fields(
         elif name in LIMITS:
             yield _limit(before, after, here, word, either=isinstance(new, TreeNode))
         else:
+            own = getattr(spot.own.of(old), name)
             topic, severity = _weighed(name, new, after, asks_a_model=asks_a_model)
-            yield here.changed(topic, f"'{word}' changed", severity, before=said(before), after=said(after))
+            yield here.changed(topic, f"'{word}' changed", severity, before=said(own), after=said(after))
 
 
 def _weighed(name: str, new: Written, after: Any, *, asks_a_model: bool) -> tuple[str, Severity]:
@@ -150,7 +155,8 @@ def guards(
     how = relation(before, after)
     severity = grave(how in grave_if)
     topic = "row" if how == "strengthened" and severity == "safety" else topic
-    was, now = before.words() if before is not None else "always", after.words() if after is not None else "always"
+    was = spot.own.of(before).words() if before is not None else "always"
+    now = after.words() if after is not None else "always"
     if how != "same":
         less = "narrowed, it fires less often" if topic == "row" and how == "strengthened" else how
         verb = "added" if before is None else "removed" if after is None else less
@@ -161,9 +167,10 @@ def guards(
 
 def effects_changed(before: Any, after: Any, spot: Spot, word: str, why: Sequence[str]) -> Change:
     """What is done on the way is otherwise; `why` it matters to more than a reader."""
+    was, now = said(spot.own.of(before)), said(after)
     because = f": {', '.join(dict.fromkeys(why))}" if why else ""
     topic = "effect" if why else "rest"
-    return spot.changed(topic, f"'{word}' changed{because}", grave(bool(why)), before=said(before), after=said(after))
+    return spot.changed(topic, f"'{word}' changed{because}", grave(bool(why)), before=was, after=now)
 
 
 def said(value: Any) -> str:

@@ -62,7 +62,7 @@ def asked_changes(before: Asks, after: Asks, spot: Spot) -> Iterator[Change]:
     old, new = before.decision, after.decision
     yield from fields(old, new, spot, ("fallback", "ask", "tools"), asks_a_model=MODEL in new.ask)
     if old.fallback != new.fallback:
-        was, now = (each.fallback or "none: it fails" for each in (old, new))
+        was, now = (each.fallback or "none: it fails" for each in (spot.own.of(old), new))
         yield spot.inside("fallback").changed("fallback", "fallback changed", "safety", before=was, after=now)
     if old.ask != new.ask:
         yield _ask(old, new, spot.inside("ask"))

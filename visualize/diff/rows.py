@@ -80,23 +80,24 @@ def _removed(rows: Rows, index: int) -> Change:
     row = rows.old[index]
     severity = grave(rows.before.gives_up(row.to) or not row.on or not rows.gone.issuperset(row.on))
     spot = rows.spot.inside("transitions", str(index))
-    return spot.went("row" if severity == "safety" else "rest", "row removed", severity, before=_row(row))
+    return spot.went(
+        "row" if severity == "safety" else "rest", "row removed", severity, before=_row(rows.spot.own.of(row))
+    )
 
 
 def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
     old, new = rows.old[before], rows.new[after]
     name = trigger(new) or "as soon as"
-    spot = Spot(
-        f"{rows.spot.old}/transitions/{before}", f"{rows.spot.new}/transitions/{after}",
-        f"{rows.spot.whose}: row '{name}'", rows.spot.subject,
-    )  # fmt: skip
+    places = f"{rows.spot.old}/transitions/{before}", f"{rows.spot.new}/transitions/{after}"
+    spot = rows.spot._replace(old=places[0], new=places[1], whose=f"{rows.spot.whose}: row '{name}'")
     if old.do != new.do:
         yield effects_changed(old.do, new.do, spot.inside("do"), "do", rows.used.matter(otherwise(old.do, new.do)))
     for field in ("on", "of", "after_s", "to", "internal", "about"):
         was, now = getattr(old, field), getattr(new, field)
         if was != now and not (field == "on" and set(was) == set(now)):
             topic, severity = _weighed(rows, field, old, new)
-            yield spot.inside(field).changed(topic, f"'{field}' changed", severity, before=said(was), after=said(now))
+            own, here = getattr(spot.own.of(old), field), spot.inside(field)
+            yield here.changed(topic, f"'{field}' changed", severity, before=said(own), after=said(now))
     if old.when != new.when:
         widened, narrowed = ("weakened", "changed"), ("strengthened", "changed")
         shields = rows.before.gives_up(old.to)

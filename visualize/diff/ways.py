@@ -14,6 +14,7 @@ from collections.abc import Set as AbstractSet
 from rai_missions.mission import Mission
 from rai_missions.states import Each, Final, Transition
 from visualize.diff.change import Change
+from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.page.reach import Roads
 
 __all__ = ("Ways", "new_ways")
@@ -139,7 +140,7 @@ def way(came: Mapping[str, str], end: str) -> list[str]:
     return found[::-1]
 
 
-def new_ways(old: Ways, new: Ways) -> Iterator[Change]:
+def new_ways(old: Ways, new: Ways, own: Originals = AS_THEY_ARE) -> Iterator[Change]:
     """How the mission can succeed that it could not before."""
     if (old.onward, old.ends, old.initial) == (new.onward, new.ends, new.initial):
         return
@@ -150,18 +151,18 @@ def new_ways(old: Ways, new: Ways) -> Iterator[Change]:
             sentence = f"{end}: the mission can succeed here now"
             yield Change("+", "success", sentence, None, place, "", _road(way(now, end)), "safety", end)
             continue
-        yield from _around(old, new, end)
+        yield from _around(old, new, end, own)
     yield from _hope(old, new, was.keys(), now.keys())
 
 
-def _around(old: Ways, new: Ways, end: str) -> Iterator[Change]:
+def _around(old: Ways, new: Ways, end: str, own: Originals) -> Iterator[Change]:
     """States that every way to an end went through; of those inside each other the outermost."""
     avoided = {name for name in old.passed(end) - new.passed(end) if name in new.places}
     for name in (name for name in new.places if name in avoided and not avoided.intersection(new.roads.above(name))):
         around = way(new.ways(without=name), end)
         if around:
             sentence = f"{end}: can be reached without passing '{name}' now"
-            before = f"every way went through '{name}'"
+            before = f"every way went through '{own.state(name)}'"
             yield Change(
                 "~", "success", sentence, old.places[end], new.places[end], before, _road(around), "safety", end
             )

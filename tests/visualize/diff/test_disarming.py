@@ -155,3 +155,26 @@ def test_a_newly_offered_option_of_a_tree_says_what_is_done_then() -> None:
     told = {each.sentence: each.after for each in difference(asked("mute"), asked("mute", "loud")).safety}
     whose = "signalling: tree node 'the root'"
     assert told[f"{whose}: a model is newly offered 'loud'"] == "always open, then call"
+
+
+def test_what_was_is_told_in_the_old_files_own_words() -> None:
+    """Also where a state, a key or an option goes by another name now."""
+    text = json.dumps(shipped())
+    for was, now in (("crossing", "over"), ("signals", "horns"), ("replan", "around")):
+        text = text.replace(f'"{was}"', f'"{now}"')
+    new = json.loads(text.replace('"call": "around"', '"call": "replan"'))
+    new["invariants"]["nobody_is_driven_over"]["not"]["all"].pop()
+    states(new)["assessing"]["decision"]["options"]["signal"]["when"]["<"] = 9
+    states(new)["assessing"]["decision"]["fallback"] = "around"
+    row(new, "assessing", 0)["to"] = "resume"
+    row(new, "assessing", 1)["on"] = ["around", "e_stop"]
+    states(new)["signalling"]["entry"] = []
+    found = difference(Mission.model_validate(shipped()), Mission.model_validate(new))
+    told = {each.sentence: each.before for each in found.changes}
+    assert {"crossing", "signals"} <= {each.old for each in found.names}
+    assert "in crossing" in told["invariant 'nobody_is_driven_over': guard strengthened"]
+    assert "signals" in told["assessing: option 'signal': guard weakened"]
+    assert told["assessing: row 'drive_over': 'to' changed"] == "crossing"
+    assert told["signalling: 'entry' changed: 'horns' is read"] == "“signals += 1”"
+    for words in told.values():
+        assert not {"over", "horns"}.intersection(words.split()), words
