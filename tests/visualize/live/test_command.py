@@ -184,6 +184,28 @@ def test_an_answer_ends_the_question_everywhere(watched: Callable[..., Watched])
     viewer.cut()
 
 
+def test_who_joins_after_a_pause_sees_the_time_that_a_question_has_left(watched: Callable[..., Watched]) -> None:
+    one = watched()
+    viewer = Viewer(one.page)
+    one.post("ask")
+    until_ = one.asked(viewer)["until"]
+    viewer.cut()
+    until(lambda: one.page.viewers == 0 and one._watch._feed._wake is None, "nobody looks")  # type: ignore[union-attr]
+    assert one.order(command="pause") == (200, "")
+    joins = Viewer(one.page)
+    until(lambda: joins.sees(mode="paused"), f"{joins.seen}")
+    paused_at = joins.seen["paused_at"]
+    joins.cut()
+    until(lambda: one.page.viewers == 0 and one._watch._feed._wake is None, "nobody looks")  # type: ignore[union-attr]
+    assert one.order(command="resume") == (200, "")
+    late = Viewer(one.page)
+    with read(one.journal) as record:
+        at = {note: step.at for step in record.steps() for note in step.notes if note in ("paused", "resumed")}
+    assert paused_at == at["paused"]
+    assert one.asked(late)["until"] == pytest.approx(until_ + at["resumed"] - at["paused"])
+    late.cut()
+
+
 def test_a_question_for_somebody_else_is_not_the_page_s_to_answer(watched: Callable[..., Watched]) -> None:
     one = watched()
     viewer = Viewer(one.page)
