@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.check import check
-from rai_missions.commands.given import named_in, steps_of
+from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.commands.live import sort_out, watched
 from rai_missions.commands.node import beside, managed, refuse_words_of_one_run
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -52,6 +52,7 @@ def run(given: argparse.Namespace) -> int:
         raise UsageError(f"the mission must hear {', '.join(heard)} from a robot; give its profile: --robot PROFILE")
     lines = _lines(mission, given)
     setting = replace(_setting(given, mission, lines), named=named)
+    warn(_without_effect(given))
     try:
         with (
             watched(given, setting) as watch,
@@ -90,11 +91,28 @@ def run(given: argparse.Namespace) -> int:
     return 0 if result.outcome == "succeeded" else 1
 
 
+def _without_effect(given: argparse.Namespace) -> str:
+    """What was said of a simulated world, where the run opens none; empty if nothing was."""
+    words = [f"--{word}" for word in ("speed", "seed") if getattr(given, word) is not None]
+    if not words:
+        return ""
+    from rai_missions.robot import load_profile
+
+    connector = load_profile(given.robot).connector if given.robot else {"kind": "none"}
+    if (given.resume and not given.robot) or (connector["kind"] == "local" and connector.get("world") is not None):
+        return ""
+    said = f"{' and '.join(words)} {'has' if len(words) == 1 else 'have'} no effect: the run simulates no world, "
+    if given.robot:
+        return said + f"its robot is reached by a connector of kind '{connector['kind']}' (see: rai-missions world)"
+    return said + "for it has no robot"
+
+
 def _managed(given: argparse.Namespace) -> int:
     """Serve the mission on a node of its own, run by run."""
     from rai_missions.agents.mission import Setting
 
     refuse_words_of_one_run(given)
+    warn(_without_effect(given))
     mission = _mission(given)
     base = Path(given.journal or _journal_of(mission))
     numbers = itertools.count(1)

@@ -247,3 +247,24 @@ def test_a_journal_without_a_step_proves_nothing(folder: Path, capsys: pytest.Ca
     Journal.create(folder / "empty.journal", Header(mission=dump(load("lamp.json")))).close()
     assert main(["replay", "empty.journal"]) == 1
     assert "empty.journal holds no step of a run: there is nothing to compare" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("connector", "said"),
+    [
+        ({"kind": "local"}, "--speed and --seed have no effect: the run simulates no world, its robot is reached by"),
+        ({"kind": "local", "world": "orchard", "camera": False}, ""),
+    ],
+)
+def test_words_of_a_simulated_world_warn_where_there_is_none(
+    folder: Path, capsys: pytest.CaptureFixture[str], connector: dict[str, object], said: str
+) -> None:
+    if "world" in connector:
+        pytest.importorskip("mujoco")
+    (folder / "r.json").write_text(json.dumps({"format": 1, "name": "r", "connector": connector}))
+    given = ["run", "lamp.json", "--robot", "r.json", "--no-operator", "--journal", "a.journal"]
+    assert main([*given, "--speed", "max", "--seed", "3"]) == 1
+    err = capsys.readouterr().err
+    assert said in err and (said or "no effect" not in err)
+    main(given)
+    assert "no effect" not in capsys.readouterr().err, "what was not said is not warned of"
