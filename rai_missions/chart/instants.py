@@ -11,6 +11,7 @@ from rai_missions.chart.core import Timer, Trigger
 from rai_missions.chart.microsteps import MOST_MICROSTEPS
 from rai_missions.chart.modes import Modes
 from rai_missions.states.activity import Outcome
+from rai_missions.step import CancelGoal
 
 __all__ = ("Instants",)
 
@@ -71,6 +72,8 @@ class Instants(Modes):
         """Goals whose end nobody has confirmed in time are orphans from now on."""
         for goal in self._ledger.overdue(self.view.at):
             self.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
+            if goal.phase == "withdrawn":  # nobody may hear its acceptance any more, so the server is told beforehand
+                self.effects.append(CancelGoal(goal.number, goal.action))
             self._heard(Trigger("orphaned", {"action": goal.action, "number": goal.number}))
 
     def _fire(self, key: tuple[str, Any], timer: Timer) -> None:
