@@ -2,8 +2,9 @@
 """What changed in the rows of a state, or of the mission.
 
 Rule: a row that gives up (it leads to where the mission can no longer succeed) protects: to narrow it, to lead it
-elsewhere or to drop it is `safety`. A row that goes on is one that must be earned: to add or to widen it is. Of a row
-that needs no event both are, for it may be either. What a row does counts where more than a reader sees it.
+elsewhere or to drop it is `safety`. A row that goes on is one that must be earned: to add or to widen it is, and to
+narrow it too unless it waits for a success or an answer that no other row hears. What a row does counts where
+more than a reader sees it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from rai_missions.states import Transition
+from rai_missions.states import Decision, Transition
 from rai_missions.states.state import ANY_EVENT
 from visualize.diff.aligned import paired
 from visualize.diff.change import Change, Severity
@@ -101,11 +102,19 @@ def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
     if old.when != new.when:
         widened, narrowed = ("weakened", "changed"), ("strengthened", "changed")
         shields = rows.before.gives_up(old.to)
-        both = () if shields or not new.eventless else ("strengthened",)
+        both = () if shields or _only_earned(rows, after) else ("strengthened",)
         yield from guards(
             old.when, new.when, spot.inside("when"), "guard", topic="row" if shields else "guard",
             grave_if=narrowed if shields else (*widened, *both),
         )  # fmt: skip
+
+
+def _only_earned(rows: Rows, index: int) -> bool:
+    """Whether a row only goes on from a success or an answer, and no other is tried in its stead."""
+    row, state = rows.new[index], rows.after.roads.states.get(rows.spot.subject)
+    earned = {"succeeded", *(state.options if isinstance(state, Decision) else ())}
+    rivals = _later(rows, index, [(0, number) for number in range(len(rows.new))])
+    return bool(row.on) and earned.issuperset(row.on) and not any(_meet(row, other) for other in rivals)
 
 
 def _weighed(rows: Rows, field: str, old: Transition, new: Transition) -> tuple[str, Severity]:
