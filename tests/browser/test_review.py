@@ -9,12 +9,15 @@ from typing import Any
 
 import pytest
 
+from rai_missions.chart import Chart
 from rai_missions.check import check
+from rai_missions.load import load
 from rai_missions.mission import Mission
+from rai_missions.trees import PyTrees
 from tests.browser.conftest import Open, until
 from tests.visualize.page.reading import HOSTILE, answered, data_of, folded, journal_of
 from tests.visualize.page.test_bad_input import broken
-from tests.visualize.runs import document, tractor
+from tests.visualize.runs import ROOT, document, tractor
 from visualize.page import review, run_of_steps
 
 LENSES = {lens["name"]: lens for lens in data_of(review(tractor()))["lenses"]}
@@ -183,6 +186,17 @@ def test_coverage_says_which_rows_were_never_taken_and_is_sorted_by_a_click(jour
     assert [count for count in counts if count] == sorted((sum(each) for each in taken.values()), reverse=True)
     window.click("[data-sort=taken]")
     assert window.inner_text("#rows tbody tr:first-child .number >> nth=0") == "never"
+
+
+def test_a_history_which_is_never_active_is_not_among_the_states_never_entered(opened: Open) -> None:
+    mission = load(ROOT / "missions/rosbot/mission.json")
+    chart = Chart(mission, ticker=PyTrees())
+    window = opened(review(mission, runs=[run_of_steps([chart.start(0.0)])]))
+    window.click("#tab-rows")
+    never = window.evaluate("[...document.querySelectorAll('#rows li')].map((each) => each.textContent)")
+    assert "deciding" in never
+    assert "resume" not in never
+    assert f"of {sum(1 for _ in mission.walk()) - 1} states entered" in window.inner_text("#rows")
 
 
 def test_no_text_of_a_mission_a_model_or_a_robot_is_run_or_read_as_markup(journal: Path, opened: Open) -> None:

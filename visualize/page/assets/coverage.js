@@ -12,7 +12,7 @@ class Coverage {
   }
 
   draw() {
-    const never = this.rows.filter((each) => !each.taken), states = this.model.data.states;
+    const never = this.rows.filter((each) => !each.taken), states = this.model.data.states.filter((state) => state.kind !== "history"); // a history is never active itself
     const unseen = states.filter((state) => !(state.name in this.data.coverage.states));
     const sorted = [...this.rows].sort((a, b) => this.compare(a, b));
     const runs = this.data.runs.length;
