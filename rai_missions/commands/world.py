@@ -61,7 +61,9 @@ def _open(given: argparse.Namespace) -> World:
         return open_world(given.world, **options)
     except (TypeError, ValueError, AttributeError) as fault:  # a value of another kind than the world takes
         told = ", ".join(f"{name}={json.dumps(value)}" for name, value in options.items())
-        raise UsageError(f"the world {given.world!r} cannot be opened with {told}: {fault}") from fault
+        raise UsageError(
+            f"the world {given.world!r} cannot be opened with {told}: a value there is of another type than it takes"
+        ) from fault
 
 
 def _go(stage: Stage, front: Front, speed: float, mailbox: Mailbox) -> None:

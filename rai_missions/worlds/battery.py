@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -42,6 +43,9 @@ class Battery:
         unknown = sorted(set(options or {}) - {"capacity_wh", "charge"})
         if unknown:
             raise UsageError(f"battery: no option {unknown[0]!r}; there are: capacity_wh, charge")
+        for name, value in (options or {}).items():
+            if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+                raise UsageError(f"battery: {name} takes a finite number, not {value!r:.60}")
         return cls(**{**ours, **(options or {})})
 
     def drain(self, drive_w: float, period_s: float) -> None:

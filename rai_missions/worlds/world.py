@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import importlib
 import inspect
-from collections.abc import Mapping
-from typing import Any, Protocol
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, get_args, get_origin, get_type_hints
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError
@@ -22,6 +24,15 @@ WORLDS: Mapping[str, tuple[str, str]] = {
     "orchard": ("rai_missions.worlds.orchard", "Orchard"),
 }
 """Where each world lives: module and class, imported when it is opened."""
+
+
+SORTS: Mapping[Any, tuple[tuple[type, ...], str]] = {
+    bool: ((bool,), "true or false"),
+    int: ((int,), "a whole number"),
+    float: ((int, float), "a finite number"),
+    str: ((str,), "text"),
+}
+"""Type of an option → what it takes, and what that is called."""
 
 
 class World(Protocol):
@@ -73,5 +84,30 @@ def open_world(name: str, **options: Any) -> World:
     unknown = sorted(set(options) - set(known))
     if unknown:
         raise UsageError(f"the world {name!r} has no option {unknown[0]!r}; there are: {', '.join(known)}")
+    _check_sorts(name, world, options)
     made: World = world(**options)
     return made
+
+
+def _check_sorts(name: str, world: Any, options: Mapping[str, Any]) -> None:
+    """Whether each option has a value of its type; what an object or a list holds is the world's affair.
+
+    Raises:
+        UsageError: One has not; all such are told at once.
+    """
+    takes = get_type_hints(world.__init__)
+    wrong = [f"{option} takes {why}" for option, value in options.items() if (why := _misfit(takes.get(option), value))]
+    if wrong:
+        told = ", ".join(f"{option}={json.dumps(value, default=repr)}" for option, value in options.items())
+        raise UsageError(f"the world {name!r} cannot be opened with {told}: {', '.join(wrong)}")
+
+
+def _misfit(taken: Any, value: Any) -> str:
+    """What an option takes, if that is not a value of this type; else empty."""
+    sorts = [get_origin(each) or each for each in get_args(taken) or (taken,)]
+    if len(sorts) == 1 and sorts[0] in SORTS:
+        fitting, called = SORTS[sorts[0]]
+        fits = isinstance(value, fitting) and (sorts[0] is bool or not isinstance(value, bool))
+        return "" if fits and not (isinstance(value, float) and not math.isfinite(value)) else called
+    is_object = Mapping in sorts and isinstance(value, str | int | float) and Sequence not in sorts
+    return "an object" if is_object else ""

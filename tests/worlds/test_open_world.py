@@ -28,6 +28,15 @@ def test_an_unknown_world_names_those_that_exist() -> None:
         ({"alleys": 0}, "alleys: an orchard has 1 to 30 alleys, not 0"),
         ({"length_m": 5}, "length_m: an alley is 12 to 200 m long, not 5"),
         ({"detector": {"blur": 1}, "alleys": 1}, "detector: no option 'blur'; there are: noise, miss"),
+        ({"alleys": "x"}, "the world 'orchard' cannot be opened with alleys=\"x\": alleys takes a whole number"),
+        ({"alleys": True}, "the world 'orchard' cannot be opened with alleys=true: alleys takes a whole number"),
+        (
+            {"length_m": "far", "camera": "no", "robot": 1, "battery": 7, "detector": "good"},
+            'the world \'orchard\' cannot be opened with length_m="far", camera="no", robot=1, battery=7, '
+            'detector="good": length_m takes a finite number, camera takes true or false, robot takes text, '
+            "battery takes an object, detector takes an object",
+        ),
+        ({"battery": {"charge": "full"}}, "battery: charge takes a finite number, not 'full'"),
         ({"battery": {"volts": 1}, "alleys": 1}, "battery: no option 'volts'; there are: capacity_wh, charge"),
     ],
 )
