@@ -69,7 +69,7 @@ def say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     after = roads.onward(direct)
     finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
     at_once = roads.at_once(direct)
-    ends = [item(_end_words(name, state, at_once, after), state=name) for name, state in finals]
+    ends = [item(_end_words(name, state, direct, at_once, after), state=name) for name, state in finals]
     sections.insert(0, ("Ends", [*ends, *_success_words(finals, at_once)]))
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
     states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
@@ -120,6 +120,8 @@ def _success_words(finals: list[tuple[str, Final]], at_once: frozenset[str]) -> 
 
 
 def _ends_after(targets: list[str], roads: Roads) -> str:
+    if targets and all(isinstance(roads.mission.states.get(name), Final) for name in targets):
+        return ", which ends the mission"
     after = roads.onward(targets).states
     finals = [name for name, state in roads.mission.states.items() if isinstance(state, Final)]
     missed = [name for name in finals if name not in after]
@@ -128,10 +130,11 @@ def _ends_after(targets: list[str], roads: Roads) -> str:
     return f"; from there never {', '.join(missed)}"
 
 
-def _end_words(name: str, state: Final, at_once: frozenset[str], after: Reached) -> str:
+def _end_words(name: str, state: Final, direct: set[str], at_once: frozenset[str], after: Reached) -> str:
     facts = f", and only if {state.requires.words()}" if state.requires is not None else ""
     if name in at_once:
-        return f"{name} ({state.final}): an answer leads there at once{facts}"
+        behind = "" if name in direct else " where the rows behind it hold already"
+        return f"{name} ({state.final}): an answer leads there at once{behind}{facts}"
     if name in after.states:
         needed = "an event, what the robot reports, or time that passes must lead there"
         return f"{name} ({state.final}): not by an answer alone: {needed}{facts}"

@@ -15,13 +15,14 @@ from hypothesis import strategies as st
 
 from rai_missions.chart import Chart
 from rai_missions.event import Event, Tick
+from rai_missions.load import load
 from rai_missions.mission import Mission
 from rai_missions.states import Final
 from rai_missions.step import Step
 from rai_missions.trees import PyTrees
 from tests.strategies import EVENTS, missions
 from tests.visualize.page.reading import answered, data_of, folded, journal_of
-from tests.visualize.runs import document, hostile, run, tractor
+from tests.visualize.runs import ROOT, document, hostile, run, tractor
 from visualize.page import review, review_data, run_of_steps
 from visualize.page.plain import plain
 from visualize.page.reach import Roads
@@ -151,6 +152,14 @@ def test_no_answer_of_the_tractors_model_leads_to_success_at_once() -> None:
     assert "not by an answer alone" in said["done"]
     assert "and only if alleys_driven ≥ alleys" in said["done"]
     assert "an answer leads there at once" in said["aborted"]
+
+
+def test_an_option_that_ends_the_mission_says_so_and_one_behind_another_row_says_where() -> None:
+    lens = review_data(load(ROOT / "missions/tractor/mission.json"))["lenses"][0]
+    said = [item["text"] for section in lens["sections"] for item in section["items"]]
+    assert "abort: always open; leads to aborted, which ends the mission" in said
+    assert "aborted (aborted): an answer leads there at once" in said
+    assert "stopped (aborted): an answer leads there at once where the rows behind it hold already" in said
 
 
 def ends_of(change: Callable[[dict[str, Any]], Any]) -> list[str]:
