@@ -38,7 +38,7 @@ class Battery:
         self._left_j = self._capacity_j * min(1.0, max(0.0, charge))
 
     @classmethod
-    def of(cls, options: Mapping[str, float] | None, **ours: Any) -> Battery:
+    def of(cls, options: Mapping[str, Any] | None, **ours: Any) -> Battery:
         """From plain data, which goes before the world's own words; a `UsageError` names what does not exist."""
         unknown = sorted(set(options or {}) - {"capacity_wh", "charge"})
         if unknown:
