@@ -6,16 +6,19 @@ Rule: a server is gone when none of the endpoints that were there is there, or w
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.node import Node
 
-__all__ = ("NOBODY", "Peers", "are_gone", "servers_of_action", "servers_of_service")
+__all__ = ("NOBODY", "Peers", "are_gone", "servers_of_action", "servers_of_service", "types_of_service")
 
 Peers = Mapping[bytes, str]
 """The identities of a server's endpoints, each with its node's name, empty while that is not known."""
 NOBODY: Peers = {}
+REQUEST = re.compile(r"^(?P<package>\w+?)(?:::|/)srv(?:::|/)(?:dds_(?:::|/))?(?P<name>\w+)_Request_?$")
+"""A request's type as DDS knows it, `std_srvs::srv::dds_::Trigger_Request_`, or as ROS does."""
 
 
 def servers_of_action(node: Node, action: str) -> Callable[[], Peers]:
@@ -26,8 +29,19 @@ def servers_of_action(node: Node, action: str) -> Callable[[], Peers]:
 
 def servers_of_service(node: Node, service: str) -> Callable[[], Peers]:
     """Looks up who serves a service: whoever reads its requests, under the name that DDS knows them by."""
+    return lambda: _peers(_servers(node, service))
+
+
+def types_of_service(node: Node, service: str) -> set[str]:
+    """The types by which a service is served now: `std_srvs/srv/Trigger`."""
+    found = (REQUEST.match(each.topic_type) for each in _servers(node, service))
+    return {f"{each['package']}/srv/{each['name']}" for each in found if each is not None}
+
+
+def _servers(node: Node, service: str) -> list[Any]:
     topic = f"rq{node.resolve_service_name(service)}Request"
-    return lambda: _peers(node.get_subscriptions_info_by_topic(topic, no_mangle=True))
+    found: list[Any] = node.get_subscriptions_info_by_topic(topic, no_mangle=True)
+    return found
 
 
 def _peers(found: list[Any]) -> Peers:

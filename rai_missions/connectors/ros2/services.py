@@ -15,8 +15,8 @@ from typing import Any
 from rclpy.qos import QoSProfile
 
 from rai_missions.connectors.connector import Data, Reply
-from rai_missions.connectors.ros2.messages import to_data, to_message
-from rai_missions.connectors.ros2.peers import Peers, are_gone, servers_of_service
+from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
+from rai_missions.connectors.ros2.peers import Peers, are_gone, servers_of_service, types_of_service
 from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.window import AT_ONCE
 
@@ -52,7 +52,7 @@ class Client:
     """
 
     def __init__(self, runtime: Runtime, service: str, cls: Any, patience_s: float) -> None:
-        self._runtime, self._service = runtime, service
+        self._runtime, self._service, self._type = runtime, service, name_of(cls)
         self._client = runtime.node.create_client(cls, service, qos_profile=MANY, callback_group=runtime.group)
         self._peers = servers_of_service(runtime.node, service)
         self._waiting: deque[_Call] = deque()
@@ -76,7 +76,15 @@ class Client:
     def _absent(self) -> Reply | None:
         if self._client.service_is_ready():
             return None
-        return Reply("unavailable", {}, f"nobody serves {self._service}")
+        return self._nobody()
+
+    def _nobody(self) -> Reply:
+        """Nobody serves it; who serves it as another type is not spoken to, and said."""
+        others = ", ".join(sorted(types_of_service(self._runtime.node, self._service) - {self._type}))
+        if not others:
+            return Reply("unavailable", {}, f"nobody serves {self._service}")
+        why = f"{self._service} is served as {others}, and not as the {self._type} that is asked for; mend the type"
+        return Reply("unavailable", {}, why)
 
     def _send(self) -> None:
         if not self._client.service_is_ready():
@@ -99,7 +107,7 @@ class Client:
             self._send()
         else:
             for call in list(self._waiting):
-                self._end(call, Reply("unavailable", {}, f"nobody serves {self._service}"))
+                self._end(call, self._nobody())
 
     def _send_one(self, call: _Call) -> None:
         call.peers = self._peers()

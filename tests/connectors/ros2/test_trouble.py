@@ -148,6 +148,13 @@ def test_where_discovery_is_blocked_nobody_is_there_and_everyone_is_told(open_ro
     assert reports.wait(bool, "nobody is found") == [Report("g", "rejected", {}, "nobody serves /peer/fibonacci")]
 
 
+def test_a_service_of_another_type_is_told_with_its_type(open_ros: Open, peer: Peer) -> None:
+    connector, replies = open_ros(discovery_s=8.0), Heard[Reply]()
+    connector.call("/peer/trigger", "std_srvs/srv/SetBool", {}, answered=replies)
+    why = "/peer/trigger is served as std_srvs/srv/Trigger, and not as the std_srvs/srv/SetBool that is asked for"
+    assert replies.wait(bool, "it is another") == [Reply("unavailable", {}, f"{why}; mend the type")]
+
+
 def test_a_call_that_two_strangers_serve_is_answered_once(open_ros: Open) -> None:
     asker, replies, served = open_ros(), Heard[Reply](), Heard[str]()
     for name in ("one", "other"):
