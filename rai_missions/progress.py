@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol, TextIO
 
-from rai_missions.chart import Chart
+from rai_missions.chart import NOT_STARTED, Chart
 from rai_missions.event import Event, Image
 from rai_missions.lifecycle import Status
 from rai_missions.mission import Mission
@@ -74,6 +74,8 @@ class Lines:
         self._shown: tuple[str, ...] = ()
         self._answered: dict[str, int] = {}
         self._reasons = _reasons(mission)
+        self._chart: Chart | None = None
+        self._is_waiting = False
 
     def begin(self, robot: str, answerers: str, journal: str, *, model: str | None, goes_on: str = "") -> None:
         """The head of a run: what runs on what, who answers, where it is written down, from where it goes on."""
@@ -87,6 +89,7 @@ class Lines:
 
     def watch(self, chart: Chart) -> None:
         """The run begins; its state may be shown beside the lines."""
+        self._chart = chart
 
     def lend(self, person: Person) -> Answerer:
         """Somebody who asks where these lines are printed; sent away when the run is over."""
@@ -103,6 +106,9 @@ class Lines:
 
     def step(self, step: Step) -> None:
         """One step; those that changed nothing are left out unless all are wanted."""
+        if step.why == NOT_STARTED and not self._verbose:
+            self._wait(step)
+            return
         if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
             return
         parts = [self._way(step), *self._does(step)]
@@ -122,6 +128,13 @@ class Lines:
         for effect in step.effects:
             if isinstance(effect, Ask):
                 self._question(effect)
+
+    def _wait(self, step: Step) -> None:
+        """Said once: what the mission must hear before it starts; what else happens until then changes nothing."""
+        unheard = self._chart.unheard if self._chart is not None else ()
+        if unheard and not self._is_waiting:
+            self._is_waiting = True
+            self._print(f"{step.at:9.2f} s  waiting for the robot: {', '.join(unheard)}")
 
     def end(self, result: Result, picture: str = "") -> None:
         """How it ended, and where everything is."""

@@ -45,13 +45,8 @@ class Screen(Lines):
         super().__init__(mission, io.StringIO(), verbose=verbose)
         self._console = Console(file=out, highlight=False)
         self._live: Live | None = None
-        self._chart: Chart | None = None
         self._status: Status | None = None
         self._personal: set[int] = set()
-
-    def watch(self, chart: Chart) -> None:
-        """Whose state the foot shows."""
-        self._chart = chart
 
     def lend(self, person: Person) -> Answerer:
         """Somebody who asks on this terminal: the foot is taken away first."""

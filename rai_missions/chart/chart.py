@@ -23,7 +23,10 @@ from rai_missions.states.ticker import Trees
 from rai_missions.step import Step
 from rai_missions.written import suggestion
 
-__all__ = ("Chart", "Named", "Snapshot")
+__all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
+
+NOT_STARTED = "the mission has not been started"
+"""Why an event before the start changes nothing."""
 
 Snapshot = Mapping[str, Any]
 """All that a chart remembers, as values; `Chart.restore` goes on from there."""
@@ -261,7 +264,7 @@ class Chart(Instants):
             elif event.kind == "command" and event.name in ("cancel", "kill", "take_up"):
                 self._command(event)
             else:
-                self._refused = "the mission has not been started"
+                self._refused = NOT_STARTED
             return self._close(event)
         self._catch_up(at)
         self.view.at = at
