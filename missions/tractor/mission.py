@@ -10,7 +10,9 @@ from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
 TROUBLE = ("failed", "unverified", "timed_out", "rejected")
 
 k = Keys(
-    alleys=Key(int, source="argument", initial=6, about="how many alleys are to be driven"),
+    alleys=Key(
+        int, source="argument", initial=6, about="how many alleys are to be driven, those counted before included"
+    ),
     alleys_driven=Key(int, source="robot", max_age_s=5, about="alleys driven from end to end, by pose"),
     at_home=Key(bool, source="robot", max_age_s=5, about="it stands where it set out"),
     autonomy_state=Key(
@@ -40,15 +42,22 @@ GIVE_UP = Set(k.unfinished, True)
 def mission() -> Mission:
     return Mission(
         "tractor_orchard",
-        version="1.2.0",
+        version="1.3.0",
         about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
         keys=k,
         events={
             "anomaly": Declared("the autonomy stack stopped and asks for a decision"),
             "e_stop": Declared("somebody wants the tractor to stop, now"),
         },
-        initial="working",
+        initial="setting_out",
         states={
+            "setting_out": State(
+                about="what was driven before this run is no success of it",
+                transitions=[
+                    When((k.alleys_driven >= k.alleys) | ~k.alleys_driven.fresh, to="nothing_to_do"),
+                    When(k.alleys_driven < k.alleys, to="working"),
+                ],
+            ),
             "working": Compound(
                 initial="driving",
                 control="autonomy",
@@ -150,6 +159,9 @@ def mission() -> Mission:
             ),
             "done": Final(
                 "succeeded", about="every alley is driven", requires=k.alleys_driven >= k.alleys, entry=[HALT]
+            ),
+            "nothing_to_do": Final(
+                "failed", about="the count has so many alleys already, or is not heard: nothing was driven by this run"
             ),
             "unfinished_home": Final("failed", about="home, with alleys left"),
             "stranded": Final(

@@ -50,6 +50,14 @@ def test_the_main_job_succeeds_and_its_journal_says_how(drive: Any, tmp_path: Pa
 
 
 @pytest.mark.sim
+def test_what_was_driven_before_is_no_success_of_a_run(drive: Any) -> None:
+    one = drive(alleys=1, obstacles=["none"], words={"arguments": {"alleys": 0}})
+    result = one.run()
+    assert result.outcome == "failed" and one.entered[-1] == "nothing_to_do"
+    assert "driving" not in one.entered
+
+
+@pytest.mark.sim
 def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, tmp_path: Path) -> None:
     seen: list[tuple[list[Step], str]] = []
     for name in ("one", "two"):
