@@ -121,14 +121,15 @@ def test_a_page_that_hears_nothing_says_so_and_its_ages_run_on(run: Run, look: L
     window = look(run.page)
     window.wait_for_selector("[data-line=live]")
     with hung(run.page):
-        window.wait_for_selector("body.away [data-line=away]")
+        window.wait_for_selector("body.unheard [data-line=away]")
         assert window.inner_text("#mode") == "running?"
+        assert window.evaluate("document.body.getBoundingClientRect().width") > 1000
         until(window, "/^last heard [3-9] s ago$/.test(document.querySelector('#heard').textContent)")
         first = window.evaluate("live.now")
         until(window, f"live.now > {first}")
         shown = window.inner_text("header")
         assert "abort" not in shown.replace("aborted", "") and "fetch" not in shown.lower(), shown
-    window.wait_for_selector("body:not(.away) [data-line=live]")
+    window.wait_for_selector("body:not(.unheard) [data-line=live]")
     assert window.inner_text("#mode") == "running"
     assert window.inner_text("#heard") == ""
 

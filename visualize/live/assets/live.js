@@ -171,7 +171,7 @@ class Live {
       : cut ? make("p", { class: "outcome" }, make("b", {}, "the run was cut short: "), cut) : "");
     byId("banner").hidden = !faults.length;
     byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)));
-    document.body.classList.toggle("away", away);
+    document.body.classList.toggle("unheard", away);
     document.body.classList.toggle("over", this.isOver);
     document.title = shown(`${outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
     if (this.acts) this.acts.show(this.state, this.reached);
