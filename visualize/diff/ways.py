@@ -164,14 +164,15 @@ def _around(old: Ways, new: Ways, end: str, own: Originals) -> Iterator[Change]:
             sentence = f"{end}: can be reached without passing '{name}' now"
             before = f"every way went through '{own.state(name)}'"
             yield Change(
-                "~", "success", sentence, old.places[end], new.places[end], before, _road(around), "safety", end
+                "~", "success", sentence, old.places.get(end), new.places.get(end), before, _road(around), "safety", end
             )
 
 
 def _hope(old: Ways, new: Ways, was: AbstractSet[str], now: AbstractSet[str]) -> Iterator[Change]:
     """States from which nothing led to succeeded, and now something does; and new ones that lead there at once."""
     for name, place in new.places.items():
-        if name in was and name in now and name in new.hopeful - old.hopeful - new.ends:
+        known = name in was and name in old.places
+        if known and name in now and name in new.hopeful - old.hopeful - new.ends:
             sentence = f"{name}: the mission can still succeed from here now"
             yield Change("~", "success", sentence, old.places[name], place, "it could not", "", "safety", name)
         for target in sorted(new.ends & _targets(new, name)) if name in now and name not in old.places else ():
