@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rai_missions.commands.signals import on_signals
 from rai_missions.errors import UsageError
 
 if TYPE_CHECKING:
@@ -102,9 +102,5 @@ def _interruptible(node: MissionNode) -> Iterator[None]:
             print("\nshutting down; once more for an emergency stop", file=sys.stderr)
         node.shut_down(at_once=len(pressed) > 1)
 
-    before = {each: signal.signal(each, interrupt) for each in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with on_signals(interrupt):
         yield
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)

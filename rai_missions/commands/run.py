@@ -7,7 +7,6 @@ import argparse
 import itertools
 import json
 import math
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -20,6 +19,7 @@ from rai_missions.check import check
 from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.commands.live import sort_out, watched
 from rai_missions.commands.node import beside, managed, refuse_words_of_one_run
+from rai_missions.commands.signals import on_signals
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
@@ -241,9 +241,5 @@ def _interruptible(runner: Any) -> Iterator[None]:
         else:
             runner.kill("operator (interrupt)")
 
-    before = {each: signal.signal(each, interrupt) for each in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with on_signals(interrupt):
         yield
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)

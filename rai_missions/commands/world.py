@@ -14,15 +14,16 @@ from contextlib import contextmanager
 from typing import Any
 
 from rai_missions.clock import Mailbox, SimulatedClock
+from rai_missions.commands.signals import on_signals
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.worlds.front import Front, Stage
+from rai_missions.worlds.front import Front, Stage, company
 from rai_missions.worlds.world import World
 
 __all__ = ("world",)
 
-FIRST_LOOK_S = 1.1
-"""Everything that a world publishes has been published by then."""
+LOOK_S = 1.5
+"""After so long on the wall whoever else is there is known."""
 REPORT_S = 60.0
 """Seconds on the wall between two words that all is well."""
 
@@ -43,10 +44,13 @@ def world(given: argparse.Namespace) -> int:
     try:
         with _ended_by_signal(mailbox):
             connector.start()
-            front = Front(connector, lambda name, fact: _say(f"{made.at:9.1f} s  {name}: {fact}"))
+            mailbox.wait(LOOK_S)
+            taken = company(connector)
+            front = Front(connector, lambda name, fact: _say(f"{made.at:9.1f} s  {name}: {fact}"), taken)
+            stage = Stage(made, front.as_connector())
             made.open(front.as_connector())
             _introduce(given, front)
-            _go(Stage(made, front.as_connector()), front, given.speed, mailbox)
+            _go(stage, front, given.speed, mailbox)
     finally:
         connector.stop()
         made.close()
@@ -69,12 +73,11 @@ def _open(given: argparse.Namespace) -> World:
 def _go(stage: Stage, front: Front, speed: float, mailbox: Mailbox) -> None:
     """Step the world at its pace until the mailbox says that it is over."""
     clock = SimulatedClock(stage, speed)
-    clock.wait(mailbox, FIRST_LOOK_S, paced=False)
-    _list("topic", front.topics)
-    for name, why in front.left_out.items():
-        _say(f"  left out {name}: {why}")
-    _say("ready; Ctrl-C ends it")
-    wall, at = time.monotonic(), stage.at
+    began = wall = time.monotonic()
+    at = stage.at
+    while mailbox.empty and time.monotonic() - began < LOOK_S:
+        clock.wait(mailbox, stage.at + LOOK_S * min(speed, 1.0), paced=False)
+    front.refuse_company()  # two that came at once did not see each other before
     while mailbox.empty:
         clock.wait(mailbox, stage.at + REPORT_S * min(speed, 1.0), paced=False)
         if time.monotonic() - wall >= REPORT_S:
@@ -108,6 +111,10 @@ def _introduce(given: argparse.Namespace, front: Front) -> None:
     _say(f"{given.world} on ROS 2, domain {domain}: {pace}")
     _list("service", front.services)
     _list("action", front.actions)
+    _list("topic", front.topics)
+    for name, why in front.left_out.items():
+        _say(f"  left out {name}: {why}")
+    _say("ready; Ctrl-C ends it")
 
 
 def _list(sort: str, names: Mapping[str, str]) -> None:
@@ -128,9 +135,5 @@ def _ended_by_signal(mailbox: Mailbox) -> Iterator[None]:
             raise KeyboardInterrupt
         mailbox.post(Event("end", 0.0, {"signal": signal.Signals(number).name}))
 
-    before = {each: signal.signal(each, end) for each in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with on_signals(end):
         yield
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
