@@ -86,9 +86,10 @@ class Prepared:
         self.setting = setting
         self._closes: list[Callable[[], None]] = []
         given = load(setting.mission) if isinstance(setting.mission, str | Path) else setting.mission
+        self.robot, self._folder = _profile(setting.robot)
         self._taken: TakenUp | None = None
         if setting.resume is not None:
-            self._taken = take_up(setting.resume, mission=given, robot=_profile(setting.robot)[0], named=setting.named)
+            self._taken = take_up(setting.resume, mission=given, robot=self.robot, named=setting.named)
             self._closes.append(self._taken.record.close)
             given = self._taken.mission
         if given is None:
@@ -97,7 +98,6 @@ class Prepared:
         findings = [each.fault for each in check(self.mission) if each.severity == "error"]
         if findings:
             raise DefinitionError(findings, str(setting.mission) if not isinstance(setting.mission, Mission) else "")
-        self.robot, self._folder = _profile(setting.robot)
         if self._taken is not None:
             self.robot = self.robot or self._taken.robot
         else:
