@@ -16,7 +16,7 @@ from rai_missions.doctor.finding import tried
 from rai_missions.doctor.reach import reach, wanted
 from rai_missions.doctor.ros import ros
 from rai_missions.robot import Robot, load_profile
-from tests.connectors.ros2.conftest import lock_free_domain
+from tests.ros2 import lock_free_domain
 
 ROOT = Path(__file__).parents[2]
 HAS_ROS = importlib.util.find_spec("rclpy") is not None

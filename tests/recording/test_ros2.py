@@ -15,10 +15,11 @@ from rai_missions.recording import journal_of
 from rai_missions.replay import replay
 from rai_missions.robot import Robot
 from rai_missions.step import Step
-from tests.connectors.ros2.conftest import ABSENT, open_ros, ros
+from tests.connectors.ros2.conftest import open_ros, ros
 from tests.recording.kept import LAMP, kept
+from tests.ros2 import on_ros
 
-pytestmark = pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}")
+pytestmark = on_ros
 pytest.importorskip("mcap")
 __all__ = ("open_ros", "ros")
 

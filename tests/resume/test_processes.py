@@ -19,21 +19,17 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import Record, read, verify
 from rai_missions.replay import replay
 from rai_missions.step import StartGoal
-from tests.connectors.ros2.conftest import ABSENT
 from tests.connectors.ros2.peer_process import Peer
-from tests.tractor.ros2_processes import TRACTOR, Graph, Process, ros_domain
+from tests.ros2 import on_ros
+from tests.tractor.ros2_processes import TRACTOR, Graph, Process, graph_in
 
 pytestmark = [pytest.mark.sim]
-on_ros = pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}")
 ORCHARD = {"alleys": 1, "length_m": 14, "obstacles": ["branch"], "camera": True}
 
 
 @pytest.fixture
 def graph(tmp_path: Path) -> Iterator[Graph]:
-    with ros_domain(tmp_path / "ros-log") as environment:
-        made = Graph(environment, tmp_path)
-        yield made
-        made.close()
+    yield from graph_in(tmp_path, Graph)
 
 
 def go_on(graph: Graph, *words: str) -> Process:

@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import importlib
 import importlib.util
 import json
 import subprocess
 import sys
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,8 +20,8 @@ from rai_missions.connectors.ros2 import open_connector
 from rai_missions.journal import read
 from rai_missions.replay import replay
 from rai_missions.worlds.house.layout import PLACES
-from tests.connectors.ros2.conftest import ABSENT
-from tests.tractor.ros2_processes import PATIENCE_S, ROOT, Graph, Process, ros_domain
+from tests.ros2 import load_quietly, on_ros
+from tests.tractor.ros2_processes import PATIENCE_S, ROOT, Graph, Process, graph_in
 
 ROSBOT = ROOT / "missions" / "rosbot"
 MISSION, PROFILE = str(ROSBOT / "mission.json"), str(ROSBOT / "robot.ros2.json")
@@ -31,10 +29,7 @@ STATUS = "/navigate_to_pose/_action/status"
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 """Of action_msgs/msg/GoalStatus."""
 
-pytestmark = [
-    pytest.mark.sim,
-    pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}"),
-]
+pytestmark = [pytest.mark.sim, on_ros]
 with_nav2 = pytest.mark.skipif(
     importlib.util.find_spec("nav2_msgs") is None, reason="nav2_msgs is not here: make ros-interfaces"
 )
@@ -92,13 +87,8 @@ class House(Graph):
 
 @pytest.fixture
 def graph(tmp_path: Path) -> Iterator[House]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a parser that ROS brings along uses a deprecated module
-        importlib.import_module("rosidl_generator_py")
-    with ros_domain(tmp_path / "ros-log") as environment:
-        made = House(environment, tmp_path)
-        yield made
-        made.close()
+    load_quietly()
+    yield from graph_in(tmp_path, House)
 
 
 @with_nav2

@@ -13,10 +13,10 @@ import pytest
 from rai_missions.connectors.connector import Connector, Data
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.tools import Allowed, Toolbox
-from tests.connectors.ros2.conftest import ABSENT as NO_ROS
 from tests.connectors.ros2.conftest import ros
 from tests.connectors.test_mqtt import ABSENT as NO_BROKER
 from tests.connectors.test_mqtt import Broker
+from tests.ros2 import ABSENT as NO_ROS
 
 __all__ = ("ros",)
 

@@ -10,14 +10,14 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from rai_missions.connectors.contract import Heard
 from rai_missions.journal import read
-from tests.connectors.ros2.conftest import HERE, lock_free_domain
+from tests.ros2 import QUICK_DISCOVERY, lock_free_domain
 
 ROOT = Path(__file__).parents[2]
 TRACTOR = ROOT / "missions" / "tractor"
@@ -34,7 +34,7 @@ def ros_domain(logs: Path) -> Iterator[dict[str, str]]:
             **os.environ,
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_DOMAIN_ID": str(domain),
-            "FASTRTPS_DEFAULT_PROFILES_FILE": str(HERE / "quick_discovery.xml"),
+            "FASTRTPS_DEFAULT_PROFILES_FILE": str(QUICK_DISCOVERY),
             "ROS_LOG_DIR": str(logs),
         }
 
@@ -120,6 +120,17 @@ class Graph:
     def close(self) -> None:
         for each in self._processes:
             each.close()
+
+
+Kind = TypeVar("Kind", bound=Graph)
+
+
+def graph_in(folder: Path, kind: Callable[[Mapping[str, str], Path], Kind]) -> Iterator[Kind]:
+    """For a fixture: processes on a domain of their own, which end with the test."""
+    with ros_domain(folder / "ros-log") as environment:
+        made = kind(environment, folder)
+        yield made
+        made.close()
 
 
 def answers(journal: Path) -> list[str]:

@@ -3,11 +3,9 @@
 
 from __future__ import annotations
 
-import importlib
 import importlib.util
 import json
 import signal
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,13 +16,10 @@ from rai_missions.connectors.ros2 import open_connector
 from rai_missions.load import load
 from rai_missions.replay import replay
 from rai_missions.robot import load_profile, missing
-from tests.connectors.ros2.conftest import ABSENT
-from tests.tractor.ros2_processes import TRACTOR, Graph, answers, ros_domain
+from tests.ros2 import load_quietly, on_ros
+from tests.tractor.ros2_processes import TRACTOR, Graph, answers, graph_in
 
-on_ros = [
-    pytest.mark.sim,
-    pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}"),
-]
+over_ros = [pytest.mark.sim, on_ros]
 LIVELY = {"alleys": 2, "length_m": 14, "obstacles": ["branch", "person"]}
 UNHURRIED = "1"
 """Where many decisions are compared: a busy machine must not make the mission late by the world's time."""
@@ -33,10 +28,7 @@ with_each_profile = pytest.mark.parametrize("profile", ["robot.ros2.json", "robo
 
 @pytest.fixture
 def graph(tmp_path: Path) -> Iterator[Graph]:
-    with ros_domain(tmp_path / "ros-log") as environment:
-        made = Graph(environment, tmp_path)
-        yield made
-        made.close()
+    yield from graph_in(tmp_path, Graph)
 
 
 def skip_what_is_not_here(profile: str) -> None:
@@ -63,7 +55,7 @@ def test_the_profile_for_ros_2_needs_nothing_that_is_not_on_pypi_and_the_other_d
 
 
 class TestOnRos:
-    pytestmark = on_ros
+    pytestmark = over_ros
 
     @with_each_profile
     def test_it_drives_over_what_is_low_to_the_end_of_the_alley(self, graph: Graph, profile: str) -> None:
@@ -123,9 +115,7 @@ class TestOnRos:
         world.says("state: DRIVING")
         for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_LOG_DIR"):
             monkeypatch.setenv(name, graph.environment[name])
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a parser that ROS brings along uses a deprecated module
-            importlib.import_module("rosidl_generator_py")
+        load_quietly()
         button = open_connector({"domain_id": int(graph.environment["ROS_DOMAIN_ID"])})
         button.start()
         try:

@@ -11,18 +11,13 @@ from pathlib import Path
 import pytest
 
 from rai_missions.cli import main
-from tests.connectors.ros2.conftest import ABSENT
-from tests.tractor.ros2_processes import Graph, ros_domain
-
-on_ros = pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}")
+from tests.ros2 import ABSENT, on_ros
+from tests.tractor.ros2_processes import Graph, graph_in
 
 
 @pytest.fixture
 def graph(tmp_path: Path) -> Iterator[Graph]:
-    with ros_domain(tmp_path / "ros-log") as environment:
-        made = Graph(environment, tmp_path)
-        yield made
-        made.close()
+    yield from graph_in(tmp_path, Graph)
 
 
 @on_ros

@@ -3,55 +3,15 @@
 
 from __future__ import annotations
 
-import importlib
-import os
-import warnings
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from tests.connectors.ros2.conftest import ABSENT, lock_free_domain
-from tests.connectors.ros2.conftest import HERE as ROS_TESTS
+from tests.agents.ros_domain import domain, open_ros
+from tests.ros2 import skip_below
 
-HERE = Path(__file__).parent
+__all__ = ("domain", "open_ros")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    if ABSENT:
-        reason = f"ROS 2 is not installed ({', '.join(ABSENT)}): pip install -e '.[ros,ros-test]'"
-        for item in items:
-            if HERE in item.path.parents:
-                item.add_marker(pytest.mark.skip(reason=reason))
-
-
-@pytest.fixture(scope="session")
-def domain(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
-    """A ROS domain that is named wherever a node starts, so that other tests' domain is left as it is."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a parser that ROS brings along uses a deprecated module
-        importlib.import_module("rosidl_generator_py")
-    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(ROS_TESTS / "quick_discovery.xml")
-    os.environ.setdefault("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros-log")))
-    number, lock = lock_free_domain()
-    with lock:
-        yield number
-
-
-@pytest.fixture
-def open_ros(domain: int) -> Iterator[Callable[..., Any]]:
-    """Opens connectors, started; all are stopped after the test."""
-    from rai_missions.connectors.ros2 import open_connector
-
-    opened: list[Any] = []
-
-    def open_one(now: Callable[[], float] | None = None, **options: Any) -> Any:
-        opened.append(open_connector({"domain_id": domain, **options}, now=now))
-        opened[-1].start()
-        return opened[-1]
-
-    yield open_one
-    for connector in opened:
-        connector.stop()
+    skip_below(Path(__file__).parent, items)
