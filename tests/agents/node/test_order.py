@@ -36,7 +36,9 @@ def test_whatever_comes_in_is_an_order_or_is_told_why_not(text: Any) -> None:
 
 @given(
     command=st.sampled_from(list(WORDS)), name=st.text(max_size=60), by=st.text(min_size=1), number=st.integers(0, 9),
-    data=st.dictionaries(st.text(st.characters(codec="utf-8")), st.integers() | st.booleans(), max_size=3),
+    data=st.dictionaries(
+        st.text(st.characters(codec="utf-8")), st.integers(-(2**63), 2**63 - 1) | st.booleans(), max_size=3
+    ),
 )  # fmt: skip
 def test_an_order_says_what_was_written(command: str, name: str, by: str, number: int, data: dict[str, Any]) -> None:
     given_words = {"arguments": data, "to": "agent", "question": number, "option": "a", "parameters": data}
