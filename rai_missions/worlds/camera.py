@@ -1,28 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """The front camera: colour, depth and segmentation, rendered when somebody looks.
 
-Rule: everything of OpenGL happens on one thread of its own, since a context belongs to the thread that made it; a
-picture can be asked for from any thread, and shows the moment at which it was taken, whenever it is rendered.
+Rule: a picture can be asked for from any thread, and shows the moment at which it was taken, whenever it is rendered.
 """
 
 from __future__ import annotations
 
 import math
-import threading
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from rai_missions.errors import UsageError
 from rai_missions.event import Image
+from rai_missions.worlds.renderers import Renderers
 
 __all__ = ("Camera", "Frame", "Moment", "Sight")
 
-T = TypeVar("T")
 FRONT = "front"
 
 
@@ -70,13 +65,11 @@ class Camera:
         self._frame_size = frame_height, frame_width
         self._scratch = mujoco.MjData(model)
         self._bodies = np.append(np.asarray(model.geom_bodyid), -1)
-        self._renderers: dict[tuple[int, int], Any] = {}
-        self._thread: ThreadPoolExecutor | None = None
-        self._lock = threading.Lock()
+        self._renderers = Renderers(model)
 
     def check(self) -> None:
         """Make sure that it can render; a `UsageError` says what is missing."""
-        self._do(lambda: self._renderer(self._frame_size))
+        self._renderers.do(lambda: self._renderers.of(*self._frame_size))
 
     def moment(self, data: Any) -> Moment:
         """Keep the present moment, to be rendered later or never."""
@@ -88,50 +81,23 @@ class Camera:
 
     def colour(self, moment: Moment, camera: str = FRONT) -> NDArray[np.uint8]:
         """Pixels (rows, columns, 3)."""
-        return self._do(lambda: self._render(moment, (self.height, self.width), camera))
+        return self._renderers.do(lambda: self._render(moment, (self.height, self.width), camera))
 
     def depth_m(self, moment: Moment) -> NDArray[np.float32]:
         """Distance along the camera's axis in m, as large as a colour picture."""
-        return self._do(lambda: self._depth(moment, (self.height, self.width)))
+        return self._renderers.do(lambda: self._depth(moment, (self.height, self.width)))
 
     def segmentation(self, moment: Moment) -> NDArray[np.int32]:
         """The body that each pixel shows, as large as a colour picture."""
-        return self._do(lambda: self._segments(moment, (self.height, self.width)))
+        return self._renderers.do(lambda: self._segments(moment, (self.height, self.width)))
 
     def frame(self, moment: Moment) -> tuple[Frame, Sight]:
         """Depth and segmentation for measuring, and where they were seen from."""
-        return self._do(lambda: self._measure(moment))
+        return self._renderers.do(lambda: self._measure(moment))
 
     def close(self) -> None:
         """Free the renderers; a picture that is asked for later makes new ones."""
-        with self._lock:
-            thread, self._thread = self._thread, None
-        if thread is not None:
-            thread.submit(self._free).result()
-            thread.shutdown()
-
-    def _do(self, work: Callable[[], T]) -> T:
-        with self._lock:
-            if self._thread is None:
-                self._thread = ThreadPoolExecutor(1, "camera")
-            future = self._thread.submit(work)
-        return future.result()
-
-    def _free(self) -> None:
-        for renderer in self._renderers.values():
-            renderer.close()
-        self._renderers.clear()
-
-    def _renderer(self, size: tuple[int, int]) -> Any:
-        if size not in self._renderers:
-            try:
-                self._renderers[size] = mujoco.Renderer(self._model, *size)
-            except Exception as fault:
-                raise UsageError(
-                    f"the camera cannot render ({fault}): install EGL (Debian: libegl1 libgl1 libgl1-mesa-dri), "
-                    "or open the world with camera=False"
-                ) from fault
-        return self._renderers[size]
+        self._renderers.close()
 
     def _at(self, moment: Moment, size: tuple[int, int], camera: str) -> Any:
         scratch = self._scratch
@@ -139,7 +105,7 @@ class Camera:
         mujoco.mj_kinematics(self._model, scratch)
         mujoco.mj_comPos(self._model, scratch)
         mujoco.mj_camlight(self._model, scratch)
-        renderer = self._renderer(size)
+        renderer = self._renderers.of(*size)
         renderer.update_scene(scratch, camera)
         return renderer
 
@@ -148,7 +114,7 @@ class Camera:
         return pixels
 
     def _depth(self, moment: Moment, size: tuple[int, int]) -> NDArray[np.float32]:
-        renderer = self._renderer(size)
+        renderer = self._renderers.of(*size)
         renderer.enable_depth_rendering()
         try:
             return self._render(moment, size)
@@ -156,7 +122,7 @@ class Camera:
             renderer.disable_depth_rendering()
 
     def _segments(self, moment: Moment, size: tuple[int, int]) -> NDArray[np.int32]:
-        renderer = self._renderer(size)
+        renderer = self._renderers.of(*size)
         renderer.enable_segmentation_rendering()
         try:
             seen = self._render(moment, size)

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+import gc
 import threading
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
+from rai_missions.errors import UsageError
 from rai_missions.event import Image
 
 
@@ -112,3 +115,40 @@ def test_without_a_camera_there_are_no_pictures(rig: Any) -> None:
     orchard.to_the_obstacle()
     assert "camera_image_color" not in orchard.last
     assert "obstacle" not in orchard.last
+
+
+@pytest.fixture
+def renderers(rig: Any) -> Iterator[list[Any]]:
+    """A list of one, so that a test can have it forgotten."""
+    orchard = rig(alleys=1, camera=False)
+    from rai_missions.worlds.renderers import Renderers
+
+    made = [Renderers(orchard.world.model)]
+    yield made
+    for one in made:
+        one.close()
+
+
+def test_what_nobody_closes_is_freed_by_the_thread_that_made_it(renderers: list[Any]) -> None:
+    renderer, thread = renderers[0].do(lambda: (renderers[0].of(24, 32), threading.current_thread()))
+    renderers.clear()
+    gc.collect()
+    thread.join(30.0)
+    with pytest.raises(RuntimeError, match="close"):
+        renderer.render()
+
+
+def test_a_picture_that_is_asked_for_after_the_end_is_rendered_all_the_same(rig: Any) -> None:
+    orchard = rig(alleys=1)
+    camera, moment = orchard.world.camera, orchard.world.camera.moment(orchard.world.data)
+    before = camera.colour(moment)
+    for _ in range(2):
+        camera.close()
+        assert (camera.colour(moment) == before).all()
+
+
+def test_what_goes_wrong_on_the_thread_of_the_renderers_is_told_to_who_asked(renderers: list[Any]) -> None:
+    (one,) = renderers
+    with pytest.raises(UsageError, match=r"(?s)the camera cannot render \(Image width .*\): install EGL"):
+        one.do(lambda: one.of(24, 1_000_000))
+    assert one.do(lambda: 1) == 1
