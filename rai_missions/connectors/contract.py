@@ -40,9 +40,10 @@ class Heard(Generic[T]):
             self._changed.notify_all()
 
     def wait(self, enough: Callable[[list[T]], bool], what: str) -> list[T]:
-        """Wait until enough was heard; else an `AssertionError` that says what did not come."""
+        """Wait until enough was heard, and something at all; else an `AssertionError` that says what did not come."""
         with self._changed:
-            assert self._changed.wait_for(lambda: enough(self.all), self._within_s), f"{what}; heard only {self.all}"
+            heard = self._changed.wait_for(lambda: bool(self.all) and enough(self.all), self._within_s)
+            assert heard, f"{what}; heard only {self.all}"
             return list(self.all)
 
 

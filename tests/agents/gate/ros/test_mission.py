@@ -57,7 +57,7 @@ class Robotic:
         words = gate_words({"leases": {"agent": 1.0}, **gate})
         self.connector = open_ros(now=self.clock.now, **words.options())
         self.gate = GateAgent(words, self.connector, clock=self.clock)
-        self.base = open_ros()
+        self.base = open_ros(qos=LATCHED)
         self.told: Heard[tuple[str, str]] = Heard(30.0)
         """What the robot was told to do, and who held control then."""
         for service in ("/cross", "/halt"):
@@ -138,6 +138,7 @@ def test_a_run_that_hangs_loses_control(open_ros: Open, robotic: Robotic) -> Non
     robotic.base.subscribe("/gate/holder", "std_msgs/msg/String", holders)
     runner, end = begin(open_ros)
     robotic.told.wait(lambda told: ("/cross", "agent") in told, "it crosses")
+    holders.wait(lambda all_: all_[-1].data["data"] == "agent", "the gate says so")
     free = threading.Event()
     runner._requests.append(lambda: free.wait(30.0))
     runner.mailbox.wake()
