@@ -11,6 +11,7 @@ from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 __all__ = (
     "ActionServer",
+    "Census",
     "Close",
     "Connector",
     "Foresight",
@@ -96,10 +97,22 @@ class Wiretap(Protocol):
 
 @runtime_checkable
 class Foresight(Protocol):
-    """A connector that has to find who serves what before it can be asked, and would rather do that in good time."""
+    """A connector that has to find the other side before they can speak, and would rather do that in good time."""
 
     def expect(self, mode: Mode, name: str, type_name: str) -> None:
-        """A service or an action will be used; raises `ConnectorError` if it cannot be, as its first use would say."""
+        """A service or an action will be used, or a topic published on; others see the topic from now on.
+
+        Raises:
+            ConnectorError: It cannot be, as its first use would say.
+        """
+
+
+@runtime_checkable
+class Census(Protocol):
+    """A connector that tells who is there from who only waits for somebody; `listed` has the names of both."""
+
+    def offered(self, mode: Mode) -> Mapping[str, int]:
+        """Name → how many publish on the topic, or serve the service or action."""
 
 
 @runtime_checkable

@@ -7,10 +7,10 @@ Rule: nothing leaves while the world's lock is held, so whoever hears it may cal
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
-from rai_missions.connectors.connector import ActionServer, Connector, Data, Report
+from rai_missions.connectors.connector import ActionServer, Connector, Data, Foresight, Report
 
 __all__ = ("Guarded", "Outbox")
 
@@ -25,10 +25,22 @@ class Outbox:
 
     def __init__(self, prefix: str, types: Mapping[str, str]) -> None:
         self.lock = threading.RLock()
-        self.connector: Connector | None = None
+        self._connector: Connector | None = None
         self._prefix, self._types = prefix, types
         self._waiting: list[Callable[[], None]] = []
         self._told: dict[str, Any] = {}
+
+    def open(self, connector: Connector, without: Collection[str] = ()) -> None:
+        """Publish on a connector from now on; whoever looks sees every topic at once, also those that are yet silent.
+
+        Args:
+            connector: Where to.
+            without: Topics that this world will not have.
+        """
+        self._connector = connector
+        if isinstance(connector, Foresight):
+            for name in self._types.keys() - set(without):
+                connector.expect("topics", self.name(name), self._types[name])
 
     def name(self, name: str) -> str:
         return f"{self._prefix}/{name}"
@@ -37,7 +49,7 @@ class Outbox:
         self._waiting.append(send)
 
     def publish(self, name: str, message: Data) -> None:
-        connector = self.connector
+        connector = self._connector
         if connector is not None:
             self.add(lambda: connector.publish(self.name(name), self._types[name], message))
 

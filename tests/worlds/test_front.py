@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
-from rai_missions.connectors.connector import ActionServer, Close, Data, Message
+import pytest
+
+from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.errors import ConnectorError
+from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.worlds import open_world
-from rai_missions.worlds.front import CLOCK, Front, Stage
+from rai_missions.worlds.front import CLOCK, Front, Stage, company
 
 
 class Poor(LocalConnector):
@@ -30,8 +32,27 @@ def _known(type_name: str) -> None:
         raise ConnectorError(f"no ROS package {type_name.partition('/')[0]!r} on this machine")
 
 
-def staged(connector: LocalConnector, told: Callable[[str, Any], None] = lambda _n, _f: None) -> tuple[Front, Stage]:
-    front = Front(connector, told)
+class Crowded(Poor):
+    """A connector on which others are seen, by mode and name, and who tells of its own topics at once."""
+
+    def __init__(self, others: Mapping[Mode, Mapping[str, int]] | None = None) -> None:
+        super().__init__()
+        self.others, self.seen = others or {}, dict[str, str]()
+
+    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+        _known(type_name)
+        self.seen[name] = type_name
+
+    def offered(self, mode: Mode) -> Mapping[str, int]:
+        return self.others.get(mode, {})
+
+
+def staged(
+    connector: LocalConnector,
+    told: Callable[[str, Any], None] = lambda _n, _f: None,
+    taken: Mapping[Mode, Collection[str]] | None = None,
+) -> tuple[Front, Stage]:
+    front = Front(connector, told, taken)
     world = open_world("orchard", alleys=1, obstacles=["none"], camera=False)
     connector.start()
     world.open(front.as_connector())
@@ -76,3 +97,44 @@ def test_a_plain_fact_is_told_once_for_each_time_it_changes() -> None:
         ("/tractor1/state", "CHANGING_PATH"),
         ("/tractor1/touched_living", False),
     ]
+
+
+def test_every_topic_is_seen_before_anything_was_published_on_it() -> None:
+    connector = Crowded()
+    front, _ = staged(connector)
+    silent_at_first = {"/tractor1/passed", "/tractor1/crossing"}
+    assert silent_at_first | {"/tractor1/state", CLOCK} <= connector.seen.keys()
+    assert front.topics == connector.seen
+    assert "/tractor1/pose" in front.left_out, "its type is not here"
+    assert "/tractor1/obstacle" not in connector.seen, "nobody sees one without a camera"
+
+
+@pytest.mark.parametrize(
+    ("mode", "name", "does"),
+    [
+        ("topics", CLOCK, "publishes"),
+        ("topics", "/tractor1/passed", "publishes"),
+        ("services", "/tractor1/continue", "serves"),
+        ("actions", "/navigate_to_pose", "serves"),
+    ],
+)
+def test_a_world_does_not_open_beside_another_that_has_one_of_its_names(mode: Mode, name: str, does: str) -> None:
+    connector = Crowded({mode: {name: 1}})
+    with pytest.raises(UsageError, match=f"another world or robot is there and {does} {name}: .* --domain N"):
+        staged(connector, taken=company(connector))
+
+
+def test_whoever_only_waits_for_the_robot_is_no_company() -> None:
+    connector = Crowded({"topics": {"/tractor2/state": 1}, "services": {"/mission/start": 1}})
+    front, _ = staged(connector, taken=company(connector))
+    front.refuse_company()
+
+
+def test_two_worlds_that_came_at_once_find_each_other_afterwards() -> None:
+    connector = Crowded()
+    front, _ = staged(connector)
+    connector.others = {"services": {"/tractor1/continue": 1}, "topics": {"/tractor1/state": 1}}
+    front.refuse_company()
+    connector.others = {"services": {"/tractor1/continue": 2}}
+    with pytest.raises(UsageError, match="serves /tractor1/continue"):
+        front.refuse_company()

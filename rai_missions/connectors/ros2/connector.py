@@ -14,7 +14,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, RawMessage, Reply, Report
 from rai_missions.connectors.ros2.definitions import definition_of
-from rai_missions.connectors.ros2.graph import listed
+from rai_missions.connectors.ros2.graph import listed, offered
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
 from rai_missions.connectors.ros2.names import Kind, check_name, find_type
 from rai_missions.connectors.ros2.options import read_options
@@ -85,6 +85,15 @@ class Ros2Connector:
         session = self._session
         return {} if session is None else session.runtime.ask(lambda: listed(session.runtime.node, mode), {})
 
+    def offered(self, mode: Mode) -> Mapping[str, int]:
+        """Name → how many publish on the topic, or serve the service or action, this connector's own included.
+
+        Raises:
+            ConnectorError: As `listed`.
+        """
+        session = self._session
+        return {} if session is None else session.runtime.ask(lambda: offered(session.runtime.node, mode), {})
+
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
         return self._opened().subscribe(topic, self._type("msg", topic, type_name), hear)
 
@@ -109,12 +118,14 @@ class Ros2Connector:
                 session.publish(topic, cls, to_message(cls, message, topic))
 
     def expect(self, mode: Mode, name: str, type_name: str) -> None:
-        """Have a service's or an action's client made and found by its server before it is used.
+        """Have a service's or an action's client made and found by its server before it is used, or a publisher.
 
         A reply to a client that its server has only just met is dropped by the middleware, without a word.
         """
         session = self._session
-        if session is not None and mode == "services":
+        if session is not None and mode == "topics":
+            session.expect_topic(name, self._type("msg", name, type_name))
+        elif session is not None and mode == "services":
             session.expect_service(name, self._type("srv", name, type_name))
         elif session is not None and mode == "actions":
             session.expect_action(name, self._type("action", name, type_name))

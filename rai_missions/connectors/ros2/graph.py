@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from rai_missions.connectors.connector import Mode
 
-__all__ = ("listed",)
+__all__ = ("listed", "offered")
 
 HIDDEN = "/_"
 """Stands in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
@@ -24,3 +24,14 @@ def listed(node: Node, mode: Mode) -> Mapping[str, str]:
         "actions": lambda: get_action_names_and_types(node),
     }
     return {name: ", ".join(sorted(types)) for name, types in sorted(find[mode]()) if HIDDEN not in name}
+
+
+def offered(node: Node, mode: Mode) -> Mapping[str, int]:
+    """How many publish on each topic, or serve each service or action; who only asks is not counted."""
+    counts = {
+        "topics": node.count_publishers,
+        "services": node.count_services,
+        "actions": lambda name: node.count_services(f"{name}/_action/send_goal"),
+    }
+    counted = {name: counts[mode](name) for name in listed(node, mode)}
+    return {name: number for name, number in counted.items() if number}

@@ -83,6 +83,12 @@ class Session:
     def publish(self, topic: str, cls: Any, message: Any) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish(message))
 
+    def expect_topic(self, topic: str, cls: Any) -> None:
+        def make() -> None:
+            self._publication(topic, cls)
+
+        self.runtime.post(make)
+
     def publish_later(self, topic: str, cls: Any, make: Callable[[], Any]) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish_later(make))
 

@@ -105,7 +105,7 @@ class House:
         """Put the robot's topics and actions, and a service for each door, on a connector."""
         if self.camera is not None:
             self.camera.check()
-        self._outbox.connector = connector
+        self._outbox.open(connector, without=() if self.camera is not None else (interface.CAMERA,))
         for (name, type_name), server in self._servers.items():
             self._closes.append(connector.offer(name, type_name, Guarded(server, self._outbox)))
         for door in DOORS:

@@ -39,6 +39,8 @@ HEARD_M = 15.0
 HOME_M = 1.5
 SEEN_S = 0.6
 """An obstacle detected so lately is seen."""
+SEEN = ("camera_image_color", "obstacle")
+"""Topics that a camera is needed for."""
 FAST, SLOW = 4, 20
 """Periods between two messages: 5 Hz and 1 Hz."""
 
@@ -123,7 +125,7 @@ class Orchard:
         """Put the tractor's topics, services and actions on a connector."""
         if self.camera is not None:
             self.camera.check()
-        self._outbox.connector = connector
+        self._outbox.open(connector, without=SEEN if self.camera is None else ())
         services = {
             "continue": self._continue,
             "current_state": self._current_state,

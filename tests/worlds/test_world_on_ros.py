@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A world on a ROS graph of its own: what others see of it from the first moment, and whom it does not stand beside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rai_missions.doctor.reach import reach
+from rai_missions.robot import load_profile
+from tests.ros2 import on_ros
+from tests.tractor.ros2_processes import TRACTOR, Graph, graph_in
+
+pytestmark = on_ros
+
+
+@pytest.fixture
+def graph(tmp_path: Path) -> Iterator[Graph]:
+    yield from graph_in(tmp_path, Graph)
+
+
+def test_all_that_its_profile_names_is_there_at_once_and_a_second_world_is_refused(graph: Graph) -> None:
+    world = graph.world()
+    found = list(reach(load_profile(TRACTOR / "robot.ros2.json"), graph.environment))
+    assert [each.what for each in found if each.status == "missing"] == []
+
+    second = graph.start("world", "house", "--ros", "--no-camera")
+    assert second.ends() == 2
+    assert "another world or robot is there and publishes /clock" in second.text
+    assert "--domain N here, and ROS_DOMAIN_ID=N" in second.text
+    assert not world.is_over
