@@ -61,27 +61,41 @@ def fields(wanted: list[list[Any]]) -> list[Any]:
     return [fields_of(name, kind) for name, kind in wanted]
 
 
-def graph(given: Mapping[str, Any]) -> dict[str, dict[str, str]]:
-    """What is there by mode, waited for as long as something wanted is not."""
+def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
+    """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
+
+    What is listed and not offered has only somebody who listens for it, or asks.
+    """
     from rai_missions.agents.mission import REMOTE
+    from rai_missions.connectors.connector import Census
 
     options = dict(given["connector"])
     connector = importlib.import_module(REMOTE[options.pop("kind")]).open_connector(options)
-    wanted: dict[str, list[str]] = {mode: names for mode, names in given["wanted"].items() if mode in connector.modes}
+    wanted: dict[Any, list[tuple[str, str]]] = {
+        mode: names for mode, names in given["wanted"].items() if mode in connector.modes
+    }
     connector.start()
     try:
 
-        def listed() -> dict[str, dict[str, str]]:
-            return {mode: dict(connector.listed(mode)) for mode in wanted}
+        def looked() -> dict[str, dict[str, dict[str, str]]]:
+            listed = {mode: dict(connector.listed(mode)) for mode in wanted}
+            if not isinstance(connector, Census):
+                return {"listed": listed, "offered": listed}
+            return {"listed": listed, "offered": {mode: _offered(connector, mode, listed[mode]) for mode in wanted}}
 
         def is_there() -> bool:
-            now = listed()
-            return all(name in now[mode] for mode, names in wanted.items() for name in names)
+            now = looked()
+            return all(name in now[how][mode] for mode, names in wanted.items() for name, how in names)
 
         _awaited(is_there, float(given["within_s"]))
-        return listed()
+        return looked()
     finally:
         connector.stop()
+
+
+def _offered(connector: Any, mode: str, listed: Mapping[str, str]) -> dict[str, str]:
+    counts = connector.offered(mode)
+    return {name: types for name, types in listed.items() if name in counts}
 
 
 def _awaited(is_so: Callable[[], bool], within_s: float) -> bool:

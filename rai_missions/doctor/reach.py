@@ -36,6 +36,11 @@ class Wanted(NamedTuple):
     may_be_silent: bool = False
     """An event: who tells of it may come to be when it happens."""
 
+    @property
+    def how(self) -> str:
+        """How it is to be there: `offered` by somebody, or, where that is enough, `listed`."""
+        return "listed" if self.is_listener else "offered"
+
 
 def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterator[Finding]:
     """Look for a robot.
@@ -52,18 +57,21 @@ def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterato
     if kind == "ros2":
         yield from _types(robot, given)
     names = list(wanted(robot))
-    by_mode = {mode: [each.name for each in names if each.mode == mode] for mode in ("topics", "services", "actions")}
+    by_mode = {
+        mode: [(each.name, each.how) for each in names if each.mode == mode]
+        for mode in ("topics", "services", "actions")
+    }
     told = {"connector": robot.connector, "wanted": by_mode, "within_s": WITHIN_S}
     found = tried("graph", told, given, within_s=60)
     if found.fault:
         yield Finding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
         return
-    there: dict[str, dict[str, str]] = found.said
-    if not any(each.name in there.get(each.mode, ()) for each in names):
+    there: dict[str, dict[str, dict[str, str]]] = found.said
+    if not any(each.name in there[each.how].get(each.mode, ()) for each in names):
         remedy = "start the robot or its simulation, and compare the domain and the discovery range of both"
         yield Finding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
         return
-    yield from (_looked_for(each, there.get(each.mode, {})) for each in names)
+    yield from (_looked_for(each, there[each.how].get(each.mode, {})) for each in names)
 
 
 def wanted(robot: Robot) -> Iterator[Wanted]:

@@ -28,6 +28,8 @@ connector = open_connector({})
 connector.start()
 connector.serve("/beacon/flash", "std_srvs/srv/Trigger", lambda _: {"success": True})
 connector.serve("/beacon/light", "std_srvs/srv/SetBool", lambda _: {"success": True})
+connector.expect("services", "/beacon/awaited", "std_srvs/srv/Trigger")
+connector.subscribe("/beacon/hoped_for", "std_msgs/msg/Bool", lambda _: None)
 print("ready", flush=True)
 sys.stdin.read()
 connector.stop()
@@ -132,7 +134,9 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
             "flash": {"service": "/beacon/flash"},
             "light": {"service": "/beacon/light"},
             "horn": {"service": "/beacon/flahs"},
+            "awaited": {"service": "/beacon/awaited"},
         },
+        blackboard={"hoped_for": {"topic": "/beacon/hoped_for", "type": "std_msgs/msg/Bool"}},
         topics={"say": {"topic": "/beacon/say", "type": "std_msgs/msg/String"}},
         events={"stop_now": {"topic": "/beacon/flahs", "type": "std_msgs/msg/Empty"}},
     )
@@ -144,6 +148,9 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
     assert found["services/flash: service /beacon/flash"].status == "ok"
     lacking = found["services/horn: service /beacon/flahs is not there"]
     assert lacking.status == "missing" and "did you mean '/beacon/flash'?" in lacking.remedy
+    awaited = "services/awaited: service /beacon/awaited", "blackboard/hoped_for: topic /beacon/hoped_for"
+    for each in awaited:  # a mission that waits for its robot is no robot
+        assert found[f"{each} is not there"].status == "missing"
     other = found["services/light: service /beacon/light is there as std_srvs/srv/SetBool"]
     assert other.status == "missing" and "std_srvs/srv/Trigger" in other.remedy
     assert found["topics/say: topic /beacon/say has no listener"].status == "absent"
