@@ -29,6 +29,13 @@ COLUMNS = {
 ROW = "INSERT INTO rows VALUES (?, ?, ?, ?)"
 BLOB = "INSERT OR IGNORE INTO blobs VALUES (?, ?, ?)"
 TABLES = {name: f"CREATE TABLE {name} ({columns})" for name, columns in COLUMNS.items()}
+SCHEMA = sorted(
+    [
+        *(("table", name, name, made) for name, made in TABLES.items()),
+        ("index", "sqlite_autoindex_blobs_1", "blobs", ""),
+    ]
+)
+"""All that a journal's file declares. A trigger may have the name of a table, so the sort counts as well."""
 LONGEST_BYTES = 64 * 1024 * 1024
 """No row and no picture is longer: neither written nor read."""
 WAL_HEADER, WAL_FRAME = 32, 24
@@ -147,17 +154,16 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
     try:
         application = connection.execute("PRAGMA application_id").fetchone()[0]
         version = connection.execute("PRAGMA user_version").fetchone()[0]
-        found = connection.execute("SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL").fetchall()
+        found = connection.execute("SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema").fetchall()
     except (sqlite3.Error, UnicodeDecodeError) as error:
         raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
     if application != APPLICATION:
         sentence = "a SQLite file, but no journal; give a file that a run has written"
     elif version != FORMAT:
         sentence = f"a journal of format {version}; this program reads format {FORMAT}"
-    elif dict(found) != TABLES:
-        sentence = (
-            f"its tables are not those of a journal: {', '.join(sorted(str(name) for name, _ in found)) or 'none'}"
-        )
+    elif sorted(found, key=str) != sorted(SCHEMA, key=str):
+        names = sorted(str(name if sort == "table" else f"{sort} {name}")[:60] for sort, name, _, made in found if made)
+        sentence = f"its tables are not those of a journal: {', '.join(names[:10]) or 'none'}"
     else:
         return
     raise DefinitionError([Fault("", sentence)], str(path))

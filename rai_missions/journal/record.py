@@ -7,6 +7,7 @@ Rule: what is read comes back as the values that were written, or as a `Definiti
 from __future__ import annotations
 
 import hashlib
+import math
 import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -39,6 +40,8 @@ class Record:
         self.path = Path(path)
         self._database = open_to_read(self.path)
         self._close = weakref.finalize(self, self._database.close)
+        (pages,), (size,) = (next(self._found(f"PRAGMA {each}")) for each in ("page_count", "page_size"))
+        self._size = pages * size
 
     @property
     def header(self) -> Header:
@@ -91,7 +94,8 @@ class Record:
     def raw(self, after: int | None = None) -> Iterator[Raw]:
         """Every row as it stands, unread; those behind a number, where one is given."""
         where, numbers = ("", ()) if after is None else ("WHERE number > ?", (after,))
-        return self._found(f"SELECT number, kind, content, hash FROM rows {where} ORDER BY number", *numbers)
+        query = f"SELECT number, kind, content, hash FROM rows {where} ORDER BY number"
+        return self._once(self._found(query, *numbers), at=2)
 
     def row(self, raw: Raw) -> Row:
         """A row's value.
@@ -120,12 +124,13 @@ class Record:
 
     def blobs(self) -> Iterator[str]:
         """The hashes of the bytes that are kept."""
-        for (digest,) in self._found("SELECT sha256 FROM blobs ORDER BY rowid"):
+        for _, digest in self._once(self._found("SELECT rowid, sha256 FROM blobs ORDER BY rowid"), at=1):
             yield str(digest)
 
     def pictures(self) -> Iterator[Blob]:
         """The bytes that are kept, as they stand in the file."""
-        for digest, media_type, data in self._found("SELECT * FROM blobs ORDER BY rowid"):
+        query = "SELECT rowid, bytes, sha256, media_type FROM blobs ORDER BY rowid"
+        for _, data, digest, media_type in self._once(self._found(query), at=1):
             yield str(digest), str(media_type), data
 
     def damage(self) -> Iterator[str]:
@@ -158,6 +163,27 @@ class Record:
         except (SqliteError, UnicodeDecodeError) as error:
             sentence = f"the file is damaged, and cannot be read to its end: {error!s:.200}"
             raise DefinitionError([Fault("", sentence)], str(self.path)) from None
+
+    def _once(self, rows: Iterator[Any], *, at: int) -> Iterator[Any]:
+        """Rows whose numbers come first, each read once: a page of the file may be made to stand in many places.
+
+        Args:
+            rows: By their numbers.
+            at: Where in a row that stands of which a file holds no more than it has bytes.
+
+        Raises:
+            DefinitionError: The file says more than it holds.
+        """
+        left, before = self._size, -math.inf
+        for row in rows:
+            left -= len(row[at]) if isinstance(row[at], str | bytes) else 0
+            if row[0] <= before or left < 0:
+                sentence = (
+                    "the file is damaged: a part of it is said to stand in several places; give a whole copy of it"
+                )
+                raise DefinitionError([Fault("", sentence)], str(self.path))
+            before = row[0]
+            yield row
 
     def _fetch(self, ref: str, digest: str) -> Callable[[], bytes]:
         def fetched() -> bytes:

@@ -224,7 +224,7 @@ ALTERED = {
     "no text": ("UPDATE rows SET content = x'00ff' WHERE number = 2", "row 2: its parts are not text"),
     "a later format": ("PRAGMA user_version = 2", "/: a journal of format 2; this program reads format 1"),
     "another file": ("PRAGMA application_id = 7", "/: a SQLite file, but no journal"),
-    "a view": ("CREATE VIEW trap AS SELECT 1", "/: its tables are not those of a journal: blobs, rows, trap"),
+    "a view": ("CREATE VIEW trap AS SELECT 1", "/: its tables are not those of a journal: blobs, rows, view trap"),
     "a negative row": ("INSERT INTO rows VALUES (-1, 'note', '{}', '')", "row 0: missing: row -1 comes next"),
 }
 
