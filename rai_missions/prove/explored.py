@@ -17,7 +17,7 @@ from rai_missions.guards.elapsed import Elapsed
 from rai_missions.mission import Mission
 from rai_missions.prove.parts import guards_in, parts
 from rai_missions.prove.remembered import plain, told, told_timer
-from rai_missions.prove.resting import Resting
+from rai_missions.prove.resting import PURSUED, Resting
 from rai_missions.prove.watched import NOW
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
@@ -77,7 +77,7 @@ class Explored(Resting):
     @property
     def loose(self) -> list[str]:
         """The actions that run though nobody has told them to end."""
-        return [goal.action for goal in self._ledger.goals.values() if goal.phase in ("sent", "running")]
+        return [goal.action for goal in self._ledger.goals.values() if goal.phase in PURSUED]
 
     def save(self) -> State:
         """What `load` puts back."""
@@ -124,30 +124,31 @@ class Explored(Resting):
         return hashlib.blake2b(said, digest_size=16).digest()
 
     def _told_run(self) -> tuple[Any, ...]:
-        timers = self._timers
+        timers, recalls = self._timers, self.later.recalls
         return (
             self._config.key, self.mode, self.holder, self._final.index if self._final else -1,
-            [(at, [node.index for node in nodes]) for at, nodes in sorted(self._memory.items())],
+            [(at, [node.index for node in nodes]) for at, nodes in sorted(self._memory.items()) if at in recalls],
             sorted([told_timer(key, timer) for key, timer in timers.items()]) if timers else (),
             [(name, until == math.inf) for name, until in sorted(self._pending.items())],
             [(name, str(each)) for name, each in sorted(self._rounds.items())] if self._rounds else (),
-            sorted(self._settling), sorted(self._unknown), self._cancel_by == math.inf,
+            list(self._settling), sorted(self._unknown), self._cancel_by == math.inf,
         )  # fmt: skip
 
     def _told_goals(self) -> tuple[Any, ...]:
-        goals, running = self._ledger.goals, self._running
-        rank: dict[int, int] = {}
-        if goals or running or self._calls:
-            rank = {number: at for at, number in enumerate(sorted(self.awaited))}
+        """What runs, in the order in which it hears of things; of other goals, in whose way they stand."""
+        goals = self._ledger.goals.values() if self._ledger.goals else ()
         return (
-            [(name, told(running[name], rank)) for name in sorted(running)],
-            sorted([(rank[number], service) for number, service in self._calls.items()]),
-            [(rank[n], g.owner, g.action, g.phase, g.until == math.inf) for n, g in sorted(goals.items())],
+            [(name, told(state)) for name, state in self._running.items()],
+            sorted(self._calls.values()),
+            sorted([(goal.owner, goal.action, goal.phase) for goal in goals if goal.phase in PURSUED]),
+            sorted(
+                [rest for goal in goals if goal.phase not in PURSUED and (rest := self.remainder(goal)) is not None]
+            ),
         )
 
     def _told_facts(self) -> tuple[Any, ...]:
-        view, idle = self.view, self._idle
-        board = sorted(self.board.entries())
+        view, idle, kept = self.view, self._idle, self.later.keys
+        board = sorted([entry for entry in self.board.entries() if entry[0] in kept])
         return (
             [(name, self.next_age(name)) for name in self._levels if name in view.entered],
             [(memory, since == NOW) for memory, since in sorted(view.held.items())],

@@ -180,10 +180,10 @@ class Free(Told):
         yield from self._ages()
 
     def _orphans(self) -> Iterator[Happening]:
-        for number, goal in list(self._ledger.goals.items()):
-            if goal.until != math.inf and goal.phase in ("withdrawn", "canceling"):
+        for goal in self.remaining:
+            if goal.phase != "orphaned":
                 told = f"'{goal.action}' never confirms its end"
-                yield Happening(told, "time", self._elapse(self._orphan(number)))
+                yield Happening(told, "time", self._elapse(self._orphan(goal.number)))
 
     def _ages(self) -> Iterator[Happening]:
         for name in self.aging:

@@ -50,22 +50,21 @@ def _asked_anew(state: Asking, machine: Any) -> Asking:
     return state._replace(question=question, turn=0, deadline=SOON + 1.0)
 
 
-def told(state: Any, rank: Mapping[int, int]) -> Any:
+def told(state: Any) -> Any:
     """What tells a machine's state from others, without the numbers of starts and questions."""
     if isinstance(state, Pursuit):
         result = sorted(state.result.items())
-        return ("pursuit", state.phase, rank.get(state.number, 0), state.until == math.inf, result)
+        return ("pursuit", state.phase, state.until == math.inf, result)
     if isinstance(state, Asking):
         question = state.question
         return ("asking", tuple(offer.name for offer in question.options), state.turn, question.attempt)
     if isinstance(state, Tending):
-        return _told_tree(state, rank)
-    number = getattr(state, "number", None)
-    return (type(state).__name__, rank.get(number, 0)) if number is not None else repr(state)
+        return _told_tree(state)
+    return type(state).__name__ if getattr(state, "number", None) is not None else repr(state)
 
 
-def _told_tree(state: Tending, rank: Mapping[int, int]) -> Any:
-    leaves = [(path, told(each.state, rank), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
+def _told_tree(state: Tending) -> Any:
+    leaves = [(path, told(each.state), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
     nodes = [(path, repr(_rounded(memory))) for path, memory in sorted(state.tree.nodes.items())]
     ends = sorted((path, leaf.outcome) for path, leaf in state.tree.leaves.items())
     return ("tending", leaves, nodes, ends, _rounded(state.wake))

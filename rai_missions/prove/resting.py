@@ -19,19 +19,23 @@ from rai_missions.chart.node import Condition, Node
 from rai_missions.guards.guard import View
 from rai_missions.mission import Mission
 from rai_missions.prove.choices import OpenFields
+from rai_missions.prove.live import Later, Live
 from rai_missions.prove.remembered import SOON, rested, told_timer
 from rai_missions.prove.watched import NOW, Watched
 from rai_missions.states.compound import Each
+from rai_missions.states.goals import Goal
 from rai_missions.states.pursuit import Pursuit, PursuitMachine
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 
-__all__ = ("Resting",)
+__all__ = ("PURSUED", "Resting")
 
 REMEMBERED = 4096
 """Of so many configurations it is remembered what they wait for."""
 MANY = 2
 """So many alike stand for any number more."""
+PURSUED = ("sent", "running")
+"""The phases of a goal that its state still pursues."""
 
 
 class Resting(Watched):
@@ -46,6 +50,10 @@ class Resting(Watched):
         self._full = self.values.saturating()
         self._waiting: dict[tuple[int, ...], tuple[Condition, ...]] = {}
         rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
+        self._every = frozenset(mission.blackboard)
+        self._live_on = Live(mission, self._graph, self.terms)
+        self._remainders: dict[tuple[str, tuple[int, ...]], tuple[str, ...]] = {}
+        self._hears_of_orphans = any("orphaned" in row.on for row in rows)
         self._hears_of_calls = any("call_failed" in row.on for row in rows)
         self.hears_of_doubt = any("uncertain" in row.on for row in rows)
         """Some row is about what nobody can tell whether it was done."""
@@ -153,6 +161,35 @@ class Resting(Watched):
 
     # -- what there may be any number of --------------------------------------------------------------------------
 
+    def remainder(self, goal: Goal) -> tuple[Any, ...] | None:
+        """All that makes a difference of a goal that nobody pursues any more; None where none is left."""
+        if self._hears_of_orphans:
+            return (goal.phase == "orphaned", goal.action)
+        place = (goal.action, self._config.key)
+        rivals = self._remainders.get(place)
+        if rivals is None:
+            rivals = tuple(sorted(each for each in self.later.starts if self.terms.conflict(goal.action, each)))
+            self._remainders[place] = rivals
+        return (goal.phase == "orphaned", *rivals) if rivals else None
+
+    @property
+    def pursued(self) -> list[Goal]:
+        """The goals whose end a state waits for."""
+        return [goal for goal in self._ledger.goals.values() if goal.phase in PURSUED]
+
+    @property
+    def remaining(self) -> list[Goal]:
+        """The goals that nobody pursues and that make a difference yet, one for all that are alike."""
+        goals = [goal for goal in self._ledger.goals.values() if goal.phase not in PURSUED]
+        alike = {rest: goal for goal in reversed(goals) if (rest := self.remainder(goal)) is not None}
+        return list(alike.values())
+
+    @property
+    def later(self) -> Later:
+        """What makes a difference from here on."""
+        later = self._live_on.after(self._config)
+        return later if not self.predicates else later._replace(keys=self._every)
+
     def _alike(self) -> dict[tuple[Any, ...], list[Any]]:
         """What cannot be told from its like: kind and words → its keys."""
         alike: dict[tuple[Any, ...], list[Any]] = {}
@@ -162,8 +199,8 @@ class Resting(Watched):
         for number, service in self._calls.items():
             alike.setdefault(("call", service), []).append(number)
         for number, goal in self._ledger.goals.items():
-            if goal.phase not in ("sent", "running"):
-                alike.setdefault(("goal", goal.owner, goal.action, goal.phase), []).append(number)
+            if goal.phase not in PURSUED and (rest := self.remainder(goal)) is not None:
+                alike.setdefault(("goal", *rest), []).append(number)
         return alike
 
     def _cap(self) -> None:

@@ -15,6 +15,7 @@ from rai_missions.mission import Mission
 from rai_missions.prove.choices import Payload
 from rai_missions.prove.explored import Explored
 from rai_missions.prove.happening import Happening
+from rai_missions.prove.resting import PURSUED
 from rai_missions.prove.watched import NOW
 from rai_missions.states.asking import Asking
 from rai_missions.states.behaving import Behaving
@@ -28,7 +29,6 @@ from rai_missions.verdict import Offer, Question
 __all__ = ("Told",)
 
 ENDS = ("succeeded", "failed", "canceled", "rejected")
-ACCEPTABLE = ("sent", "withdrawn")
 REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
 
 
@@ -80,7 +80,7 @@ class Told(Explored):
 
     def reports(self) -> Iterator[Happening]:
         """Everything that servers, services and behaviours can say."""
-        for goal in list(self._ledger.goals.values()):
+        for goal in [*self.pursued, *self.remaining]:
             yield from self._goal(goal)
         for number, owner in (*self._of(Calling), *self._calls.items()):
             for reply in REPLIES:
@@ -94,10 +94,10 @@ class Told(Explored):
 
     def _goal(self, goal: Goal) -> Iterator[Happening]:
         named, number = f"'{goal.action}' of '{goal.owner}'", goal.number
-        if goal.phase in ACCEPTABLE:
+        if goal.phase == "sent":
             event = Event("accepted", NOW, {}, "accepted", number)
             yield Happening(f"{named} is accepted", "robot", self._hear(event), number)
-        if goal.phase not in ("sent", "running"):  # nobody pursues it any more: how it ended makes no difference
+        if goal.phase not in PURSUED:  # nobody pursues it any more: how it ended makes no difference
             yield Happening(f"{named} has ended", "robot", self._result("canceled", number, goal.owner), number)
             return
         composed = goal.action in self.terms.succeeded

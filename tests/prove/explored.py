@@ -15,8 +15,12 @@ from rai_missions.event import Event
 from rai_missions.mission import Mission
 from rai_missions.prove.free import Free
 from rai_missions.prove.happening import HappeningKind
+from rai_missions.prove.live import Later
+from rai_missions.prove.parts import parts
 from rai_missions.prove.space import Space, Way
 from rai_missions.rebuild import default_ticker
+from rai_missions.states.action import Action
+from rai_missions.states.tree.leaves import ActionLeaf
 from rai_missions.step import Ask, CallService, Handover, StartBehaviour, StartGoal, Step
 from tests.strategies import EVENTS, KEYS, OPTIONS
 
@@ -42,8 +46,17 @@ def seen(chart: Chart) -> Seen:
     return (frozenset() if chart.outcome is not None else chart.active, chart.outcome)
 
 
-def explored(mission: Mission, most: int) -> Seeing:
-    space = Seeing(Free(mission, default_ticker(mission)), most)
+class Forgetless(Free):
+    """A chart that tells states apart by all that it remembers, read later or not."""
+
+    @property
+    def later(self) -> Later:
+        actions = {part.action for kind in (Action, ActionLeaf) for part in parts(self.mission, kind)}
+        return Later(frozenset(self.mission.blackboard), frozenset(actions), frozenset(range(len(self._graph.order))))
+
+
+def explored(mission: Mission, most: int, kind: type[Free] = Free) -> Seeing:
+    space = Seeing(kind(mission, default_ticker(mission)), most)
     space.explore()
     return space
 

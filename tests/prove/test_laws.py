@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission import Mission
-from tests.prove.explored import explored, scripts, walked
+from tests.prove.explored import Forgetless, explored, scripts, walked
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -35,6 +35,32 @@ def runs() -> st.SearchStrategy[list[Any]]:
 @given(mission_documents(), runs(), st.integers(0, 3), st.lists(st.sampled_from(["a", "b"]), max_size=4))
 def test_no_run_leaves_what_was_explored(document: Json, runs: list[Any], alleys: int, waypoints: list[str]) -> None:
     hold_against(document, runs, alleys, waypoints)
+
+
+@settings(lenient, max_examples=8)
+@given(mission_documents())
+def test_what_nobody_reads_again_makes_no_difference(document: Json) -> None:
+    hold_against_forgetless(document, MOST)
+
+
+def hold_against_forgetless(document: Json, most: int) -> None:
+    mission = Mission.model_validate(document)
+    every = explored(mission, most, Forgetless)
+    assume(every.is_whole)
+    few = explored(mission, most)
+    assert few.is_whole and few.states <= every.states
+    assert (few.seen, few.taken, few.entered) == (every.seen, every.taken, every.entered)
+    assert few.flaws.keys() == every.flaws.keys() and few.chart.answered == every.chart.answered
+    assert few.chart.seen == every.chart.seen
+    lengths = [{name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()} for space in (few, every)]
+    assert lengths[0] == lengths[1]
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=1000)
+@given(mission_documents())
+def test_what_nobody_reads_again_makes_no_difference_however_often_it_is_tried(document: Json) -> None:
+    hold_against_forgetless(document, 4 * MOST)
 
 
 @pytest.mark.drill

@@ -157,7 +157,7 @@ def test_a_bound_is_kept_and_nothing_beyond_it_is_called_proved() -> None:
 
 def test_a_flaw_within_the_bound_is_a_flaw() -> None:
     mission = document(TRACTOR, over_people)
-    proof = prove(mission, default_ticker(mission), most=120)
+    proof = prove(mission, default_ticker(mission), most=40)
     assert "invariants" in proof.ways and not proof.is_whole
 
 
