@@ -9,9 +9,11 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import Any, TextIO
 
 from rai_missions.agents.gate import GateAgent, GateWords, gate_words, read_gate
+from rai_missions.agents.gate.beside import Beside
 from rai_missions.agents.gate.values import COMMANDERS, Answer, Change, Deed, Halt, Pass, Refuse, Tell
 from rai_missions.agents.gate.words import command_topic, leases_of
 from rai_missions.clock import WallClock
@@ -34,6 +36,9 @@ def gate(given: argparse.Namespace) -> int:
         stack.enter_context(_interruptible(agent.end))
         stack.callback(connector.stop)
         connector.start()
+        beside = Beside(connector, (each.topic for each in words.commands), partial(_others, words.name))
+        stack.callback(beside.stop)
+        beside.run()
         if not given.quiet:
             print(_opening(words), flush=True)
         agent.serve()
@@ -61,6 +66,16 @@ def _words(given: argparse.Namespace) -> GateWords:
         words["name"] = given.name
     read = read_gate(given.file, **words) if given.file else gate_words(words)
     return gate_words({**read.written(), "leases": {**read.leases, **leases_of(given.lease)}}, "--lease")
+
+
+def _others(name: str, topic: str, count: int) -> None:
+    who = "another node publishes" if count == 1 else f"{count} other nodes publish"
+    print(
+        f"rai-missions gate: {who} on {topic} as well: that reaches the actuators past this gate, whoever holds "
+        f"control; have it publish on {name}/{{{','.join(COMMANDERS)}}}{topic}, and end any other gate before {topic}",
+        file=sys.stderr,
+        flush=True,
+    )
 
 
 def _opening(words: GateWords) -> str:
