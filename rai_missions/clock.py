@@ -57,6 +57,11 @@ class Mailbox:
             if self._urgent:
                 return self._urgent.popleft()
 
+    @property
+    def waiting(self) -> int:
+        """About how many events are to be taken."""
+        return len(self._urgent) + len(self._front) + self._queue.qsize()
+
     def put_back(self, events: list[Event]) -> None:
         """They are taken before all others but the urgent ones, in this order."""
         self._front.extendleft(reversed(events))
@@ -95,6 +100,14 @@ class Clock(Protocol):
             paced: A model or a person is thinking: time goes no faster than on the wall.
         """
 
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        """Told of each event that a run has taken: a time that moves only in `wait` must not stand still for good.
+
+        Args:
+            mailbox: Where it was taken from.
+            paced: As in `wait`.
+        """
+
 
 class WallClock:
     """Real time, as `time.monotonic` counts it."""
@@ -107,6 +120,9 @@ class WallClock:
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         mailbox.wait(None if until == math.inf else max(0.0, until - self.now()))
+
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        """It goes on by itself."""
 
 
 class ContinuedClock:
@@ -126,6 +142,9 @@ class ContinuedClock:
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         self._clock.wait(mailbox, until - self._ahead, paced=paced)
 
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        self._clock.taken(mailbox, paced=paced)
+
 
 class Steppable(Protocol):
     """What a simulated clock moves: a world."""
@@ -138,8 +157,16 @@ class Steppable(Protocol):
     def step(self) -> None: ...
 
 
+MOST_AT_ONCE = 100
+ALONE_S = 0.1
+
+
 class SimulatedClock:
-    """Time that moves only when nothing waits to be dealt with.
+    """Time that moves only when nothing waits to be dealt with, or when what was dealt with never ends.
+
+    A mission that asks its rules again and again has an answer to each question in the instant in which it asks. On the
+    wall that takes time as well; so time goes on by a step of the world, or by `ALONE_S` without one, once more was
+    taken than had come and `MOST_AT_ONCE` that this had caused.
 
     Args:
         world: Stepped as time moves; without one time jumps to the next instant that anybody waits for.
@@ -150,14 +177,13 @@ class SimulatedClock:
         self._world, self._speed = world, speed
         self._alone_at = 0.0
         self._pace = Pace(math.inf, 0.0, 0.0)
+        self._left = MOST_AT_ONCE
 
     def now(self) -> float:
         return self._alone_at if self._world is None else self._world.at
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
-        speed = min(self._speed, 1.0) if paced else self._speed
-        if speed != self._pace.speed:
-            self._pace = Pace(speed, time.monotonic(), self.now())
+        speed = self._go_at(paced=paced)
         while mailbox.empty and self.now() < until:
             target = self.now() + self._world.period_s if self._world is not None else until
             early_s = self._pace.early_s(target) if speed != math.inf else (math.inf if target == math.inf else 0.0)
@@ -168,6 +194,23 @@ class SimulatedClock:
             if early_s < -LATE_S:
                 self._pace = Pace(speed, time.monotonic(), self.now())
             self._advance(target)
+        self._left = mailbox.waiting + MOST_AT_ONCE
+
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        self._left -= 1
+        if self._left > 0:
+            return
+        target = self.now() + (self._world.period_s if self._world is not None else ALONE_S)
+        if self._go_at(paced=paced) == math.inf or self._pace.early_s(target) <= 0:
+            self._advance(target)
+            self._left = mailbox.waiting + MOST_AT_ONCE
+
+    def _go_at(self, *, paced: bool) -> float:
+        """The speed that time has now."""
+        speed = min(self._speed, 1.0) if paced else self._speed
+        if speed != self._pace.speed:
+            self._pace = Pace(speed, time.monotonic(), self.now())
+        return speed
 
     def _flow(self, target: float) -> None:
         """Without a world, what came on the way to an instant came before it."""
@@ -257,3 +300,6 @@ class HeardClock:
             mailbox.wait(None if until == math.inf else max(least_s, 1e-3))
         with self._lock:
             self._waiting = None
+
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        """It goes on by itself."""

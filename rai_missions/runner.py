@@ -233,6 +233,7 @@ class Runner:
             event = self.mailbox.take()
             if event is not None:
                 self._take(event)
+                self.clock.taken(self.mailbox, paced=self.performer.thinking)
             elif not done() and not self._requests:  # a wake may just have been taken out, with what it was for undone
                 self._idle(until)
 
@@ -317,7 +318,9 @@ class Runner:
 
     def _tell_status(self, step: Step) -> None:
         chart = self.chart
-        status = self.lifecycle.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
+        status = self.lifecycle.observe(
+            step, mode=chart.mode, holder=chart.holder, active=chart.active, waiting=chart.waiting
+        )
         if status is not None and status.control == "nobody" and step.event.kind != "control":
             self.performer.handovers.let_go(self.mailbox.wake)
         if status is not None and self._on_status is not None:

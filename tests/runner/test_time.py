@@ -123,15 +123,58 @@ def test_simulated_time_has_a_speed_of_its_own_if_wanted() -> None:
     assert 0.15 <= time.monotonic() - began <= 1.5
 
 
+class Readily:
+    """Answers everybody at once, for ever the same."""
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        answer({"option": "left"})
+
+    def withdraw(self, number: int) -> None:
+        """Nothing is thought about."""
+
+
 def test_rules_answer_at_once() -> None:
-    class Rules:
-        def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
-            answer({"option": "left"})
+    assert Rig(ASKING, answerers={"agent": Readily()}).run().duration_s == 0.0
 
-        def withdraw(self, number: int) -> None:
-            pass
 
-    assert Rig(ASKING, answerers={"agent": Rules()}).run().duration_s == 0.0
+ROUND_AND_ROUND: dict[str, Any] = {
+    "busy": {
+        "initial": "asking",
+        "states": {"asking": {**ASKING["asking"], "transitions": [{"on": "left", "to": "calling"}]},
+                   "calling": {"call": "horn", "timeout_s": 5, "transitions": [{"on": "succeeded", "to": "asking"}]}},
+        "transitions": [{"after_s": 3, "to": "over"}],
+    },
+    "over": {"final": "aborted"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("clock", [None, SimulatedClock(), SimulatedClock(Stage(), speed=20.0)])
+def test_a_mission_whose_answers_lead_round_for_ever_in_an_instant_still_comes_to_its_timer(clock: Any) -> None:
+    rig = Rig(ROUND_AND_ROUND, answerers={"agent": Readily()}, clock=clock)
+    result = rig.run()
+    assert result.outcome == "aborted" and result.duration_s == pytest.approx(3.0, abs=0.21)
+    assert len(rig.called) > 100
+
+
+def test_a_burst_that_came_in_one_instant_is_taken_in_one_instant() -> None:
+    rows = [{"on": "go", "do": [{"set": "count", "add": 1}]}, {"on": "stop_now", "to": "over"}]
+    states = {"counting": {"transitions": rows}, "over": {"final": "aborted"}}
+    rig = Rig(states)
+    rig.stage.play({1.0: lambda: [rig.post(name) for name in [*["go"] * 1000, "stop_now"]]})
+    assert rig.run().duration_s == 1.0 and rig.runner.chart.view.board["count"].value == 1000
+
+
+def test_while_somebody_thinks_what_leads_round_for_ever_does_not_make_time_fly() -> None:
+    thinking = {"initial": "asking", "states": {**ASKING, "over": {}, "lost": {}}}
+    rounds = {"initial": "calling", "states": {
+        "calling": {**CALLING["calling"], "transitions": [{"on": "succeeded", "to": "again"}]},
+        "again": {"transitions": [{"when": {"key": "count", "==": 0}, "to": "calling"}]}}}  # fmt: skip
+    both = {"both": {"parallel": {"thinks": thinking, "turns": rounds}, "transitions": [
+        {"when": {"in": "over"}, "to": "done"}, {"when": {"in": "lost"}, "to": "late"}]},
+        "done": {"final": "aborted"}, "late": {"final": "failed"}}  # fmt: skip
+    began = time.monotonic()
+    result = Rig(both, answerers={"agent": Thinker(0.3)}).run()
+    assert result.outcome == "aborted" and result.duration_s <= time.monotonic() - began + 0.101
 
 
 def test_an_idle_run_on_the_wall_clock_uses_no_processor() -> None:

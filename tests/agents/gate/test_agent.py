@@ -35,6 +35,9 @@ class HandClock:
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         raise AssertionError("nobody waits in these tests")
 
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        """It stands still."""
+
 
 class Rig:
     """A gate, and everybody around it."""
