@@ -208,6 +208,9 @@ class MortalClock:
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         self._fate.around(lambda: self._clock.wait(mailbox, until, paced=paced))
 
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        self._clock.taken(mailbox, paced=paced)
+
 
 class Choosing:
     """Answers every question with the same option.
