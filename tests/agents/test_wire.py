@@ -8,17 +8,19 @@ import json
 import threading
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from langchain_core.tools import StructuredTool
-from langchain_openai import ChatOpenAI
 
 from rai_missions.agents.decision import DecisionAgent
 from rai_missions.agents.modes import calls_tools, fills_schemas, takes_images
 from rai_missions.event import Image
 from rai_missions.testing import QUESTION, Told, answer_fault
 from rai_missions.verdict import Evidence, Limits, Question
+
+if TYPE_CHECKING:
+    from langchain_openai import ChatOpenAI
 
 Reply = Callable[[dict[str, Any]], tuple[int, Any]]
 
@@ -36,6 +38,8 @@ class Server(ThreadingHTTPServer):
         threading.Thread(target=self.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True).start()
 
     def model(self, **words: Any) -> ChatOpenAI:
+        from langchain_openai import ChatOpenAI  # a second of every worker's, were it loaded with the file
+
         url = f"http://127.0.0.1:{self.server_address[1]}/v1"
         settings = {"model": "gpt-4o", "api_key": "sk-loopback-0123456789", "max_retries": 0, "timeout": 10}
         return ChatOpenAI(base_url=url, **{**settings, **words})
