@@ -6,6 +6,8 @@ Rule: this is the only place that knows `transitions`; no mission draws these st
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from transitions import Machine, MachineError
@@ -15,6 +17,7 @@ from rai_missions.step import Step
 
 __all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
 
+NOTHING: Mapping[str, str] = MappingProxyType({})
 MODES = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
 CONTROLLERS = ("autonomy", "agent", "operator", "nobody")
 
@@ -51,6 +54,8 @@ class Status(NamedTuple):
     """The active states, sorted."""
     outcome: str | None = None
     why: str = ""
+    waits: str = ""
+    """Which states wait for somebody to have control, in words; empty where none does."""
 
 
 def is_operator(by: str) -> bool:
@@ -63,6 +68,14 @@ def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) 
     return Machine(
         states=list(states), transitions=rows, initial=initial, auto_transitions=False, ignore_invalid_triggers=False
     )
+
+
+def _waits(waiting: Mapping[str, str], holder: str) -> str:
+    """Nobody asks for control in the mission's name once it was taken away: who moved it had a reason."""
+    if not waiting:
+        return ""
+    each = ", ".join(f"{name} waits until control is with {wanted}" for name, wanted in sorted(waiting.items()))
+    return f"{each}; {holder} has it"
 
 
 class Control:
@@ -144,7 +157,9 @@ class Lifecycle:
             return f"the mission is {self.mode}; it cannot {command} now"
         return ""
 
-    def observe(self, step: Step, *, mode: str, holder: str, active: frozenset[str]) -> Status | None:
+    def observe(
+        self, step: Step, *, mode: str, holder: str, active: frozenset[str], waiting: Mapping[str, str] = NOTHING
+    ) -> Status | None:
         """Follow a step; the new status if anything in it changed.
 
         Args:
@@ -152,6 +167,7 @@ class Lifecycle:
             mode: The chart's: `ready`, `running`, `paused`, `canceling` or `ended`.
             holder: Who holds control.
             active: The active states.
+            waiting: State → who must have control before what it does can go on.
 
         Raises:
             UsageError: The step went a way that no mission may go.
@@ -161,7 +177,15 @@ class Lifecycle:
             self._go(target)
         if holder != self.control.holder:
             self.control.acknowledge(holder)
-        status = (target, holder, tuple(sorted(active)), step.outcome, step.why if step.outcome else "")
+        why = step.why if step.outcome else ""
+        status = (
+            target,
+            holder,
+            tuple(sorted(active)),
+            step.outcome,
+            why,
+            _waits(waiting, holder) if mode != "ended" else "",
+        )
         if status == self._last:
             return None
         self._last = status

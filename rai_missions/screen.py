@@ -27,7 +27,7 @@ __all__ = ("Screen",)
 
 STYLES = (
     ("refused", "bold yellow"), ("fallback", "bold yellow"), ("question ", "cyan"), ("offered:", "cyan"),
-    ("ignored", "dim"),
+    ("waits until control", "bold yellow"), ("ignored", "dim"),
     ("succeeded:", "bold green"), ("failed:", "bold red"), ("aborted:", "bold red"), ("canceled:", "bold yellow"),
 )  # fmt: skip
 
@@ -109,6 +109,8 @@ class Screen(Lines):
         head.append(f"{status.mode if status else ''}  ", style="bold green")
         head.append(" › ".join(self._path(chart)), style="bold")
         head.append(f"   control: {status.control if status else ''}", style="dim")
+        if status is not None and status.waits:
+            head.append(f"\n{'':13}{status.waits}", style="bold yellow")
         facts = Table.grid(padding=(0, 2))
         for key, entry in sorted(chart.view.board.items()):
             if self._mission.blackboard[key].source == "robot":

@@ -165,6 +165,7 @@ class Activities(Core):
         for node in [node for node in lost if node.control is not None and node.control != self.holder]:
             self._leave_activity(node)
             self._pending[node.name] = math.inf
+            self.notes.append(f"{node.name} waits until control is with {node.control} again")
         if self.mode in ("ready", "paused"):
             return
         for name in sorted(self._pending, key=lambda each: self._graph.nodes[each].index):

@@ -82,10 +82,15 @@ class Chart(Instants):
         return frozenset(self._ledger.goals).union(self._calls, *each)
 
     @property
+    def waiting(self) -> Mapping[str, str]:
+        """State → who must have control before what it does can begin, or begin again."""
+        each = {name: self._graph.nodes[name].control for name in self._pending}
+        return {name: holder for name, holder in each.items() if holder is not None}
+
+    @property
     def wanted(self) -> frozenset[str]:
         """Who must have control for what waits to begin."""
-        each = (self._graph.nodes[name].control for name in self._pending)
-        return frozenset(holder for holder in each if holder is not None)
+        return frozenset(self.waiting.values())
 
     def start(self, at: float = 0.0) -> Step:
         """Enter the mission.

@@ -154,6 +154,22 @@ def test_an_order_says_at_once_that_it_is_sent_and_then_what_became_of_it(look: 
         window.wait_for_selector("#said.alarm:has-text('e-stop: not delivered')")
 
 
+def test_a_state_that_waits_for_control_says_so_and_the_way_out_is_a_button(look: Look) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    with Run(tractor(), Desk()) as run:
+        run.write("battery", 0.8)
+        run.start()
+        window = look(run.page)
+        window.wait_for_selector("[data-state=driving].active", state="attached")
+        assert window.inner_text("#waits") == "" and window.is_hidden("[data-act=autonomy]")
+        run.send("agent", "control")
+        said = "driving waits until control is with autonomy; agent has it. The mission does not ask for it back"
+        until(window, f"document.querySelector('#waits').textContent.startsWith({json.dumps(said)})")
+        assert window.is_visible("[data-act=autonomy]") and window.is_hidden("[data-act=agent]")
+        run.send("autonomy", "control")
+        until(window, "document.querySelector('#waits').textContent === ''")
+
+
 def test_evidence_says_how_long_ago_it_was_shown_and_what_is_so_now(run: Run, look: Look) -> None:
     window = look(run.page)
     play(run, "obstacle")

@@ -246,6 +246,10 @@ def test_control_taken_away_ends_the_goal_and_control_given_back_starts_it_again
     made = Chart(mission(driving(control="autonomy")))
     number = starts(made.start(0.0))[0].number
     says(made, "accepted", number)
-    assert cancels(made.send(Event("operator", 1.0, {}, "control"))) == [number]
+    taken = made.send(Event("operator", 1.0, {}, "control"))
+    assert cancels(taken) == [number]
+    assert "drive waits until control is with autonomy again" in taken.notes
+    assert made.waiting == {"drive": "autonomy"}
     says(made, "canceled", number)
     assert starts(made.send(Event("autonomy", 9.0, {}, "control")))
+    assert made.waiting == {}

@@ -68,6 +68,8 @@ class Bulletin(NamedTuple):
     outcome: str = ""
     """Said once the run is over, every goal's end included: another may be begun."""
     why: str = ""
+    waits: str = ""
+    """Which states wait for somebody to have control."""
     fault: str = ""
     """Why the node's last transition failed."""
     at: float = 0.0

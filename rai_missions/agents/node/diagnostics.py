@@ -32,6 +32,8 @@ def level(bulletin: Bulletin, stale: Sequence[str] = (), strangers: int = 0) -> 
         return WARN, f"another node is called {bulletin.node} too; give one of them another name with --node"
     if bulletin.mode in ("paused", "canceling"):
         return WARN, bulletin.mode
+    if bulletin.waits:
+        return WARN, bulletin.waits
     if bulletin.questions:
         asked = bulletin.questions[0].question
         return WARN, f"question {asked.number} waits for {asked.asked}: {asked.text}"[:300]

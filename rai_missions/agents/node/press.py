@@ -88,6 +88,7 @@ class Press:
             control=status.control if status is not None else last.control,
             active=status.active if status is not None else (),
             outcome=course.mode if course.is_over else "",
+            waits=status.waits if status is not None and not course.is_over else "",
             why=course.error or (result.why if result is not None else status.why if status is not None else ""),
         )  # fmt: skip
 

@@ -24,6 +24,11 @@ ASKED = (Open(Question(4, "asking", "operator", "Which way?", ()), 5.0),)
         ({"mode": "paused"}, {}, (WARN, "paused")),
         ({"mode": "canceling"}, {}, (WARN, "canceling")),
         ({"questions": ASKED}, {}, (WARN, "question 4 waits for operator: Which way?")),
+        (
+            {"questions": ASKED, "waits": "asking waits until control is with agent; autonomy has it"},
+            {},
+            (WARN, "asking waits until control is with agent; autonomy has it"),
+        ),
         ({}, {"stale": ("battery", "pose")}, (WARN, "not fresh: battery, pose")),
         ({}, {"strangers": 1}, (WARN, "another node is called /errand too; give one of them another name with --node")),
         ({"mode": "failed", "why": "timed_out"}, {"stale": ("pose",)}, (ERROR, "failed: timed_out")),

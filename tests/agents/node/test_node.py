@@ -266,6 +266,22 @@ def test_control_is_asked_for_by_its_rules(scene: Scene) -> None:
     scene.client.holders.wait(lambda all_: all_[-1] == "autonomy", "it is given back")
 
 
+def test_a_state_that_waits_for_control_is_told_of(open_scene: Callable[..., Scene]) -> None:
+    states = mission().model_dump(mode="json", by_alias=True, exclude_unset=True)["states"]
+    states["asking"]["control"] = "agent"
+    scene = open_scene(mission=mission(states=states))
+    scene.client.activate()
+    scene.client.start()
+    scene.client.command(command="post", event="ask")
+    asked = scene.client.await_status("the question is asked", active=["asking"], control="agent")
+    assert asked["waits"] == ""
+    assert scene.client.command(command="control", to="autonomy")["success"]
+    told = scene.client.await_status("control is away", control="autonomy", questions=[])
+    assert told["waits"] == "asking waits until control is with agent; autonomy has it"
+    assert scene.client.command(command="control", to="agent", by="agent")["success"], "it was given, not taken"
+    scene.client.await_status("it is asked again", control="agent", waits="")
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [

@@ -26,7 +26,7 @@ class Acts {
   }
 
   /** Shows what may be done now. */
-  show({ mode, control }, reached) {
+  show({ mode, control }, reached, wanted = new Set()) {
     const on = GOES_ON.includes(mode), { pause, resume, cancel, take, autonomy, agent, stop } = this.buttons;
     pause.hidden = mode === "paused";
     resume.hidden = mode !== "paused";
@@ -35,8 +35,8 @@ class Acts {
     cancel.disabled = !reached || !on || mode === "canceling";
     take.hidden = control === "operator";
     take.disabled = !reached || !on;
-    for (const give of [autonomy, agent]) {
-      give.hidden = control !== "operator";
+    for (const [to, give] of Object.entries({ autonomy, agent })) {
+      give.hidden = control !== "operator" && !wanted.has(to);
       give.disabled = !reached || !on;
     }
     stop.disabled = !on;

@@ -2,6 +2,8 @@
 // The live page put together: what comes over the line is kept as it stands, and drawn at most once a frame.
 
 const FADES_MS = 4000, TICK_MS = 200;
+const HANDOVER_MS = 1000; // one that is acknowledged sooner is no news
+const ACTIVE = new Set(["action", "call", "tree", "decision"]);
 
 class Live {
   constructor(token) {
@@ -130,7 +132,7 @@ class Live {
       this.cameras.look(this.state.board);
     }
     if (dirty.has("questions")) this.ask();
-    if (dirty.has("status")) this.status();
+    if (dirty.has("status") || dirty.has("active")) this.status();
     this.tick();
     document.documentElement.dataset.ready = "yes";
   }
@@ -174,7 +176,28 @@ class Live {
     document.body.classList.toggle("unheard", away);
     document.body.classList.toggle("over", this.isOver);
     document.title = shown(`${outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
-    if (this.acts) this.acts.show(this.state, this.reached);
+    const waiting = this.waiting();
+    this.waits(waiting);
+    if (this.acts) this.acts.show(this.state, this.reached, new Set(waiting.map(([, wanted]) => wanted)));
+  }
+
+  /** The active states that do nothing until somebody else has control, and who. */
+  waiting() {
+    if (this.state.mode !== "running" || this.isOver) return [];
+    const { states } = this.chart.model;
+    return this.state.active.filter((name) => ACTIVE.has((states.get(name) || {}).kind)).map((name) => [name, this.chart.model.wanted(name)])
+      .filter(([, wanted]) => wanted && wanted !== this.state.control);
+  }
+
+  waits(waiting) {
+    const words = waiting.map(([name, wanted]) => `${name} waits until control is with ${wanted}`).join(", ");
+    const told = words ? `${words}; ${this.state.control} has it. The mission does not ask for it back: give it with the buttons above.` : "";
+    if (told === this.told) return;
+    this.told = told;
+    clearTimeout(this.telling);
+    const tell = () => { byId("waits").textContent = shown(told); };
+    if (told && !byId("waits").textContent) this.telling = setTimeout(tell, HANDOVER_MS);
+    else tell();
   }
 
   lineWord() {

@@ -29,6 +29,11 @@ class Model {
     return found;
   }
 
+  /** Who must hold control while a state is active: what the innermost around it says. */
+  wanted(name) {
+    return this.chain(name).reduce((wanted, each) => (this.states.get(each) || {}).control || wanted, "");
+  }
+
   holds(name) {
     return this.children.get(name).length > 0;
   }
