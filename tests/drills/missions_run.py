@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import json
 import logging
-import shutil
 import sys
-import tempfile
 import threading
 import time
 from collections import Counter
@@ -34,6 +32,7 @@ from rai_missions.robot import dump_profile
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Step
 from tests.drills.hostility import CANARIES, COMMANDS, MOST_CALLS, OWN, HostileModel, plant
+from tests.drills.surroundings import quick_folder
 from tests.drills.yard import DEADLINE_S, SLACK_S, Yard, yard_mission, yard_robot
 
 __all__ = ("Drill", "Trial", "try_one")
@@ -232,11 +231,8 @@ class Drill:
         plant()
         began = time.monotonic()
         for number in range(first, first + count):
-            folder = Path(tempfile.mkdtemp(prefix="drill-"))
-            try:
+            with quick_folder() as folder:
                 self.add(try_one(f"{seed}/{number}", folder, shows=number % every_page == 0))
-            finally:
-                shutil.rmtree(folder)
         self.seconds = time.monotonic() - began
         return self
 
