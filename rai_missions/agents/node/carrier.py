@@ -41,7 +41,7 @@ def name_of(given: str, mission: str, robot: Robot | None, ros_arguments: Sequen
         UsageError: ROS takes no node of that name.
     """
     said = robot.connector if robot is not None and robot.connector["kind"] in REMOTE else {}
-    name = given or str(said.get("node") or "") or mission.replace("/", "_")
+    name = given or str(said.get("node") or "") or mission
     return node_name(name, namespace=str(said.get("namespace") or ""), ros_arguments=ros_arguments)
 
 

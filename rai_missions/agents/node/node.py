@@ -17,12 +17,11 @@ from rai_missions.agents.node.hosting import Host
 from rai_missions.agents.node.managed import ManagedLifecycle, serve_lifecycle
 from rai_missions.agents.node.names import NodeName
 from rai_missions.agents.node.order import Order, Receipt, unheard
-from rai_missions.agents.node.present import readied, robot_of
+from rai_missions.agents.node.present import about, readied, robot_of
 from rai_missions.agents.node.press import Press
 from rai_missions.agents.node.services import STRING, serve_orders, serve_typed_orders
 from rai_missions.connectors.connector import Close, Reply
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
 from rai_missions.runner import Runner
 from rai_missions.step import Step
 
@@ -58,10 +57,10 @@ class MissionNode:
         carrier: Carrier | None = None, journals: Callable[[], Path] | None = None, operator: bool = True,
         ended: Callable[[Course], None] = lambda _course: None,
     ) -> None:  # fmt: skip
-        robot, given = robot_of(setting), setting.mission
+        robot = robot_of(setting)
         self._host = Host(setting, robot=robot, journals=journals, operator=operator)
-        self._about = (given.name, given.version) if isinstance(given, Mission) else ("", "")
-        self.name: NodeName = name_of(name, self._about[0] or Path(str(given)).stem, robot, ros_arguments)
+        called, self._about = about(setting.mission)
+        self.name: NodeName = name_of(name, called, robot, ros_arguments)
         self._carrier = carrier or open_carrier(robot, self.name, now=self._host.now, ros_arguments=ros_arguments)
         self._is_managed, self._on_end = managed, ended
         self._press = Press(

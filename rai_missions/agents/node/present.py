@@ -4,19 +4,23 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import Setting
 from rai_missions.check import check
-from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
 from rai_missions.robot import Robot, load_profile, missing
 from rai_missions.verdict import Question
 
-__all__ = ("Clients", "readied", "robot_of")
+__all__ = ("Clients", "about", "readied", "robot_of")
+
+OUTSIDE = re.compile(r"^(?=\d)|[^A-Za-z0-9_]")
+"""What a node's name may not have, or, before a digit, not begin with."""
 
 
 class Clients:
@@ -38,6 +42,19 @@ def robot_of(setting: Setting) -> Robot | None:
     """
     robot = setting.robot
     return robot if robot is None or isinstance(robot, Robot) else load_profile(robot)
+
+
+def about(given: Mission | str | Path | None) -> tuple[str, tuple[str, str]]:
+    """What a mission's node is called, and the mission's name and version as far as they are known.
+
+    A file that is at fault now, which may be mended before the node is configured, lends its own name.
+    """
+    if isinstance(given, str | Path):
+        try:
+            given = load(given)
+        except MissionError:
+            return OUTSIDE.sub("_", Path(str(given)).stem), ("", "")
+    return (given.name.replace("/", "_"), (given.name, given.version)) if given is not None else ("", ("", ""))
 
 
 def readied(setting: Setting) -> tuple[Mission, Robot | None]:

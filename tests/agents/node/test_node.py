@@ -22,6 +22,7 @@ from rai_missions.connectors.contract import Heard
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.journal import read
+from rai_missions.load import dump
 from rai_missions.testing import check_agent
 from tests.agents.node.conftest import Scene
 from tests.agents.node.scenes import Client, mission, robot
@@ -81,6 +82,24 @@ def active() -> Any:
     yield client
     node.stop()
     connector.stop()
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "called"),
+    [
+        ("orchard-2.json", "", "/errand"),
+        ("mission.json", "{", "/mission"),
+        ("2nd-try.json", "{", "/_2nd_try"),
+    ],
+)
+def test_a_node_without_a_name_has_its_mission_s_and_else_its_file_s(
+    open_scene: Callable[..., Scene], tmp_path: Path, file: str, text: str, called: str
+) -> None:
+    path = tmp_path / file
+    path.write_text(text or dump(mission()))
+    scene = open_scene("", mission=path)
+    assert scene.node.name.path == called
+    scene.client.await_status("it says whose node it is", mission="" if text else "errand")
 
 
 def test_a_node_does_nothing_before_it_is_configured_and_activated(scene: Scene) -> None:
