@@ -74,20 +74,32 @@ socket.socket = LoopbackSocket  # type: ignore[misc]
 
 ON_ROS = frozenset({"ros", "domain", "graph", "tried"})
 """Fixtures of the tests that start nodes of ROS 2."""
+SLOW = ("local_model", "sim")
 
 
 def is_on_ros(item: pytest.Item) -> bool:
     return bool(ON_ROS & set(getattr(item, "fixturenames", ()))) or item.path.name == "test_ros2.py"
 
 
+def shares(item: pytest.Item) -> bool:
+    """Whether something is made once for all tests of the file, such as a browser."""
+    info = getattr(item, "_fixtureinfo", None)
+    return info is not None and any(
+        made.scope == "module" for known in info.name2fixturedefs.values() for made in known
+    )
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The slowest first, so that no worker is left with one at the end.
 
-    One worker runs a file's tests of ROS, whose processes are started once a file; so there are no more nodes at once
-    than the machine has cores for.
+    What is made once a file is made by one worker, who runs the file's tests; so it is with the nodes of ROS.
     """
     for item in items:
-        if is_on_ros(item):
-            item.add_marker(pytest.mark.xdist_group(f"ros {item.path.parent.name}/{item.path.name}"))
-    slow = ("local_model", "sim")
-    items.sort(key=lambda item: not is_on_ros(item) and not any(item.get_closest_marker(each) for each in slow))
+        if is_on_ros(item) or shares(item):
+            item.add_marker(pytest.mark.xdist_group("/".join(item.path.parts[-3:])))
+    items.sort(key=lambda item: not is_on_ros(item) and not any(item.get_closest_marker(each) for each in SLOW))
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """Two more than there are cores: about half of the time that tests take is waiting, as for who is to be found."""
+    return (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1) + 2
