@@ -16,7 +16,7 @@ from rai_missions.step import Move, Step
 from visualize.shapes import Edge, Initial, Node, Path, Picture
 from visualize.words import choices, effects, state_lines, state_title, trigger, twigs
 
-__all__ = ("picture",)
+__all__ = ("parents_of", "picture")
 
 
 class _Run:
@@ -68,7 +68,7 @@ def picture(mission: Mission, steps: Iterable[Step] = ()) -> Picture:
         mission: The graph.
         steps: Of a run, or of a journal, in order: they are counted on the states and rows that they went through.
     """
-    parents = _parents(mission)
+    parents = parents_of(mission)
     run = _Run(steps)
     ended = run.last - {parents.get(name, "") for name in run.last}
     edges = [
@@ -88,8 +88,13 @@ def picture(mission: Mission, steps: Iterable[Step] = ()) -> Picture:
     )
 
 
-def _parents(mission: Mission) -> dict[str, str]:
-    return {child: name for _, name, state in mission.walk() for child in state.children()}
+def parents_of(mission: Mission) -> dict[str, str]:
+    """State → the state around it, empty at the top. Of two with one name the first counts: none is inside itself."""
+    found = dict.fromkeys(mission.states, "")
+    for _, name, state in mission.walk():
+        for child in state.children():
+            found.setdefault(child, name)
+    return found
 
 
 def _node(

@@ -13,8 +13,9 @@ from rai_missions.mission import Mission
 from rai_missions.renaming import Names, renamed
 from rai_missions.states import Decision, State, Transition
 from visualize.diff.alike import Known, alike_keys, alike_options, alike_states
+from visualize.picture import parents_of
 
-__all__ = ("Renamed", "aligned", "original_place", "paired", "parents")
+__all__ = ("Renamed", "aligned", "original_place", "paired")
 
 
 class Renamed(NamedTuple):
@@ -30,14 +31,6 @@ class Renamed(NamedTuple):
     """For an option the state that asks, as the new mission calls it."""
 
 
-def parents(mission: Mission) -> dict[str, str]:
-    """State → the state around it; empty at the top."""
-    found = dict.fromkeys(mission.states, "")
-    for _, name, state in mission.walk():
-        found |= dict.fromkeys(state.children(), name)
-    return found
-
-
 def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
     """The old mission under the names of the new one, and what was renamed for it."""
     found: list[Renamed] = []
@@ -46,7 +39,7 @@ def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
             found.append(Renamed(sort, was, now, score))
     old = _called(old, {each.old: each.new for each in found if each.sort == "key"},
                   {each.old: each.new for each in found if each.sort == "event"}, {})  # fmt: skip
-    known = Known(old, new, parents(old), parents(new))
+    known = Known(old, new, parents_of(old), parents_of(new))
     states = alike_states(known)
     found += [Renamed("state", was, now, score) for (was, now), score in states.items()]
     old = _called(old, {}, {}, dict(states.keys()))

@@ -12,7 +12,6 @@ from rai_missions.mission import Mission
 from rai_missions.states import Decision, State, Tree
 from rai_missions.states.tree import DecisionLeaf, TreeNode, tree_paths
 from rai_missions.written import Written
-from visualize.diff.aligned import parents
 from visualize.diff.change import Change
 from visualize.diff.fields import Spot, effects_changed, fields, guards, said
 from visualize.diff.originals import AS_THEY_ARE, Originals
@@ -20,6 +19,7 @@ from visualize.diff.questions import asked_changes, new_questions, offers
 from visualize.diff.reads import Uses, otherwise, uses
 from visualize.diff.rows import Rows, row_changes
 from visualize.diff.ways import Ways, new_ways
+from visualize.picture import parents_of
 from visualize.words import child_pointer
 
 __all__ = ("changes",)
@@ -36,7 +36,7 @@ def changes(old: Mission, new: Mission, own: Originals = AS_THEY_ARE) -> Iterato
     yield from new_ways(before, after, own)
     yield from row_changes(Rows(old.transitions, new.transitions, whole, before, after, used))
     left = {name: (place, state) for place, name, state in old.walk()}
-    around, now_around = parents(old), parents(new)
+    around, now_around = parents_of(old), parents_of(new)
     for place, name, state in new.walk():
         if name not in left:
             yield Spot("", place, name, name).came("rest", "state added", "other", after=_is(state))

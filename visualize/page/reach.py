@@ -19,6 +19,7 @@ from rai_missions.states.state import OUTCOMES, Transition
 from rai_missions.states.tree import tree_paths
 from rai_missions.states.tree.behaviour import BehaviourLeaf
 from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf, DecisionLeaf, WaitLeaf
+from visualize.picture import parents_of
 
 __all__ = ("Reached", "Roads")
 
@@ -41,11 +42,10 @@ class Roads:
         self.mission = mission
         self.states: dict[str, State] = {}
         self.rows: dict[str, tuple[tuple[str, Transition], ...]] = {"": _rows("", mission.transitions)}
-        self.parents: dict[str, str] = {}
+        self.parents = {name: around for name, around in parents_of(mission).items() if around}
         for place, name, state in mission.walk():
-            self.states[name] = state
-            self.rows[name] = _rows(place, state.transitions)
-            self.parents |= dict.fromkeys(state.children(), name)
+            self.states.setdefault(name, state)
+            self.rows.setdefault(name, _rows(place, state.transitions))
 
     def above(self, name: str) -> Iterator[str]:
         """The states around one, innermost first."""
