@@ -55,9 +55,9 @@ drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simul
 	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "" --timeout 3600 $(TESTS)
 
 fuzz: .venv/.ready-fuzz ## Fuzz what opens missions, profiles, journals and recordings: SECONDS_EACH=600, TARGET=mission
-	@for each in $(or $(TARGET),mission profile rows journal recording identity); do \
-	    echo "== $$each"; $(BIN)/python -m tests.fuzz.drive $$each --seconds $(or $(SECONDS_EACH),600); \
-	done
+	@found=0; for each in $(or $(TARGET),mission profile rows journal recording identity); do \
+	    echo "== $$each"; $(BIN)/python -m tests.fuzz.drive $$each --seconds $(or $(SECONDS_EACH),600) || found=1; \
+	done; exit $$found
 
 audit: .venv/.ready-audit ## Hold the lock against pyproject.toml, and look up what is known of what it names
 	@$(BIN)/python scripts/audit.py || [ $$? -eq 2 ]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sqlite3
+import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -24,11 +25,13 @@ from rai_missions.recording import journal_of
 from rai_missions.replay import replay
 from rai_missions.robot import dump_profile, load_profile, missing, parse_profile
 from tests.fuzz.seeds import LAMP
-from visualize import difference, draw, draw_review
+from visualize import difference, draw, draw_difference, draw_review
 
 __all__ = ("TARGETS", "fed")
 
 MOST_ROWS = 200
+DRAWN_EVERY = 8
+"""Of so many missions one is drawn beside another: it takes as long as all the rest."""
 MOST_STATES = 60
 """A mission of more states is loaded and checked, but not drawn: an execution is to be quick."""
 
@@ -48,7 +51,10 @@ def mission(data: bytes, folder: Path) -> None:
         draw(loaded, folder / f"picture.{form}")
     changed = difference(loaded, loaded)
     assert changed.empty or not holds, "a mission differs from itself"
-    tuple(difference(LAMP, loaded).lines())
+    for found in (difference(LAMP, loaded), difference(loaded, LAMP)):
+        tuple(found.lines())
+        for form in ("dot", "mmd", "md", "html", "json") if zlib.crc32(data) % DRAWN_EVERY == 0 else ():
+            draw_difference(found, folder / f"difference.{form}")
 
 
 def profile(data: bytes, folder: Path) -> None:
