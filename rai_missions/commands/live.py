@@ -21,10 +21,9 @@ if TYPE_CHECKING:
     from rai_missions.lifecycle import Status
     from rai_missions.runner import Result, Runner
     from rai_missions.step import Step
-    from rai_missions.verdict import Question
     from visualize.live import LivePage, Place, RunFeed, Scene
 
-__all__ = ("Pauses", "Watch", "opened", "place_of", "run_file", "sort_out", "watched")
+__all__ = ("Watch", "opened", "place_of", "run_file", "sort_out", "watched")
 
 LACKS = "the live page needs Starlette and uvicorn: pip install 'rai-missions[watch]'"
 
@@ -91,7 +90,6 @@ class Watch:
         self._page, self._operator = page, operator
         self._course: Course | None = None
         self._feed: RunFeed | None = None
-        self._pauses = Pauses()
         self._step, self._status = setting.on_step, setting.on_status
         self.setting = replace(setting, on_step=self._stepped, on_status=self._changed)
         """What the run is to be made of instead."""
@@ -126,21 +124,20 @@ class Watch:
         assert course is not None
         chart = course.runner.chart
         seq, mode = chart.seq, course.mode
-        questions = [self._pauses.shifted(each.question) for each in course.questions()]
+        questions = [each.question for each in course.questions()]
         board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
         scene = Scene(
             seq=seq, at=course.runner.clock.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
             questions=questions, outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
         )  # fmt: skip
-        if mode == "paused" and self._pauses.at is not None:
-            scene.paused_at = self._pauses.at
+        if mode == "paused" and course.pauses.at is not None:
+            scene.paused_at = course.pauses.at
         return scene
 
     def _stepped(self, step: Step) -> None:
         course, feed = self._course, self._feed
         if course is not None and feed is not None:
             course.step(step)
-            self._pauses.follow(step)
             feed.step(step)
             course.receive(step)
         if self._step is not None:
@@ -151,28 +148,6 @@ class Watch:
             self._course.follow(status)
         if self._status is not None:
             self._status(status)
-
-
-class Pauses:
-    """The times at which a run was paused: a question that was open then has as much longer."""
-
-    def __init__(self) -> None:
-        self.at: float | None = None
-        """When it was paused; None while it is not."""
-        self._spans: tuple[tuple[float, float], ...] = ()
-
-    def follow(self, step: Step) -> None:
-        """Follow a step, on the run's thread."""
-        if "paused" in step.notes:
-            self.at = step.at
-        elif "resumed" in step.notes and self.at is not None:
-            self._spans = (*self._spans, (self.at, step.at - self.at))
-            self.at = None
-
-    def shifted(self, question: Question) -> Question:
-        """A question with the time that it has by now; from any thread."""
-        by_s = sum(length_s for began, length_s in self._spans if question.at <= began)
-        return question._replace(until=question.until + by_s)
 
 
 @contextmanager

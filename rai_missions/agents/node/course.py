@@ -13,6 +13,7 @@ from typing import Any
 
 from rai_missions.agents.node.bulletin import Open
 from rai_missions.agents.node.order import Order, Receipt, Told
+from rai_missions.agents.node.pauses import Pauses
 from rai_missions.blackboard import stale_at
 from rai_missions.event import Event
 from rai_missions.lifecycle import CONTROLLERS, Status, is_operator
@@ -45,6 +46,7 @@ class Course:
         self.result: Result | None = None
         self.error = ""
         """Why it broke off, if it did."""
+        self.pauses = Pauses()
         self._lock = threading.Lock()
         self._waiting: dict[str, tuple[Order, Told]] = {}
         self._asked: dict[int, Question] = {}
@@ -65,10 +67,11 @@ class Course:
         return threading.current_thread() is self._thread
 
     def questions(self) -> tuple[Open, ...]:
-        """What is asked now, the oldest first, with the time left."""
-        now = self.runner.clock.now()
+        """What is asked now, the oldest first, with the time left, which stands still while the run is paused."""
         with self._lock:
-            asked = () if self.is_over else tuple(self._asked.values())
+            asked = () if self.is_over else tuple(map(self.pauses.shifted, self._asked.values()))
+        paused_at = self.pauses.at
+        now = self.runner.clock.now() if paused_at is None else paused_at
         return tuple(Open(question, max(0.0, question.until - now)) for question in asked)
 
     def stale(self) -> tuple[str, ...]:
@@ -180,6 +183,7 @@ class Course:
     def step(self, step: Step) -> bool:
         """Follow a step, on the run's thread; whether the status or what is asked has changed with it."""
         is_news, self._is_news = self._is_news, False
+        self.pauses.follow(step)
         return self._follow_questions(step) or is_news
 
     def receive(self, step: Step) -> None:

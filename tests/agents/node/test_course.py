@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run as those outside see it: what is asked, and how long there is."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.agents.node.course import Course
+from rai_missions.clock import Mailbox
+from rai_missions.event import Event
+from rai_missions.runner import Runner
+from tests.agents.node.scenes import mission, robot
+
+SPANS = st.lists(st.floats(0.001, 100.0), max_size=6)
+
+
+class Hand:
+    """A clock that is set."""
+
+    at = 0.0
+
+    def now(self) -> float:
+        return self.at
+
+    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
+        self.at = until
+
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        """Time goes on by itself."""
+
+
+class Stood:
+    """A run whose steps the test makes, followed by its course."""
+
+    def __init__(self) -> None:
+        self.clock = Hand()
+        self.runner = Runner(mission(), robot=robot({"kind": "local"}), clock=self.clock)
+        self.course = Course(self.runner, None)
+        self.course.step(self.runner.chart.start(0.0))
+
+    def send(self, name: str, kind: str = "event") -> None:
+        self.course.step(self.runner.chart.send(Event(name, self.clock.at, {}, kind)))
+
+    @property
+    def left_s(self) -> float:
+        (asked,) = self.course.questions()
+        return round(asked.left_s, 6)
+
+
+@given(goes=SPANS, rests=SPANS)
+def test_a_question_loses_no_time_while_its_run_is_paused(goes: list[float], rests: list[float]) -> None:
+    stood, gone = Stood(), 0.0
+    stood.send("ask")
+    for went, rested in zip(goes, rests, strict=False):
+        stood.clock.at += went
+        gone += went
+        left = max(0.0, round(600.0 - gone, 6))
+        assert abs(stood.left_s - left) < 1e-5
+        stood.send("pause", "command")
+        stood.clock.at += rested
+        assert abs(stood.left_s - left) < 1e-5, "it stands still"
+        stood.send("resume", "command")
+        assert abs(stood.left_s - left) < 1e-5, "and goes on from there"
+
+
+def test_a_pause_before_a_question_gives_it_no_more_time() -> None:
+    stood = Stood()
+    stood.send("pause", "command")
+    stood.clock.at = 50.0
+    stood.send("resume", "command")
+    stood.send("ask")
+    stood.clock.at = 60.0
+    assert stood.left_s == 590.0
