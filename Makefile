@@ -12,6 +12,8 @@ comma := ,
 # The ROS 2 wheels and a sourced ROS must not meet: with one sourced, its own rclpy is used.
 ROS := $(if $(ROS_DISTRO),,$(comma)ros$(comma)ros-test)
 export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
+# Each worker loads every test, and the tests start hundreds of processes: what is compiled is kept.
+unexport PYTHONDONTWRITEBYTECODE
 RECIPE := pyproject.toml scripts/setup.sh
 TESTS ?= tests
 WORKERS ?= auto
