@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rai_missions.lifecycle import Status
     from rai_missions.runner import Result, Runner
     from rai_missions.step import Step
+    from rai_missions.verdict import Question
     from visualize.live import LivePage, Place, RunFeed, Scene
 
 __all__ = ("Watch", "opened", "place_of", "run_file", "sort_out", "watched")
@@ -101,6 +102,7 @@ class Watch:
 
     def run(self, prepared: Prepared, run: Callable[[Runner], Result]) -> Result:
         """Run it by `run`, with the page beside it."""
+        from rai_missions.agents.closed import Closed
         from rai_missions.agents.node.course import Course
         from rai_missions.agents.page import PageDesk
         from visualize.live import RunFeed
@@ -108,7 +110,10 @@ class Watch:
         runner, journal = prepared.runner, prepared.journal
         self._course = Course(runner, prepared.robot)
         desk = PageDesk(self._course, answers=self._operator, note=journal.note if journal else _unheard)
-        self._feed = RunFeed(self._look, runner.clock.now)
+        closed = Closed(prepared.mission)
+        self._feed = RunFeed(
+            self._look, runner.clock.now, lambda: closed.now(self._asked(), runner.chart, runner.clock.now())
+        )
         path = str(journal.path) if journal is not None else ""
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
         self._page.start(prepared.mission, self._feed, desk, about)
@@ -124,7 +129,7 @@ class Watch:
         assert course is not None
         chart = course.runner.chart
         seq, mode = chart.seq, course.mode
-        questions = [each.question for each in course.questions()]
+        questions = self._asked()
         board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
         scene = Scene(
             seq=seq, at=course.runner.clock.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
@@ -133,6 +138,9 @@ class Watch:
         if mode == "paused" and course.pauses.at is not None:
             scene.paused_at = course.pauses.at
         return scene
+
+    def _asked(self) -> list[Question]:
+        return [each.question for each in self._course.questions()] if self._course is not None else []
 
     def _stepped(self, step: Step) -> None:
         course, feed = self._course, self._feed

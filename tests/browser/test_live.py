@@ -170,6 +170,30 @@ def test_a_state_that_waits_for_control_says_so_and_the_way_out_is_a_button(look
         until(window, "document.querySelector('#waits').textContent === ''")
 
 
+def test_an_option_whose_guard_falls_is_greyed_with_its_reason_and_comes_back(look: Look) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    with Run(tractor(), Desk(), {"answers": True}) as run:
+        run.write("battery", 0.8)
+        run.start()
+        run.write("obstacle", {"kind": "branch", "distance_m": 2.0, "height_m": 0.1, "living": False})
+        window = look(run.page)
+        run.send("anomaly", after_s=0.1)
+        asked = run.send("agent", "control", after_s=0.1).question
+        assert asked is not None
+        asked = run.send("agent", "proposal", asked.number, after_s=0.1, absent="no model").question
+        assert asked is not None and asked.asked == "operator"
+        button = "[data-question] [data-option=drive_over]"
+        until(window, f"document.querySelector('{button}')?.disabled === false")
+        run.closed = {asked.number: {"drive_over": "this is unknown: obstacle.living is false"}}
+        run.write("battery", 0.79)
+        until(window, f"document.querySelector('{button}').disabled")
+        assert window.inner_text(f"{button} ~ .reason") == "not now, this is unknown: obstacle.living is false"
+        assert window.is_enabled("[data-question] [data-option=replan]")
+        run.closed = {}
+        until(window, f"!document.querySelector('{button}').disabled")
+        assert window.is_hidden(f"{button} ~ .reason")
+
+
 def test_evidence_says_how_long_ago_it_was_shown_and_what_is_so_now(run: Run, look: Look) -> None:
     window = look(run.page)
     play(run, "obstacle")

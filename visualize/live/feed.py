@@ -7,7 +7,7 @@ Rule: `step` runs on the engine's thread. It does no more than append, and wakes
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from rai_missions.step import Step
@@ -31,6 +31,9 @@ class Feed(Protocol):
     def end(self) -> None:
         """Nobody watches any more."""
 
+    def closed(self) -> Mapping[int, Mapping[str, str]]:
+        """Question → option → why it would be refused if it were taken now."""
+
     def now(self) -> float:
         """The run's clock."""
 
@@ -41,10 +44,16 @@ class RunFeed:
     Args:
         look: Says how the run stands, from any thread. What it says is at least as new as the step it names.
         now: The run's clock.
+        closed: Says which options of open questions would be refused now, from any thread.
     """
 
-    def __init__(self, look: Callable[[], Scene], now: Callable[[], float]) -> None:
-        self._look, self._now = look, now
+    def __init__(
+        self,
+        look: Callable[[], Scene],
+        now: Callable[[], float],
+        closed: Callable[[], Mapping[int, Mapping[str, str]]] = dict,
+    ) -> None:
+        self._look, self._now, self._closed = look, now, closed
         self._waiting: deque[Step] = deque(maxlen=MOST_WAITING)
         self._past: deque[Step] = deque(maxlen=TAIL)
         self._wake: Callable[[], None] | None = None
@@ -80,6 +89,9 @@ class RunFeed:
     def end(self) -> None:
         self._wake = None
         self._waiting.clear()
+
+    def closed(self) -> Mapping[int, Mapping[str, str]]:
+        return self._closed()
 
     def now(self) -> float:
         return self._now()

@@ -130,6 +130,7 @@ class Hub:
                 return
 
         self.scene = await self._feed.begin(wake)
+        self.scene.close(self._feed.closed())
         self._keep("state", self.scene.whole())
         self._pump = asyncio.create_task(self._run())
 
@@ -138,7 +139,7 @@ class Hub:
             while self._viewers:
                 with suppress(TimeoutError):
                     await asyncio.wait_for(self._news.wait(), self._patience())
-                if self._news.is_set() or self.scene.written:
+                if self._news.is_set() or self.scene.written or self.scene.questions:  # a guard may fall by time alone
                     self._news.clear()
                     await self._pass_on(board=time.monotonic() >= self._board_at)
                 if time.monotonic() - self._sent_at >= BEAT_S:  # also where there was news that changes nothing
@@ -153,6 +154,7 @@ class Hub:
 
     async def _pass_on(self, *, board: bool) -> None:
         scene = await self._feed.take(self.scene)
+        scene.close(self._feed.closed() if scene.questions else {})
         if scene is not self.scene:
             self.scene = scene
             self._tell("state", scene.whole())

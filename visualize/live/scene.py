@@ -48,6 +48,8 @@ class Scene:
         self.paused_at: float | None = at if mode == "paused" else None
         self.cut = ""
         """How it is known that the run was cut short; empty where it was not."""
+        self.closed: dict[str, dict[str, str]] = {}
+        """Question's number, as text → option → why it would be refused if it were taken now."""
         self.faults: list[str] = []
         """What keeps the page from showing all of the run."""
         self.tail: deque[Json] = deque(maxlen=TAIL)
@@ -92,6 +94,13 @@ class Scene:
         if sentence != self.cut:
             self.cut = sentence
             self._fields.add("cut")
+
+    def close(self, options: Mapping[int, Mapping[str, str]]) -> None:
+        """Say which options would be refused now, and why."""
+        closed = {str(number): dict(each) for number, each in options.items()}
+        if closed != self.closed:
+            self.closed = closed
+            self._fields.add("closed")
 
     def _write(self, key: str, value: Any, stamp: float) -> None:
         entry = self.board.get(key)
@@ -195,7 +204,7 @@ class Scene:
 
     def whole(self) -> Json:
         """All of it."""
-        names = ("mode", "control", "active", "questions", "outcome", "why", "paused_at", "cut", "faults")
+        names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults")
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {"board": board, "steps": list(self.tail)}
 
@@ -216,7 +225,7 @@ class Scene:
         if name == "questions":
             return [question_data(each) for each in self.questions.values()]
         value = getattr(self, name)
-        return sorted(value) if name == "active" else value
+        return sorted(value) if name == "active" else bounded(value) if name == "closed" else value
 
 
 def _stamp(step: Step, key: str) -> float:

@@ -31,17 +31,19 @@ class Run:
     Args:
         mission: What runs.
         desk: Who takes orders.
+        about: What the page says of it beside what happens.
     """
 
-    def __init__(self, mission: Mission, desk: Any = None) -> None:
+    def __init__(self, mission: Mission, desk: Any = None, about: Mapping[str, Any] | None = None) -> None:
         self.chart, self.life, self.steps = Chart(mission, ticker=PyTrees()), Lifecycle(), list[Step]()
         self.mode, self.control = "ready", "autonomy"
-        self.feed = RunFeed(self.look, lambda: self.chart.at)
-        self.mission, self.desk = mission, desk
+        self.closed: dict[int, dict[str, str]] = {}
+        self.feed = RunFeed(self.look, lambda: self.chart.at, lambda: self.closed)
+        self.mission, self.desk, self.about = mission, desk, dict[str, Any](about or {})
 
     def __enter__(self) -> Run:
         self.page = LivePage(Place(port=0))
-        self.page.start(self.mission, self.feed, self.desk)
+        self.page.start(self.mission, self.feed, self.desk, self.about)
         return self
 
     def __exit__(self, *_: object) -> None:

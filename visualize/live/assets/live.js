@@ -8,7 +8,7 @@ const ACTIVE = new Set(["action", "call", "tree", "decision"]);
 class Live {
   constructor(token) {
     this.line = new Line(token, { message: (kind, data) => this.message(kind, data), line: (word, why) => this.lineIs(word, why) });
-    this.state = { mode: "ready", control: "", active: [], questions: [], board: {}, outcome: "", why: "", cut: "", paused_at: null, faults: [] };
+    this.state = { mode: "ready", control: "", active: [], questions: [], closed: {}, board: {}, outcome: "", why: "", cut: "", paused_at: null, faults: [] };
     this.taken = new Map();
     this.dirty = new Set();
     this.reached = false;
@@ -236,7 +236,7 @@ class Live {
     const heard = this.reached || this.isOver || this.clock.heard === null ? "" : `last heard ${this.silent.toFixed(0)} s ago`;
     if (byId("heard").textContent !== heard) byId("heard").textContent = heard;
     const now = this.state.mode === "paused" && this.state.paused_at !== null ? this.state.paused_at : this.now;
-    for (const each of this.asked.values()) each.tick(now, this.reached && !this.isOver, this.now, this.state.board);
+    for (const each of this.asked.values()) each.tick(now, this.reached && !this.isOver, this.now, this.state.board, this.state.closed[each.question.number] || {});
     if (this.reached) this.cameras.look(this.state.board);
   }
 

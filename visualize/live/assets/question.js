@@ -69,10 +69,11 @@ class Asked {
   offer(option) {
     const fields = fieldsOf(option.parameters);
     const button = make("button", { type: fields.length ? "submit" : "button", "data-option": option.name }, make("b", {}, option.name), option.about ? ` – ${option.about}` : "");
-    this.buttons.push(button);
+    const reason = make("div", { class: "reason", role: "status" });
+    this.buttons.push({ button, reason, name: option.name });
     if (!fields.length) {
       button.addEventListener("click", () => this.told.answer(this.question, option.name, {}));
-      return make("div", { class: "offer" }, button);
+      return make("div", { class: "offer" }, button, reason);
     }
     const send = (event) => {
       event.preventDefault();
@@ -85,11 +86,11 @@ class Asked {
       }
       this.told.answer(this.question, option.name, parameters);
     };
-    return make("form", { class: "offer", on: { submit: send } }, fields.map((field) => field.element), button);
+    return make("form", { class: "offer", on: { submit: send } }, fields.map((field) => field.element), button, reason);
   }
 
   /** The time left; `now` is the run's, and stands still while it is paused, as `clock` does not. */
-  tick(now, reached, clock, board) {
+  tick(now, reached, clock, board, closed) {
     this.tickEvidence(clock, board);
     const { at, until } = this.question;
     if (until === null) {
@@ -101,7 +102,11 @@ class Asked {
       this.bar.value = until > at ? Math.min(1, left / (until - at)) : 0;
     }
     const settled = performance.now() - this.since > SETTLES_MS; // who was about to click elsewhere has not answered
-    for (const button of this.buttons) button.disabled = !reached || !settled;
+    for (const { button, reason, name } of this.buttons) {
+      const why = closed[name];
+      button.disabled = !reached || !settled || why !== undefined;
+      write(reason, why === undefined ? "" : `not now, ${why}`);
+    }
   }
 }
 
