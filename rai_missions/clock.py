@@ -11,6 +11,7 @@ import queue
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from rai_missions.event import Event
@@ -28,6 +29,8 @@ class Mailbox:
         self._queue: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
         self._urgent: deque[Event] = deque()
         self._front: deque[Event] = deque()
+        self.alarm: Callable[[], None] = lambda: None
+        """Told of each urgent event, once it is here, on the thread that brings it."""
 
     def post(self, event: Event) -> None:
         self._queue.put(event)
@@ -36,6 +39,7 @@ class Mailbox:
         """It is taken next, whatever waits."""
         self._urgent.append(event)
         self._queue.put(None)
+        self.alarm()
 
     def wake(self) -> None:
         """End a wait without an event."""
@@ -56,6 +60,11 @@ class Mailbox:
                 return event
             if self._urgent:
                 return self._urgent.popleft()
+
+    @property
+    def urgent(self) -> bool:
+        """What is taken next must not wait."""
+        return bool(self._urgent)
 
     @property
     def waiting(self) -> int:

@@ -122,6 +122,14 @@ class Performer:
         for effect in effects:
             self._guarded(effect, partial(self._perform[type(effect)], effect))
 
+    def leave(self, effects: tuple[Effect, ...], why: str) -> None:
+        """Carry out only what ends something; all else has failed."""
+        for effect in effects:
+            if isinstance(effect, CancelGoal | Withdraw | StopBehaviour):
+                self.perform((effect,))
+            else:
+                self._failed(effect, why)
+
     def _guarded(self, effect: Effect, do: Callable[[], None]) -> None:
         try:
             do()

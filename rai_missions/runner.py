@@ -88,7 +88,8 @@ class Runner:
             later=self.later, now=self.clock.now, allow=lambda to: self.lifecycle.control.request(to, "mission"),
             leaves=behaviour_leaves(mission),
         )  # fmt: skip
-        self._connector, self._scribe = connector, Scribe(journal)
+        self._connector, self._scribe = connector, Scribe(journal, self._stop_at_once)
+        self.mailbox.alarm = self._scribe.call
         self._puzzled: set[str] = set()
         self._about = robot.about if robot is not None else ""
         self._on_step, self._on_status = on_step, on_status
@@ -169,6 +170,7 @@ class Runner:
             self._break_off(error)
             raise
         finally:
+            self._scribe.close()
             self.performer.close()
             if self._connector is not None and ours:
                 self._disconnect(self._connector)
@@ -279,6 +281,10 @@ class Runner:
             self._scribe.carry(step, self.chart.view.board)
         elif not self._write(step, since):
             return
+        if self.mailbox.urgent:  # nothing is begun any more by what waited for the disk
+            self.performer.leave(step.effects, "an emergency stop came before it")
+            self._tell(step)
+            return
         self.performer.perform(step.effects)
         lost = self._confirm(step)
         self._tell(step)
@@ -297,8 +303,14 @@ class Runner:
         since = self.chart.at
         step = self.chart.send(event)
         self.performer.perform(step.effects)
-        self._write(step, since)
         self._tell(step)
+        self._write(step, since)
+
+    def _stop_at_once(self) -> None:
+        """The emergency stop of a run that waits for its disk: it is taken when the disk answers, or never does."""
+        if self.mailbox.urgent:
+            self.performer.stop_everything()
+            self.performer.handovers.let_go(self.mailbox.wake)
 
     def _break_off(self, error: BaseException) -> None:
         """The run cannot go on, whatever the reason: nothing that it started may go on without it."""

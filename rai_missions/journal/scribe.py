@@ -7,10 +7,12 @@ Rule: of each key only the newest value travels, and none travels longer than a 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
 from rai_missions.blackboard import Blackboard
+from rai_missions.journal.clerk import Clerk
 from rai_missions.journal.underway import weighty
 from rai_missions.step import Step
 
@@ -37,10 +39,11 @@ class Scribe:
 
     Args:
         book: The journal; None: nothing is written down.
+        called: What a runner that waits for the disk does when `call` is: an emergency stop.
     """
 
-    def __init__(self, book: Book | None) -> None:
-        self._book = book
+    def __init__(self, book: Book | None, called: Callable[[], None] = lambda: None) -> None:
+        self._book, self._clerk = book, Clerk(called)
         self._carried: dict[str, tuple[str, Any, float]] = {}
         self._since = self.silent_from = math.inf
         """`silent_from`: the instant from which nothing says any more how far the run's clock had come."""
@@ -67,25 +70,34 @@ class Scribe:
 
     def write(self, step: Step, since: float) -> None:
         """Write a step with what travels; raises what the journal raises."""
-        if self._book is not None:
-            self._book.write(step, since=since, quiet=tuple(self._carried.values()))
+        if (book := self._book) is not None:
+            quiet = tuple(self._carried.values())
+            self._clerk.do(lambda: book.write(step, since=since, quiet=quiet))
             self.silent_from = step.at + QUIET_S
         self._clear()
 
     def confirm(self, step: Step) -> None:
         """Write down that a step's effects were carried out, where doing so twice may harm; raises as `write` does."""
-        if self._book is not None and weighty(step):
-            self._book.confirm(step.seq, "performed")
+        if weighty(step):
+            self.settle(step.seq, "performed")
 
     def settle(self, seq: int, how: str) -> None:
         """Write down what has become of effects of which nothing said so; raises as `write` does."""
-        if self._book is not None:
-            self._book.confirm(seq, how)
+        if (book := self._book) is not None:
+            self._clerk.do(lambda: book.confirm(seq, how))
 
     def note(self, text: str) -> None:
         """Write down why there is no run, or why it broke off; raises what the journal raises."""
-        if self._book is not None:
-            self._book.note(text)
+        if (book := self._book) is not None:
+            self._clerk.do(lambda: book.note(text))
+
+    def call(self) -> None:
+        """There is an emergency: a runner that waits for the disk is told so at once; from any thread."""
+        self._clerk.call()
+
+    def close(self) -> None:
+        """The run is over."""
+        self._clerk.close()
 
     def give_up(self) -> None:
         """The journal is lost: nothing more is written."""

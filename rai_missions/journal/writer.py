@@ -28,6 +28,7 @@ from rai_missions.step import Step
 __all__ = ("Journal", "versions")
 
 MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg"}
+CLOSE_S = 1.0
 Redact = Callable[[str], str]
 """Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
 Witness = Callable[[Raw, tuple[Blob, ...]], None]
@@ -146,13 +147,20 @@ class Journal:
         return digest
 
     def close(self) -> None:
-        """Ends the writing; doing so twice changes nothing."""
-        with self._alone:
+        """Ends the writing; doing so twice changes nothing.
+
+        While a row waits for a disk that hangs, the file is left to the end of the process.
+        """
+        if not self._alone.acquire(timeout=CLOSE_S):
+            return
+        try:
             if self._open:
                 self._open = False
                 with suppress(SqliteError):  # a disk that is full or gone: the rows are in the log, which reading knows
                     self._database.close()
                 self._lock.release()
+        finally:
+            self._alone.release()
 
     def __enter__(self) -> Self:
         return self
