@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.agents.resuming import take_up
+from rai_missions.agents.resuming import TakenUp, take_up
 from rai_missions.behaviours import behaviour_leaves
 from rai_missions.clock import Clock, ContinuedClock, Mailbox, SimulatedClock
 from rai_missions.connectors.connector import Report
@@ -24,7 +24,7 @@ from rai_missions.runner import Result, Runner
 from rai_missions.step import Step
 from rai_missions.verdict import Question
 
-__all__ = ("Dead", "Fate", "Land", "Wish", "live")
+__all__ = ("Coroner", "Dead", "Fate", "Land", "Wish", "live")
 
 TOLD = ("write", "confirm", "note", "send_goal", "find_goal", "cancel_goal", "call", "publish", "ask", "wait")
 
@@ -42,23 +42,37 @@ class Fate:
     Args:
         at: At which of the things it does, counted from 0; None: never.
         is_done: It dies right after that has taken effect, rather than right before.
+        what: The kind of thing that counts, such as `write`; by default all do.
     """
 
-    def __init__(self, at: int | None = None, *, is_done: bool = False) -> None:
-        self._at, self._is_done, self.count, self.is_dead = at, is_done, 0, False
+    def __init__(self, at: int | None = None, *, is_done: bool = False, what: str = "") -> None:
+        self.is_done, self._what, self._left = is_done, what, at
+        self.count, self.is_dead = 0, False
+        self.mourn: Callable[[], None] = lambda: None
+        """Told of the death at its instant."""
+        self.doing: tuple[str, tuple[Any, ...]] = ("", ())
+        """What it did last, and with what."""
 
-    def around(self, do: Callable[[], Any]) -> Any:
+    def around(self, what: str, given: tuple[Any, ...], do: Callable[[], Any]) -> Any:
         """Do something, unless death comes first."""
         if self.is_dead:
             raise Dead
-        is_last = self.count == self._at
+        is_last = self._is_next(what)
+        self.doing = (what, given)
         self.count += 1
-        self.is_dead = is_last and not self._is_done
+        self.is_dead = is_last and not self.is_done
         made = None if self.is_dead else do()
         self.is_dead = self.is_dead or is_last
         if self.is_dead:
+            self.mourn()
             raise Dead
         return made
+
+    def _is_next(self, what: str) -> bool:
+        if self._left is None or self._what not in ("", what):
+            return False
+        self._left -= 1
+        return self._left < 0
 
 
 class Mortal:
@@ -75,7 +89,7 @@ class Mortal:
         def used(*given: Any, **words: Any) -> Any:
             given = tuple(self._while_alive(each) for each in given)
             words = {word: self._while_alive(each) for word, each in words.items()}
-            return self._fate.around(lambda: found(*given, **words))
+            return self._fate.around(name, given, lambda: found(*given, **words))
 
         return used
 
@@ -104,6 +118,34 @@ class Wish(NamedTuple):
     is_granted: Callable[[Runner], bool]
 
 
+class Coroner:
+    """Looks into deaths; this one is not curious."""
+
+    def wrote(self, runner: Runner) -> None:
+        """A step has just been written down."""
+
+    def found(self, taken: TakenUp) -> None:
+        """A process is about to go on with a run."""
+
+    def died(self, runner: Runner, fate: Fate) -> None:
+        """A process has died."""
+
+
+class Noted:
+    """A journal of whose steps a coroner hears."""
+
+    def __init__(self, journal: Journal, heard: Callable[[], None]) -> None:
+        self._journal, self._heard = journal, heard
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._journal, name)
+
+    def write(self, *given: Any, **words: Any) -> int:
+        number = self._journal.write(*given, **words)
+        self._heard()
+        return number
+
+
 class Land:
     """The robot and its surroundings: goals that take time, services, and moments, on a time of its own.
 
@@ -114,18 +156,27 @@ class Land:
     """
 
     period_s = 0.5
+    accepts_s = 0.0
+    """How long a server thinks about a goal before it accepts it."""
+    keeps_time = False
+    """A death costs no time at all: a run's clock goes on with the land's."""
+    connector_type = LocalConnector
 
     def __init__(self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]) -> None:
         self._wishes = list(wishes)
         self._ticks = 0
         self.runner: Runner | None = None
-        self.connector = LocalConnector(now=lambda: self.at)
+        self.connector = self.connector_type(now=lambda: self.at)
         self.connector.start()
         self.started: list[tuple[str, str]] = []
         self.ended: list[tuple[str, str]] = []
         self.called: Counter[str] = Counter()
         self.heard: Counter[str] = Counter()
         self._goals: dict[str, tuple[str, float, Callable[[Report], None]]] = {}
+        self.unaccepted: dict[str, float] = {}
+        """Goal that its server thinks about → until when."""
+        self.also: list[Callable[[], None]] = []
+        """What else happens in each period."""
         self.most_at_once = 0
         for action, seconds in lasts_s.items():
             self.connector.offer(
@@ -148,10 +199,18 @@ class Land:
 
     def step(self) -> None:
         self._ticks += 1
+        for goal_id in [goal_id for goal_id, due in self.unaccepted.items() if due <= self.at]:
+            self._accepted(goal_id)
         for goal_id, (_, due, _) in list(self._goals.items()):
             if due <= self.at and goal_id in self._goals:
                 self._end(goal_id)
+        for each in self.also:
+            each()
         self.live_on()
+        self.wish()
+
+    def wish(self) -> None:
+        """Say what is wanted next, if it is time."""
         if self.runner is not None and self._wishes and self._wishes[0].at <= self.at:
             if self._wishes[0].is_granted(self.runner):
                 self._wishes.pop(0)
@@ -172,9 +231,15 @@ class Land:
 
     def accept(self, action: str, goal_id: str, seconds: float, end: str, report: Callable[[Report], None]) -> None:
         self.started.append((action, goal_id))
-        self._goals[goal_id] = (end, self.at + seconds, report)
+        self._goals[goal_id] = (end, self.at + self.accepts_s + seconds, report)
         self.most_at_once = max(self.most_at_once, len(self._goals))
-        report(Report(goal_id, "accepted", {}))
+        self.unaccepted[goal_id] = self.at + self.accepts_s
+        if not self.accepts_s:
+            self._accepted(goal_id)
+
+    def _accepted(self, goal_id: str) -> None:
+        del self.unaccepted[goal_id]
+        self._goals[goal_id][2](Report(goal_id, "accepted", {}))
 
     def cancel(self, goal_id: str) -> None:
         self._end(goal_id, "canceled")
@@ -203,13 +268,15 @@ class MortalClock:
 
     def __init__(self, clock: Clock, fate: Fate) -> None:
         self._clock, self._fate = clock, fate
-        self.now = clock.now
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._clock, name)
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
-        self._fate.around(lambda: self._clock.wait(mailbox, until, paced=paced))
+        self._fate.around("wait", (), lambda: self._clock.wait(mailbox, until, paced=False))
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        self._clock.taken(mailbox, paced=paced)
+        self._clock.taken(mailbox, paced=False)
 
 
 class Choosing:
@@ -233,24 +300,30 @@ class Choosing:
 
 def live(
     path: Path, land: Land, mission: Mission, robot: Robot, answerers: Mapping[str, Any], fate: Fate,
-    named: Mapping[str, Any] | None = None,
+    named: Mapping[str, Any] | None = None, coroner: Coroner | None = None,
 ) -> Result | None:  # fmt: skip
     """One process: begins the run, or goes on with the one that the journal holds; None if it died."""
     clock: Clock = SimulatedClock(land)
+    coroner = coroner or Coroner()
     taken = take_up(path, mission=mission, named=named) if path.exists() else None
     if taken is None:
         text = "" if behaviour_leaves(mission) else dump(mission)
         journal = Journal.create(path, Header(text, dump_profile(robot), run="run"))
     else:
-        journal, clock = Journal.open(path, seal=taken.record.seal), ContinuedClock(clock, taken.resumption.at)
+        coroner.found(taken)
+        journal = Journal.open(path, seal=taken.record.seal)
+        clock = clock if land.keeps_time else ContinuedClock(clock, taken.resumption.at)
     connector: Any = Mortal(land.connector, fate)
     try:
         runner = land.runner = Runner(
             mission, robot=robot, connector=connector, clock=MortalClock(clock, fate), run="run",
             answerers={name: Mortal(each, fate) for name, each in answerers.items()},
-            journal=Mortal(journal, fate), named=named, on_step=land.look,
+            journal=Mortal(Noted(journal, lambda: coroner.wrote(runner)), fate), named=named, on_step=land.look,
             resumed=taken.resumption if taken is not None else None,
         )  # fmt: skip
+        fate.mourn = lambda: coroner.died(runner, fate)
+        if land.keeps_time and taken is not None:
+            land.wish()
         return runner.run()
     except Dead:
         return None
