@@ -10,6 +10,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
+from rai_missions.states import Decision
 from visualize.diff.aligned import Renamed, aligned, original_place
 from visualize.diff.change import Change, weight
 from visualize.diff.changes import changes
@@ -106,12 +107,19 @@ def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[C
         alike = "" if each.score == 1 else f", {each.score:.0%} alike"
         whose = f"{subject}: " if each.sort == "option" else ""
         sentence = f"{whose}{each.sort} '{each.old}' renamed to '{each.new}'{alike}"
-        outside = _known_outside(each, old)
+        outside = _known_outside(each, old, new)
         yield Change("~", "name", sentence, was, now, outside, "", grave(bool(outside)), subject)
 
 
-def _known_outside(each: Renamed, old: Mission) -> str:
-    """Who else knows a thing by its old name, in words; empty for nobody."""
+def _known_outside(each: Renamed, old: Mission, new: Mission) -> str:
+    """Who else knows a thing by its old name, in words; empty for nobody.
+
+    A person reads an option's name beside its other words; whoever else is asked goes by the name.
+    """
+    if each.sort == "option":
+        state = new.state(each.where)
+        asked = [who for who in state.decision.ask if who != "operator"] if isinstance(state, Decision) else []
+        return f"'{each.old}'; {', '.join(asked)} choose{'s' * (len(asked) == 1)} by this name" if asked else ""
     if each.sort == "event" or (each.sort == "key" and old.blackboard[each.old].source != "mission"):
         return f"'{each.old}'; profiles and other systems know it by this name"
     return ""

@@ -262,9 +262,22 @@ def test_an_option_with_another_name_is_a_rename() -> None:
     new = json.loads(json.dumps(document()).replace('"replan"', '"next_alley"').replace(
         '"call": "next_alley"', '"call": "replan"'))  # fmt: skip
     found = difference(tractor(), Mission.model_validate(new))
-    assert [str(each) for each in found.changes] == ["~ assessing: option 'replan' renamed to 'next_alley'"]
+    renamed = "~ assessing: option 'replan' renamed to 'next_alley': was 'replan'; agent, rules choose by this name"
+    assert [str(each) for each in found.safety] == [str(each) for each in found.changes] == [renamed]
     assert found.changes[0].old_place == "/states/assessing/decision/options/replan"
     assert found.changes[0].new_place == "/states/assessing/decision/options/next_alley"
+
+
+def test_an_option_that_people_alone_are_offered_may_be_called_otherwise() -> None:
+    missions = []
+    for name in ("replan", "next_alley"):
+        new = json.loads(json.dumps(document()).replace('"replan"', f'"{name}"').replace(
+            f'"call": "{name}"', '"call": "replan"'))  # fmt: skip
+        decision(new, ask=["operator"])
+        missions.append(Mission.model_validate(new))
+    found = difference(*missions)
+    assert [str(each) for each in found.changes] == ["~ assessing: option 'replan' renamed to 'next_alley'"]
+    assert found.safety == ()
 
 
 def test_a_state_that_was_renamed_and_changed_is_both() -> None:
