@@ -17,10 +17,12 @@ __all__ = ("main", "parser")
 ABOUT = "Missions for robots: rules own the state, models only answer questions."
 EXIT = "exit status: 0 it succeeded or holds, 1 it ended otherwise or does not hold, 2 the input is at fault"
 DIFF_EXIT = (
-    "exit status: 0 nothing safety-relevant changed, 1 something did (--fail-on says what counts), 2 the input is at"
-    " fault. Safety-relevant is what lets something happen that could not before, or drops what protected: an option"
-    " newly offered to a model, a weaker guard, a longer timeout, a lost invariant, a new way to succeeded; and what"
-    " cannot be told."
+    "exit status: 0 nothing changed that diff weighs as safety-relevant, 1 something did (--fail-on says what counts),"
+    " 2 the input is at fault. Weighed so is what lets something happen that could not before, or drops what protected:"
+    " an option newly offered to a model, a weaker guard, a longer timeout, a lost invariant, a new way to succeeded;"
+    " and what cannot be told. Not weighed, so a 0 says nothing of it: what tightens, words for people, the robot's"
+    " profile, programs behind the mission, and the model that answers."
+)
 )
 
 
