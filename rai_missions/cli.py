@@ -23,7 +23,6 @@ DIFF_EXIT = (
     " and what cannot be told. Not weighed, so a 0 says nothing of it: what tightens, words for people, the robot's"
     " profile, programs behind the mission, and the model that answers."
 )
-)
 
 
 def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
