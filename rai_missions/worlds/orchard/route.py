@@ -67,6 +67,7 @@ class Lattice:
         r = layout.radius_m
         self._xs = [west - k * r for k in (3, 2, 1, 0)] + [east + k * r for k in (0, 1, 2, 3)]
         self._rows = range(-3, 2 * layout.alleys + 2)
+        self._turns: dict[Place, tuple[tuple[Move, float], ...]] = {}
 
     def position(self, place: Place) -> tuple[float, float]:
         return self._xs[place.column], place.row * self.layout.radius_m
@@ -105,8 +106,9 @@ class Lattice:
             if (place, ahead) in seen:
                 continue
             seen.add((place, ahead))
-            for move in self._moves(place, passable):
-                heapq.heappush(queue, (cost + _step_cost(move, ahead), next(order), move.end, (*moves, move)))
+            for move, length_m in self._moves(place, passable):
+                more = _step_cost(move, length_m, ahead)
+                heapq.heappush(queue, (cost + more, next(order), move.end, (*moves, move)))
         return None
 
     def through(self, alley: int, start: Place) -> Move:
@@ -115,14 +117,21 @@ class Lattice:
         points = straight(x, y, self._xs[end.column], y, start.heading * math.pi / 2)
         return Move(points, 1, end, alley if 0 <= alley < self.layout.alleys else None)
 
-    def _moves(self, place: Place, passable: Callable[[int], bool]) -> Iterator[Move]:
-        for ahead in (1, -1):
-            yield from self._straight(place, ahead)
-            yield from (self._arc(place, ahead, left) for left in (1, -1) if self._arc_end(place, ahead, left))
+    def _moves(self, place: Place, passable: Callable[[int], bool]) -> Iterator[tuple[Move, float]]:
+        """The moves from a place, each with its length in m."""
+        if place not in self._turns:  # every way leads past the same places
+            self._turns[place] = tuple((move, move.length_m) for move in self._on_headland(place))
+        yield from self._turns[place]
         into = (place.column, place.heading) in ((3, 0), (4, 2))
         alley = place.row // 2
         if into and place.row % 2 == 0 and -1 <= alley <= self.layout.alleys and passable(alley):
-            yield self.through(alley, place)
+            move = self.through(alley, place)
+            yield move, move.length_m
+
+    def _on_headland(self, place: Place) -> Iterator[Move]:
+        for ahead in (1, -1):
+            yield from self._straight(place, ahead)
+            yield from (self._arc(place, ahead, left) for left in (1, -1) if self._arc_end(place, ahead, left))
 
     def _straight(self, place: Place, ahead: int) -> Iterator[Move]:
         dx, dy = STEP[place.heading]
@@ -154,13 +163,13 @@ class Lattice:
         return same_side and end.row in self._rows
 
 
-def _step_cost(move: Move, ahead: int) -> float:
+def _step_cost(move: Move, length_m: float, ahead: int) -> float:
     back = BACKWARDS_COSTS if move.ahead < 0 else 1.0
-    return move.length_m * back + (CHANGE_COSTS_M if move.ahead != ahead else 0.0)
+    return length_m * back + (CHANGE_COSTS_M if move.ahead != ahead else 0.0)
 
 
 def _cost(moves: tuple[Move, ...]) -> float:
     total, ahead = 0.0, moves[0].ahead if moves else 1
     for move in moves:
-        total, ahead = total + _step_cost(move, ahead), move.ahead
+        total, ahead = total + _step_cost(move, move.length_m, ahead), move.ahead
     return total
