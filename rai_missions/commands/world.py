@@ -38,7 +38,8 @@ def world(given: argparse.Namespace) -> int:
         )
     from rai_missions.connectors.ros2 import open_connector
 
-    connector = open_connector({} if given.domain is None else {"domain_id": given.domain})
+    domain = {} if given.domain is None else {"domain_id": given.domain}
+    connector = open_connector({"pictures": True, **domain})
     made = _open(given)
     mailbox = Mailbox()
     try:

@@ -46,6 +46,8 @@ class Options:
     """Time is what `/clock` says."""
     discovery_s: float = 3.0
     """Seconds in which whoever is there is found; who is not found then is not there."""
+    pictures: bool = False
+    """This process publishes pictures; then Fast DDS is given the shared memory that they take."""
     qos: Mapping[str, Quality] = field(default_factory=lambda: MappingProxyType({}))
     """Topic → how its messages travel."""
 

@@ -25,6 +25,7 @@ from rclpy.executors import ExternalShutdownException, ShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from rai_missions.connectors.ros2.middleware import carried
 from rai_missions.connectors.ros2.options import Options
 from rai_missions.connectors.ros2.rounds import Rounds
 from rai_missions.errors import ConnectorError, UsageError
@@ -65,7 +66,8 @@ class Runtime:
         self._disposals: dict[object, Work] = {}
         self.group = ReentrantCallbackGroup()
         self._context = Context()
-        self.node = _open_node(self._context, options)
+        with carried(pictures=options.pictures):
+            self.node = _open_node(self._context, options)
         self._executor = Rounds(self._context, self._run)
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._work, name=f"ros2 {self.node.get_name()}", daemon=True)
