@@ -187,14 +187,22 @@ class Goal:
         self._client.watch(self)
 
     def cancel(self) -> None:
-        """Ask for its end; before the acceptance the wish is kept until then."""
-        self._is_unwanted = True
+        """Ask for its end; before the acceptance is heard the wish is kept, and asked for again then."""
+        was_unwanted, self._is_unwanted = self._is_unwanted, True
         if self.is_over:
             return
         if not self._is_sent:
             self.end("canceled", why="it was not sent yet")
         elif self._handle is not None:
             self._ask_to_cancel(self._handle)
+        elif not was_unwanted:
+            self._client.cancels.enter(self._ask_early)
+
+    def _ask_early(self, leave: Work) -> None:
+        """It may run already: the word of its acceptance may be late. What the server says to this means nothing."""
+        self._leaves.append(leave)
+        early = ClientGoalHandle(self._client.client, self._uuid, None)
+        early.cancel_goal_async().add_done_callback(lambda _future: leave())
 
     def cancel_blindly(self) -> None:
         """Ask for its end whether or not it was accepted, and although nobody hears of it."""
