@@ -134,6 +134,12 @@ def _asked_lines(asked: Asked) -> Iterator[str]:
         yield "may use " + ", ".join(asked.tools)
 
 
+def _names(schema: Mapping[str, Any] | None) -> tuple[str, ...]:
+    """The parameters that a schema names; a mission at fault may say anything there."""
+    named = (schema or {}).get("properties")
+    return tuple(named) if isinstance(named, Mapping) else ()
+
+
 def choices(asked: Asked, place: str) -> tuple[Choice, ...]:
     """The options of a decision that stands at a JSON pointer."""
     return tuple(
@@ -142,7 +148,7 @@ def choices(asked: Asked, place: str) -> tuple[Choice, ...]:
             place=child_pointer(place, "options", name),
             about=option.about,
             guard=option.when.words() if option.when is not None else "",
-            parameters=tuple((option.parameters or {}).get("properties", {}) or ()),
+            parameters=_names(option.parameters),
             fallback=name == asked.fallback,
         )
         for name, option in asked.options.items()

@@ -22,7 +22,7 @@ from rai_missions.step import Step
 __all__ = ("Record",)
 
 Made = TypeVar("Made")
-BAD = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
+BAD = (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError)
 """What a row that is none raises on its way to a value."""
 
 
