@@ -24,6 +24,9 @@ DIFF_EXIT = (
     " profile, programs behind the mission, and the model that answers."
 )
 
+SHOWN = ("run", "textconv")
+"""Commands that draw on a terminal, or print a file as it is; the others print words alone."""
+
 
 def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     run = commands.add_parser("run", help="run a mission on a robot, simulated or real", epilog=EXIT)
@@ -300,6 +303,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.command is None:
         parser().print_help()
         return 2
+    from rai_missions.commands.discreet import discreet
+
+    with discreet(controls=given.command in SHOWN):
+        return _done(given)
+
+
+def _done(given: argparse.Namespace) -> int:
     from rai_missions.commands import command
     from rai_missions.errors import DefinitionError, MissionError
 

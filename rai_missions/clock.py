@@ -12,7 +12,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from rai_missions.event import Event
 
@@ -23,9 +23,14 @@ LONGEST_WAIT_S = 86_400.0
 
 
 class Mailbox:
-    """Events on their way to the runner, from any thread, in the order in which they came; urgent ones overtake."""
+    """Events on their way to the runner, from any thread, in the order in which they came; urgent ones overtake.
 
-    def __init__(self) -> None:
+    Args:
+        clean: Takes out of an event's data what nobody may read later, as it is taken.
+    """
+
+    def __init__(self, clean: Callable[[Any], Any] | None = None) -> None:
+        self._clean = clean
         self._queue: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
         self._urgent: deque[Event] = deque()
         self._front: deque[Event] = deque()
@@ -47,6 +52,10 @@ class Mailbox:
 
     def take(self) -> Event | None:
         """The next event; None if there is none now."""
+        event = self._next()
+        return event if event is None or self._clean is None else event._replace(data=self._clean(event.data))
+
+    def _next(self) -> Event | None:
         if self._urgent:
             return self._urgent.popleft()
         if self._front:

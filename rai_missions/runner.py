@@ -60,6 +60,7 @@ class Runner:
         on_step: Told of each step after its effects, on the runner's thread.
         on_status: Told of each change of mode, control or active states.
         resumed: Where a run stood that was cut short, to go on from there; its clock must not be behind it.
+        clean: Takes secrets out of what is heard, before it becomes a step.
 
     Raises:
         DefinitionError: The profile lacks what the mission uses.
@@ -72,12 +73,13 @@ class Runner:
         arguments: Mapping[str, Any] | None = None, ticker: Trees | None = None, named: Named | None = None,
         run: str | None = None, on_step: Callable[[Step], None] | None = None,
         on_status: Callable[[Status], None] | None = None, resumed: Resumption | None = None,
+        clean: Callable[[Any], Any] | None = None,
     ) -> None:  # fmt: skip
         if robot is not None and (faults := missing(mission, robot)):
             raise DefinitionError(faults, robot.name)
         self.mission, self.run_id = mission, run or uuid.uuid4().hex[:12]
         self.clock: Clock = clock if clock is not None else WallClock()
-        self.mailbox = Mailbox()
+        self.mailbox, self._clean = Mailbox(clean), clean or (lambda said: said)
         self.lifecycle = Lifecycle()
         self._resumed = resumed
         self.chart = resumed.chart if resumed is not None else Chart(
@@ -315,10 +317,11 @@ class Runner:
     def _break_off(self, error: BaseException) -> None:
         """The run cannot go on, whatever the reason: nothing that it started may go on without it."""
         self.performer.stop_everything()
+        sentence = f"the run breaks off: {type(error).__name__}: {self._clean(str(error))}"
         if not isinstance(error, UsageError):
-            log.critical("the run breaks off: %s: %s", type(error).__name__, error)
+            log.critical("%s", sentence)
         try:
-            self._scribe.note(f"the run breaks off: {type(error).__name__}: {error}"[:1000])
+            self._scribe.note(sentence[:1000])
         except Exception:
             log.exception("the journal cannot say why the run breaks off")
 
@@ -372,7 +375,7 @@ class Runner:
         """What cannot be written down does not go on."""
         log.critical("the journal cannot be written, the mission is killed: %s", error)
         self._scribe.give_up()
-        step = self.chart.send(Event("kill", self.clock.now(), {"by": f"the journal: {error}"}, "command"))
+        step = self.chart.send(Event("kill", self.clock.now(), {"by": self._clean(f"the journal: {error}")}, "command"))
         self.performer.perform(step.effects)
         self._tell(step)
 

@@ -9,18 +9,17 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, get_args
 
 from langchain_core.language_models import BaseChatModel
 from langchain_core.tools import BaseTool
-from pydantic import SecretStr
 
 from rai_missions.agents.lookup import is_read_only
 from rai_missions.agents.modes import Mode, takes_images
 from rai_missions.agents.pending import Pending
 from rai_missions.agents.reading import Reading
-from rai_missions.agents.redact import Redaction
+from rai_missions.agents.redact import Redaction, held_by
 from rai_missions.agents.thought import Manner, Spent, Thought
 from rai_missions.agents.watch import DeadlineWatch
 from rai_missions.embodiment.identity import Identity
@@ -72,7 +71,7 @@ class DecisionAgent:
                 raise UsageError(
                     f"the tool '{tool.name}' is not marked as one that only looks ({marks}): a decision takes no other"
                 )
-        self._redaction = Redaction(_secrets_of(model))
+        self._redaction = Redaction(held_by(model))
         self._manner = Manner(
             model,
             mode,
@@ -168,8 +167,3 @@ def _first_line(error: BaseException) -> str:
         return (str(error).strip().splitlines() or [""])[0]
     except Exception:  # noqa: BLE001 - an exception that cannot say what it is
         return ""
-
-
-def _secrets_of(model: BaseChatModel) -> Iterable[str]:
-    """The keys that a model was made with."""
-    return [value.get_secret_value() for value in vars(model).values() if isinstance(value, SecretStr)]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.agents.redact import held_by, hush
 from rai_missions.agents.resuming import TakenUp, take_up
 from rai_missions.arguments import accepted
 from rai_missions.behaviours import behaviour_leaves
@@ -110,6 +111,7 @@ class Prepared:
             self.world, connector, clock = self._surroundings()
             self._header = self._head()
             self.answerers = self._answerers(connector, clock)
+            self._clean = hush().known
             self.recording = self._record(clock)
             self.journal = self._journal()
             on_step, on_status = observers(self.recording, setting.on_step, setting.on_status)
@@ -118,7 +120,7 @@ class Prepared:
                 answerers=self.answerers, journal=self.journal, arguments=self._header.arguments, named=setting.named,
                 on_step=on_step, on_status=on_status,
                 run=self._header.run or None,
-                resumed=self._resumption(),
+                resumed=self._resumption(), clean=self._clean,
             )  # fmt: skip
         except BaseException:
             self.close()
@@ -216,6 +218,7 @@ class Prepared:
         if box is not None:
             self._closes.append(box.close)
         opened = open_model(model) if isinstance(model, str) else model
+        hush(held_by(opened))
         agent = DecisionAgent(opened, identity, box.read_only if box is not None else ())
         self._closes.append(agent.stop)
         return agent
@@ -236,7 +239,8 @@ class Prepared:
         if self.setting.record is None:
             return None
         about = {"robot": self.robot.name if self.robot else "", "run": self._header.run, "versions": versions()}
-        recording = Recording.create(self.setting.record, mission=self.mission, about=about, now=clock.now)
+        words = {"mission": self.mission, "about": about, "now": clock.now, "clean": self._clean}
+        recording = Recording.create(self.setting.record, **words)
         self._closes.append(lambda: recording.end(self.journal))
         for raw in self._taken.record.raw() if self._taken is not None else ():
             recording.row(raw, ())

@@ -84,14 +84,17 @@ class Recording:
         mission: The mission that runs.
         about: Words about the run, for whoever lists the file's metadata.
         now: Seconds on the run's clock.
+        clean: Takes secrets out of what is written as plain data; what came over the wire is kept as it came.
     """
 
     def __init__(
-        self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float]
+        self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
+        clean: Callable[[Any], Any] | None = None,
     ) -> None:  # fmt: skip
         from rai_missions.recording.file import File  # loads mcap
 
         self.path, self._mission, self._now = path, mission, now
+        self._clean = clean or (lambda value: value)
         self._began_ns = time.time_ns() - round(now() * 1e9)
         self._room = WaitingRoom()
         self._why, self._size = "", 0
@@ -132,7 +135,9 @@ class Recording:
         image = image_in(message.data)
         kind: Kind = "message" if image is None else "picture"
         size = MESSAGE_BYTES if image is None else image.width * image.height * 3
-        self._put(kind, message.topic, size, lambda when: self._pen.heard(message, type_name, when), message.at)
+        self._put(
+            kind, message.topic, size, lambda when: self._pen.heard(self._cleaned(message), type_name, when), message.at
+        )
 
     def heard_raw(self, message: RawMessage, definition: str) -> None:
         """A message of ROS as it came over the wire."""
@@ -189,7 +194,12 @@ class Recording:
 
     def _say(self, name: str, schema: Schema, make: Callable[[], Any], at: float | None = None) -> None:
         topic = TOPIC + name
-        self._put("message", topic, MESSAGE_BYTES, lambda when: self._pen.json(topic, schema, make(), when), at)
+        self._put(
+            "message", topic, MESSAGE_BYTES, lambda when: self._pen.json(topic, schema, self._clean(make()), when), at
+        )
+
+    def _cleaned(self, message: Message) -> Message:
+        return message._replace(data=self._clean(message.data))
 
     def _put(self, kind: Kind, name: str, size: int, write: Callable[[Any], None], at: float | None) -> None:
         """Have something written, with its times."""

@@ -14,6 +14,7 @@ from typing import Any
 from rai_missions.agents.node.bulletin import Open
 from rai_missions.agents.node.order import Order, Receipt, Told
 from rai_missions.agents.node.pauses import Pauses
+from rai_missions.agents.redact import Redaction
 from rai_missions.blackboard import stale_at
 from rai_missions.event import Event
 from rai_missions.lifecycle import CONTROLLERS, Status, is_operator
@@ -169,7 +170,7 @@ class Course:
         try:
             self.result = by() if by is not None else self.runner.run()
         except BaseException as error:
-            self.error = f"{error}" or type(error).__name__
+            self.error = Redaction().text(f"{error}") or type(error).__name__
             raise
         else:
             return self.result

@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.order import Order, Receipt, Told
+from rai_missions.agents.redact import Redaction
 from rai_missions.errors import MissionError
 
 __all__ = ("PATIENCE_S", "Desk")
@@ -117,9 +118,9 @@ class Desk:
             try:
                 self.course = self._begin(order)
             except (MissionError, OSError) as error:
-                return Receipt(False, f"{error}", order.id)
+                return Receipt(False, Redaction().text(f"{error}"), order.id)
             except Exception as error:
                 log.exception("the mission could not be begun")
-                return Receipt(False, f"{type(error).__name__}: {error}", order.id)
+                return Receipt(False, Redaction().text(f"{type(error).__name__}: {error}"), order.id)
         self._changed()
         return Receipt(True, f"run {self.course.runner.run_id}", order.id)

@@ -24,6 +24,7 @@ from rai_missions.agents.node.standard import (
     leaving,
     transition,
 )
+from rai_missions.agents.redact import Redaction
 from rai_missions.connectors.connector import Close, Connector, Data
 from rai_missions.errors import MissionError
 
@@ -82,7 +83,7 @@ class ManagedLifecycle:
             return not ends or ends[0]
 
     def _end(self, label: str, why: str) -> None:
-        self.fault = why
+        self.fault = Redaction().text(why)
         way = transition(self.state, label)
         if way is not None:
             self._go(way)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.agents.redact import Redaction
 from rai_missions.errors import DefinitionError
 from rai_missions.json_text import parse_json
 from rai_missions.wording import shown, suggestion
@@ -81,7 +82,7 @@ def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
     if len(text) > LONGEST:
         return f"{what} of {len(text)} characters is not read; {LONGEST} are the most"
     try:
-        given = parse_json(text.encode("utf-8", "replace")) if text.strip() else {}
+        given = parse_json(Redaction().known(text).encode("utf-8", "replace")) if text.strip() else {}
     except DefinitionError as error:
         return f"{what} is not understood: {error.faults[0]}"[:300]
     return given if isinstance(given, dict) else f"{what} is a JSON object, not {shown(given)}"

@@ -1,0 +1,355 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Secrets of every kind, said by everybody who can say anything, are in nothing that comes out of this program.
+
+Rule: who knows a secret here says it wherever words are taken: a model, its provider, servers, exceptions.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+import sys
+import threading
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from langchain_core.messages import AIMessage
+from pydantic import SecretStr
+
+from rai_missions.agents.doubles import DoubleModel, call
+from rai_missions.agents.mission import Setting, prepare
+from rai_missions.agents.node import MissionNode
+from rai_missions.agents.node.carrier import Carrier
+from rai_missions.agents.redact import Redaction
+from rai_missions.cli import main
+from rai_missions.commands.discreet import discreet
+from rai_missions.commands.live import Watch
+from rai_missions.connectors.connector import Message, Report
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import ConnectorError
+from rai_missions.journal import read
+from rai_missions.load import dump
+from rai_missions.mission import Mission
+from rai_missions.progress import Lines
+from rai_missions.replay import replay
+from rai_missions.robot import Robot
+from tests.agents.node.scenes import Client
+from tests.security.test_secrets import texts
+from visualize import difference, draw, draw_difference, draw_review
+from visualize.live import LivePage, Place
+from visualize.notebook import show
+
+VARIABLES = {
+    "SOMEBODYS_API_KEY": "canary-key-4b1d", "HF_TOKEN": "canary-token-77aa", "BROKER_PASSWORD": 'canary "pass" 9c',
+    "HTTPS_PROXY": "http://robot:canary%2Dproxy-31ef@proxy:3128/", "THE_SECRET": "canary/secret+e0",
+    "TLS_PASSPHRASE": "canary-phrase-é1",
+}  # fmt: skip
+OF_MODEL = {"type": "canary-by-type-73d1", "header": "canary-in-a-header-05", "shape": "sk-proj-Qk3mQ9vT7wXyB2nC5dF8hJ"}
+OF_ROBOT = (
+    *(value for name, value in VARIABLES.items() if name != "HTTPS_PROXY"),
+    "canary-proxy-31ef",
+    OF_MODEL["type"],
+)
+LEAK = " ".join((*OF_ROBOT, OF_MODEL["header"]))
+ALL = " ".join((LEAK, OF_MODEL["shape"], VARIABLES["HTTPS_PROXY"]))
+"""What a model says: of it nobody needs to know that it is a secret."""
+CANARIES = ("canary", OF_MODEL["shape"])
+
+ASKED = {"options": {"stay": {}, "leave": {}}, "ask": ["agent"], "attempts": 8, "deadline_s": 60, "fallback": "leave"}
+MISSION = Mission.model_validate(
+    {
+        "name": "tongues", "initial": "ask", "events": ["heard"],
+        "blackboard": {"said": {"type": "string", "source": "robot"}, "kept": {"type": "string", "source": "mission"}},
+        "states": {
+            "ask": {
+                "decision": {"question": "What now?", "evidence": ["said"], **ASKED},
+                "transitions": [{"on": "stay", "to": "tell"}, {"on": "leave", "to": "tell"}],
+            },
+            "tell": {"call": "tell", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "break"}]},
+            "break": {"call": "break", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "go"}]},
+            "go": {
+                "action": "go", "timeout_s": 5, "entry": [{"say": "{said}"}, {"log": "{said}"}, {"publish": "news"}],
+                "transitions": [{"on": ["succeeded", "failed"], "to": "over"}],
+            },
+            "over": {"final": "aborted"},
+        },
+    }
+)  # fmt: skip
+STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
+ROBOT = Robot.model_validate(
+    {
+        "name": "loose", "connector": {"kind": "local"},
+        "blackboard": {"said": {"topic": "/said", "type": STRING, "field": "data"}},
+        "events": {"heard": {"topic": "/heard", "type": STRING}},
+        "services": {name: {"service": f"/{name}", "type": TRIGGER} for name in ("tell", "break")},
+        "topics": {"say": {"topic": "/say", "type": STRING}, "news": {"topic": "/broken", "type": STRING}},
+        "actions": {"go": {"action": "/go", "type": "nav2_msgs/action/Spin"}},
+    }
+)  # fmt: skip
+
+
+class Loose(DoubleModel):
+    """A chat model with keys of its own, whose provider says them too."""
+
+    key: SecretStr = SecretStr(OF_MODEL["type"])
+    default_headers: Mapping[str, str] = {"Authorization": f"Bearer {OF_MODEL['header']}"}
+    asked: int = 0
+
+    def says(self, messages: list[Any]) -> Any:
+        self.asked += 1
+        if self.asked == 1:
+            raise RuntimeError(f"401, no such key: {ALL}")
+        if self.asked == 2:
+            return AIMessage(ALL, tool_calls=[call(OF_MODEL["shape"], "1", words=ALL, **{"canary-key-4b1d": 1})])
+        if self.asked == 3:
+            return json.dumps({"option": ALL, "why": ALL})
+        return json.dumps({"option": "stay", "why": ALL, "reason": ALL, "parameters": {ALL: ALL}})
+
+
+class Loud(LocalConnector):
+    """A robot whose servers say what they should not; what is published to others is kept."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.heard: list[str] = []
+
+    def publish(self, topic: str, type_name: str, message: Mapping[str, Any]) -> None:
+        if topic == "/broken":
+            raise ConnectorError(f"no way to {LEAK}")
+        if topic not in ("/said", "/heard"):
+            self.heard.append(repr((topic, message)))
+        super().publish(topic, type_name, message)
+
+    def stop(self) -> None:
+        super().stop()
+        raise OSError(f"still connected as {LEAK}")
+
+    def accept(self, goal_id: str, goal: Any, report: Callable[[Report], None]) -> None:
+        report(Report(goal_id, "accepted", {}))
+        report(Report(goal_id, "feedback", {"words": LEAK}))
+        report(Report(goal_id, "failed", {"words": [LEAK, {LEAK: LEAK}]}, LEAK))
+
+    def cancel(self, goal_id: str) -> None:
+        """It has ended."""
+
+    def open(self) -> None:
+        def broken(_: Any) -> Any:
+            raise RuntimeError(f"a server that prints {LEAK}")
+
+        self.start()
+        self.serve("/tell", TRIGGER, lambda _: {"success": False, "message": LEAK})
+        self.serve("/break", TRIGGER, broken)
+        self.offer("/go", "nav2_msgs/action/Spin", self)
+
+
+@pytest.fixture
+def robot(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> Iterator[Loud]:
+    for name, value in VARIABLES.items():
+        monkeypatch.setenv(name, value)
+    caplog.set_level(logging.DEBUG)
+    connector = Loud()
+    connector.open()
+    over = threading.Event()
+
+    def speak() -> None:
+        while not over.wait(0.05):
+            connector.publish("/heard", STRING, {"data": LEAK})
+            connector.publish("/said", STRING, {"data": f"I say {LEAK}"})
+
+    speaker = threading.Thread(target=speak)
+    speaker.start()
+    yield connector
+    over.set()
+    speaker.join()
+
+
+def assert_tight(left: Mapping[str, bytes | str]) -> None:
+    found = {}
+    for name, said in left.items():
+        data = said.encode() if isinstance(said, str) else said
+        found |= {
+            (name, each): data[max(0, at - 200) : at + 60] for each in CANARIES if (at := data.find(each.encode())) >= 0
+        }
+    assert found == {}
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {path.name: b"".join(texts(path)) for path in folder.iterdir() if path.is_file()}
+
+
+def log_of(caplog: pytest.LogCaptureFixture) -> str:
+    """The log as it is written, and what other handlers would make of its records."""
+    return caplog.text + "".join(repr((each.msg, each.args, each.exc_info)) for each in caplog.records)
+
+
+def test_nothing_that_a_run_writes_or_shows_holds_a_secret(
+    robot: Loud, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    shown = io.StringIO()
+    lines = Lines(MISSION, shown, verbose=True)
+    journal = tmp_path / "run.journal"
+    setting = Setting(
+        MISSION, ROBOT, model=Loose(), connector=robot, journal=journal, record=tmp_path / "run.mcap",
+        on_step=lines.step, on_status=lines.status,
+    )  # fmt: skip
+    with prepare(setting) as prepared:
+        result = prepared.runner.run()
+        lines.end(result)
+    assert result.outcome == "aborted" and result.steps > 8
+    with read(journal) as record:
+        steps = tuple(record.steps())
+    assert [name for step in steps for name in step.entered] == ["ask", "tell", "break", "go", "over"]
+    assert replay(journal).holds, "what was hidden was hidden before it became a step"
+    draw_review(MISSION, tmp_path / "page.html", [journal])
+    for form in ("dot", "mmd", "md", "svg"):
+        draw(MISSION, tmp_path / f"picture.{form}", steps=steps)
+    changed = difference(MISSION, MISSION)
+    for form in ("html", "md", "json"):
+        draw_difference(changed, tmp_path / f"difference.{form}")
+    left = files(tmp_path) | {"terminal": shown.getvalue(), "result": repr(result), "steps": repr(steps)}
+    assert {"run.journal", "run.mcap", "page.html", "picture.svg", "difference.html"} <= left.keys()
+    assert "[hidden]" in shown.getvalue() and b"[hidden]" in left["page.html"]
+    notebook = show(MISSION, steps)
+    left |= {"notebook": f"{notebook!r} {notebook._repr_svg_()} {notebook._repr_markdown_()}", "log": log_of(caplog)}
+    assert_tight(left)
+
+
+def test_nothing_that_a_node_says_on_the_graph_holds_a_secret(
+    robot: Loud, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    setting = Setting(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
+    node = MissionNode(setting, "loose", managed=False, carrier=Carrier(robot, True, False), operator=False)
+    node.run()
+    try:
+        with prepare(node.joined(setting)) as prepared:
+            node.attend(prepared.runner).run()
+    finally:
+        node.conclude()
+        node.stop()
+    said = "\n".join(robot.heard)
+    assert "status" in said and "diagnostics" in said and "[hidden]" in said
+    assert_tight({"node": said, "log": log_of(caplog)})
+
+
+def test_a_run_that_cannot_be_begun_by_a_node_says_why_without_secrets(
+    robot: Loud, caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    def broken() -> Path:
+        raise RuntimeError(f"no journal for {' '.join(VARIABLES.values())}")
+
+    setting = Setting(MISSION, ROBOT, connector=robot, journal=tmp_path / "run.journal")
+    node = MissionNode(setting, "loose", carrier=Carrier(robot, True, False), operator=False, journals=broken)
+    node.run()
+    client = Client(robot, node.name.path)
+    try:
+        client.activate()
+        told = repr((client.call("start"), client.command(command="start")))
+    finally:
+        node.stop()
+    assert "[hidden]" in told
+    assert_tight({"replies": told, "node": "\n".join(robot.heard), "log": log_of(caplog)})
+
+
+def test_nothing_that_the_live_page_is_sent_holds_a_secret(
+    robot: Loud, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    page = LivePage(Place(port=0))
+    setting = Setting(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
+    watch = Watch(page, setting, operator=False)
+    heard: dict[str, bytes] = {}
+
+    def ask(path: str, data: bytes | None = None) -> None:
+        headers = {"x-mission-token": page.token, "content-type": "application/json"}
+        request = urllib.request.Request(f"{page.address}{path}", data=data, headers=headers)
+        try:
+            with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=60) as reply:
+                heard[path] = reply.read()
+        except urllib.error.HTTPError as refused:
+            with refused:
+                heard[path] = refused.read()
+
+    def look(runner: Any) -> Any:
+        viewer = threading.Thread(target=ask, args=("events",))
+        viewer.start()
+        ask("mission")
+        ask("orders", json.dumps({"command": "post", "event": LEAK, "by": LEAK}).encode())
+        result = runner.run()
+        page.stop()
+        viewer.join()
+        return result
+
+    try:
+        with prepare(watch.setting) as prepared:
+            watch.run(prepared, look)
+    finally:
+        page.stop()
+    assert b"[hidden]" in heard["events"] and b"over" in heard["mission"]
+    assert_tight({**heard, "log": log_of(caplog), **files(tmp_path)})
+
+
+def test_no_command_prints_a_secret_whatever_goes_wrong(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, value in VARIABLES.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.chdir(tmp_path)
+    dump(MISSION, tmp_path / "mission.json")
+    words_of_all = " ".join((*VARIABLES.values(), OF_MODEL["shape"]))
+    leaks = f"raise ValueError({words_of_all!r})"
+    provider = "from langchain_core.language_models import BaseChatModel\nclass ChatLoose(BaseChatModel):\n"
+    (tmp_path / "langchain_loose.py").write_text(f"{provider}    def __init__(self, **_):\n        {leaks}\n")
+    (tmp_path / "guards.py").write_text(leaks)
+    (tmp_path / "broken.py").write_text(leaks)
+    (tmp_path / "named.py").write_text(f"def mission():\n    {leaks}\n")
+    (tmp_path / f"{OF_MODEL['shape']}.json").write_text("{")
+    monkeypatch.syspath_prepend(tmp_path)
+    for words in (
+        ["run", "mission.json", "--model", "loose:x", "--no-operator"], ["check", "broken.py"], ["check", "named.py"],
+        ["check", "mission.json", "--guards", "guards.py"], ["check", f"{OF_MODEL['shape']}.json"],
+        ["replay", "canary-token-77aa"], ["draw", "named.py"], ["diff", "named.py", "mission.json"],
+        ["prove", "named.py"], ["run", "named.py"], ["watch", "canary-token-77aa"], ["prove", "mission.json"],
+        ["diff", "mission.json", "canary-token-77aa"], ["world", "canary-token-77aa"],
+        ["gate", "--file", VARIABLES["HF_TOKEN"]],
+    ):  # fmt: skip
+        with suppress(SystemExit):
+            assert main(words) == (0 if words[0] == "prove" and words[1] == "mission.json" else 2), words
+        said = capsys.readouterr()
+        assert said.out or said.err
+        assert_tight({" ".join(words): said.out + said.err})
+
+
+@given(st.text(), st.sampled_from([*VARIABLES.values(), "http://somebody:canary-pass@host/"]), st.text())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_words_on_a_terminal_command_it_nothing_and_tell_no_secret(
+    monkeypatch: pytest.MonkeyPatch, before: str, secret: str, after: str
+) -> None:
+    out, err = io.StringIO(), io.StringIO()
+    with monkeypatch.context() as patched:
+        for name, value in VARIABLES.items():
+            patched.setenv(name, value)
+        patched.setattr(sys, "stdout", out)
+        patched.setattr(sys, "stderr", err)
+        with discreet(controls=False):
+            sys.stdout.write(before + "\x1b]0;title\x07\x9b2J\u202e" + secret + after)
+            sys.stderr.writelines([before, secret + after])
+        patched.undo()
+    for said in (out.getvalue(), err.getvalue()):
+        assert "canary" not in said
+        assert all(letter in "\t\n" or not (ord(letter) < 32 or 127 <= ord(letter) < 160) for letter in said)
+        assert not set("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069") & set(said)
+
+
+def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
+    scan = {"ranges": [0.5] * 1000, "frame": "laser"}
+    clean = Redaction().known(scan)
+    assert clean == scan and clean["ranges"] is scan["ranges"]
+    assert Message("/scan", clean, 0.0).data == scan
