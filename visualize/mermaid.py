@@ -9,19 +9,23 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 from visualize.labels import row_text
 from visualize.shapes import Edge, Node, Picture
 from visualize.style import LOOKS, OUTCOMES, clean, wrapped
 
-__all__ = ("MOST", "mermaid")
+__all__ = ("MOST", "mermaid", "oversize")
 
 LIMIT = 260.0
 """Points: how wide a line of a label may become."""
 ANYWHERE = "every_state"
 MOST = 50_000
-"""Characters: what Mermaid (its `maxTextSize`), and with it GitHub, draws at most."""
+"""Characters: what Mermaid (its `maxTextSize`), and with it GitHub, draws at most.
+
+Its `maxEdges` is of flowcharts alone."""
+ENDINGS = (".mmd", ".mermaid")
 PLAIN = re.compile(
     r"(?<!direction) +|(?<=[^\W_])_(?=[^\W_])|[^\W_]|[.,+()=/×•·←→≤≥“”–'?!…-]|[^\x00-\x7f\s\ufeff]|\u00a0",
     re.IGNORECASE,
@@ -42,10 +46,19 @@ def mermaid(picture: Picture) -> str:
     if len(text) <= MOST:
         return text
     first, _, rest = text.partition("\n")
-    told = (
-        f"    %% {len(text)} characters, and Mermaid draws {MOST} unless `maxTextSize` is raised; GitHub draws no more"
-    )
-    return f"{first}\n{told}\n{rest}"
+    return f"{first}\n    %% {_too_long(text)}\n{rest}"
+
+
+def oversize(path: Path) -> str:
+    """What to know of a file that was drawn: that Mermaid will not draw it; empty for any other."""
+    if path.suffix.lower() not in ENDINGS:
+        return ""
+    text = path.read_text(encoding="utf-8")
+    return f"{path}: {_too_long(text)}; .svg and .html have no such limit" if len(text) > MOST else ""
+
+
+def _too_long(text: str) -> str:
+    return f"{len(text)} characters, and Mermaid draws {MOST} unless `maxTextSize` is raised; GitHub draws no more"
 
 
 def _lines(picture: Picture) -> Iterator[str]:

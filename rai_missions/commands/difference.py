@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rai_missions.commands.given import warn
 from rai_missions.errors import MissionError, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
@@ -23,13 +24,14 @@ __all__ = ("diff", "textconv")
 def diff(given: argparse.Namespace) -> int:
     """Say and write what changed between two missions."""
     from visualize import difference, draw_difference
+    from visualize.mermaid import oversize
 
     with _old(given) as old:
         found = difference(old, load(given.old if given.git else given.new, python=not given.no_python))
     for line in found.lines():
         print(line)
     for output in given.output:
-        draw_difference(found, output)
+        warn(oversize(draw_difference(found, output)))
         print(f"written: {output}")
     return _status(found, given.fail_on)
 

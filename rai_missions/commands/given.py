@@ -6,10 +6,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission import Mission
+
+if TYPE_CHECKING:
+    from rai_missions.journal.record import Record
 
 __all__ = ("named_in", "steps_of", "warn")
 
@@ -36,19 +39,23 @@ def named_in(path: str | None) -> dict[str, Callable[..., bool | None]] | None:
     return {name: each for name, each in own.items() if getattr(each, "__module__", None) == "<run_path>"}
 
 
-def steps_of(journal: str | None, mission: Mission | None = None) -> tuple[Any, ...]:
+def steps_of(journal: str | None, mission: Mission | None = None, *, remedy: str = "") -> tuple[Any, ...]:
     """The steps of a journal, or of the one in a recording.
+
+    Args:
+        journal: The file.
+        mission: Whose it must be.
+        remedy: What to do where its rows are damaged or were altered.
 
     Raises:
         DefinitionError: The journal is damaged, or is of another mission.
     """
     if journal is None:
         return ()
-    from rai_missions.journal import read
     from rai_missions.rebuild import mission_of
     from rai_missions.recording import journal_of
 
-    with journal_of(journal) as found, read(found.path) as record:
+    with journal_of(journal) as found, _sound(found.path, remedy) as record:
         warn(found.warning)
         if mission is not None and record.header.mission and mission_of(record) != mission:
             sentence = "this is the journal of another mission, or of another version of it"
@@ -56,3 +63,14 @@ def steps_of(journal: str | None, mission: Mission | None = None) -> tuple[Any, 
                 [Fault("", f"{sentence}: {mission_of(record).name} {mission_of(record).version}")], journal
             )
         return tuple(record.steps())
+
+
+def _sound(path: Path, remedy: str) -> Record:
+    """A journal whose rows are as they were written."""
+    from rai_missions.journal import read
+
+    try:
+        return read(path)
+    except DefinitionError as error:
+        more = [Fault("", remedy)] if remedy else []
+        raise DefinitionError([*error.faults, *more], str(path)) from None

@@ -18,6 +18,11 @@ from rai_missions.mission import Mission
 
 __all__ = ("check_mission", "draw")
 
+ON_THE_PAGE = (
+    "a picture of it would look like that of a sound run; a page (-o review.html) shows what can be read of it, and"
+    " what is wrong with it"
+)
+
 
 def check_mission(given: argparse.Namespace) -> int:
     """Print every fault of a mission, and of what a profile lacks."""
@@ -52,9 +57,10 @@ def draw(given: argparse.Namespace) -> int:
         _draw_review(given, mission, output, findings)
     else:
         from visualize import draw as draw_picture
+        from visualize.mermaid import oversize
 
-        steps = [step for journal in given.journal for step in steps_of(journal, mission)]
-        draw_picture(mission, output, steps=steps)
+        steps = [step for journal in given.journal for step in steps_of(journal, mission, remedy=ON_THE_PAGE)]
+        warn(oversize(draw_picture(mission, output, steps=steps)))
     print(output)
     return 0
 

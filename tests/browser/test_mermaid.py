@@ -21,7 +21,7 @@ from rai_missions.mission import Mission
 from tests.strategies import missions
 from tests.visualize.runs import ROOT, hostile, tractor, tractor_path
 from visualize import Picture, picture
-from visualize.mermaid import mermaid
+from visualize.mermaid import MOST, mermaid
 from visualize.style import clean
 
 SCRIPT = ROOT / "tests/oracles/node_modules/@mermaid-js/tiny/dist/mermaid.tiny.js"
@@ -137,3 +137,15 @@ def test_a_generated_mission_is_drawn_with_all_its_arrows(draws: Draws, mission:
     drawn = picture(mission)
     [told] = draws(mermaid(drawn))
     assert told["arrows"] == arrows(drawn)
+
+
+def test_a_mission_of_more_rows_than_a_flowchart_may_have_edges_is_drawn(draws: Draws) -> None:
+    count = 520
+    states: dict[str, Any] = {f"s{n}": {"transitions": [{"on": "go", "to": f"s{n + 1}"}]} for n in range(count)}
+    given = Mission.model_validate(
+        {"name": "long", "events": {"go": {}}, "initial": "s0", "states": states | {f"s{count}": {"final": "aborted"}}}
+    )
+    text = mermaid(picture(given))
+    assert text.count("-->") == count + 1 and len(text) < MOST
+    (told,) = draws(text)
+    assert told["arrows"] == count + 1

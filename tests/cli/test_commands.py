@@ -148,6 +148,39 @@ def test_a_journal_that_was_altered_is_not_replayed(folder: Path, capsys: pytest
     assert "row 2" in capsys.readouterr().err
 
 
+def test_a_picture_of_an_altered_journal_is_refused_and_the_page_is_named_that_shows_it(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import sqlite3
+
+    main(["run", "lamp.json", "--journal", "a.journal"])
+    connection = sqlite3.connect(folder / "a.journal")
+    connection.execute("UPDATE rows SET content = replace(content, 'off', 'oof') WHERE number = 2")
+    connection.commit()
+    connection.close()
+    capsys.readouterr()
+    assert main(["draw", "lamp.json", "--journal", "a.journal", "-o", "x.dot"]) == 2
+    told = capsys.readouterr().err
+    assert "row 2" in told and "a page (-o review.html) shows what can be read of it" in told
+    assert not (folder / "x.dot").exists()
+    assert main(["draw", "lamp.json", "--journal", "a.journal", "-o", "x.html"]) == 0
+    assert "a.journal: drawn with this error: row 2" in capsys.readouterr().err
+
+
+def test_a_diagram_that_mermaid_will_not_draw_is_told_of(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    states: dict[str, Any] = {f"s{n}": {"transitions": [{"after_s": 1, "to": f"s{n + 1}"}]} for n in range(900)}
+    for version in ("1.0.0", "1.0.1"):
+        big = {**LAMP, "version": version, "initial": "s0", "states": states | {"s900": {"final": "aborted"}}}
+        (folder / f"{version}.json").write_text(json.dumps(big))
+    main(["draw", "lamp.json", "-o", "small.mmd"])
+    assert capsys.readouterr().err == ""
+    for words in (["draw", "1.0.0.json"], ["diff", "--fail-on", "none", "1.0.0.json", "1.0.1.json"]):
+        assert main([*words, "-o", "big.mmd", *(["-o", "big.dot"] if words[0] == "diff" else [])]) == 0
+        (told,) = capsys.readouterr().err.splitlines()
+        assert told.startswith("big.mmd: ") and "Mermaid draws 50000 unless `maxTextSize` is raised" in told
+        assert ".svg and .html have no such limit" in told
+
+
 def test_the_picture_of_another_mission_s_journal_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(["run", "lamp.json", "--journal", "a.journal"])
     (folder / "other.json").write_text(json.dumps({**LAMP, "version": "9.9.9"}))
