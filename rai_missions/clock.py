@@ -14,12 +14,15 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
-from rai_missions.event import Event
+from rai_missions.event import Event, Image
 
 __all__ = ("Clock", "ContinuedClock", "HeardClock", "Mailbox", "SimulatedClock", "Steppable", "WallClock")
 
 LONGEST_WAIT_S = 86_400.0
 """A wait for longer ends early and begins again: threads cannot wait for centuries."""
+
+MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE = 200, 100_000
+"""So many events may wait before one of the robot's pictures, or another fact, that is taken in all the same."""
 
 
 class Mailbox:
@@ -38,7 +41,9 @@ class Mailbox:
         """Told of each urgent event, once it is here, on the thread that brings it."""
 
     def post(self, event: Event) -> None:
-        self._queue.put(event)
+        """Put it behind what waits; what the robot says is lost when far too much does, and so grows old."""
+        if event.kind != "write" or self._queue.qsize() < _most(event):
+            self._queue.put(event)
 
     def post_urgent(self, event: Event) -> None:
         """It is taken next, whatever waits."""
@@ -102,6 +107,10 @@ class Mailbox:
             return
         if event is not None:
             self._front.append(event)
+
+
+def _most(event: Event) -> int:
+    return MOST_BEFORE_PICTURE if isinstance(event.data.get("value"), Image) else MOST_BEFORE_WRITE
 
 
 class Clock(Protocol):

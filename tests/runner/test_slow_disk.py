@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from rai_missions.clock import WallClock
+from rai_missions.clock import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox, WallClock
 from rai_missions.errors import UsageError
-from rai_missions.event import Event
+from rai_missions.event import Event, Image
 from rai_missions.journal import Header, Journal, clerk
 from rai_missions.result import Result
 from rai_missions.step import StartGoal, Step
@@ -182,6 +182,18 @@ class Silent:
 
     def withdraw(self, number: int) -> None:
         """It thinks about nothing."""
+
+
+def test_what_a_robot_says_to_a_run_that_takes_nothing_does_not_fill_its_memory() -> None:
+    mailbox, picture = Mailbox(), Image("camera@1", 640, 480, "rgb8", bytes)
+    for number in range(MOST_BEFORE_PICTURE + 50):
+        mailbox.post(Event("camera", float(number), {"value": picture}, "write"))
+    assert mailbox.waiting == MOST_BEFORE_PICTURE
+    for number in range(MOST_BEFORE_WRITE):
+        mailbox.post(Event("battery", float(number), {"value": 0.5}, "write"))
+    assert mailbox.waiting == MOST_BEFORE_WRITE
+    mailbox.post(Event("stop_now"))
+    assert mailbox.waiting == MOST_BEFORE_WRITE + 1, "what happens is never lost"
 
 
 def test_a_journal_is_closed_although_its_disk_hangs_and_stays_this_process_own(tmp_path: Path) -> None:
