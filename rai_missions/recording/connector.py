@@ -116,11 +116,17 @@ class RecordedConnector:
     def send_goal(
         self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
     ) -> None:
+        self._inner.send_goal(action, type_name, goal, goal_id=goal_id, report=self._told(action, report))
+
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+        self._inner.find_goal(action, type_name, goal_id=goal_id, report=self._told(action, report))
+
+    def _told(self, action: str, report: Callable[[Report], None]) -> Callable[[Report], None]:
         def told(said: Report) -> None:
             self._recording.reported(action, said)
             report(said)
 
-        self._inner.send_goal(action, type_name, goal, goal_id=goal_id, report=told)
+        return told
 
     def cancel_goal(self, goal_id: str) -> None:
         self._inner.cancel_goal(goal_id)

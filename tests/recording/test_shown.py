@@ -225,15 +225,17 @@ def test_calls_and_goals_are_kept_with_their_ends(tmp_path: Path) -> None:
     reports: list[Report] = []
     connector.call("/horn", "", {"for_s": 1}, answered=replies.append)
     connector.send_goal("/go", "", {}, goal_id="g1", report=reports.append)
+    connector.find_goal("/go", "", goal_id="g0", report=reports.append)
     connector.stop()
     recording.close()
-    assert (replies[0].outcome, reports[0].said) == ("succeeded", "rejected")
+    assert (replies[0].outcome, *(each.said for each in reports)) == ("succeeded", "rejected", "lost")
     calls, goals = (kept(tmp_path / "run.mcap").messages[f"/rai_missions/{name}"] for name in ("calls", "goals"))
     assert calls[0] | {"seconds": 0} == {
         "service": "/horn", "request": '{"for_s": 1}', "seconds": 0, "outcome": "succeeded", "why": "",
         "data": {"success": True, "loud": "nan", "raw": "AQ=="},
     }  # fmt: skip
-    assert (goals[0]["action"], goals[0]["goal_id"], goals[0]["said"]) == ("/go", "g1", "rejected")
+    said = [(each["action"], each["goal_id"], each["said"]) for each in goals]
+    assert said == [("/go", "g1", "rejected"), ("/go", "g0", "lost")], "a run that goes on asks for the goals before it"
 
 
 def test_a_topic_that_two_listen_to_is_kept_once(tmp_path: Path) -> None:
