@@ -38,7 +38,8 @@ check: .venv/.ready-dev ## Formatting, linters, types and the import contracts
 	$(BIN)/mypy rai_missions visualize missions $(wildcard tests/typing)
 	$(BIN)/lint-imports
 
-test: check wheel ## Every check, the built wheel, and all tests; those that need ROS 2 or a broker only after `make middleware`
+test: .venv/.ready-dev ## Every check, the built wheel, and all tests; those that need ROS 2 or a broker only after `make middleware`
+	@$(MAKE) --no-print-directory --jobs=2 check wheel
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(TESTS)
 
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
