@@ -31,6 +31,13 @@ MAGIC = b"\x89MCAP0\r\n"
 """How a file begins."""
 MOST_BYTES = 256 << 20
 """No record that a recording writes is longer."""
+MOST_ROWS_BYTES, ROWS_RATIO = 1 << 30, 100
+"""What the journal in a recording may hold: so much, or so many times the recording's own bytes, if that is more.
+
+Each of its rows brings a hash, which cannot be packed.
+"""
+MOST_UNPACKED, UNPACKED_RATIO = 4 << 30, 2_000
+"""The same for all that is packed in it."""
 
 
 def restore(path: Path, journal: Path) -> str:
@@ -59,12 +66,14 @@ class _Seen:
         self.is_mcap = self.is_ours = self.is_whole = False
         self.rows = 0
         self._journal: set[int] = set()
+        self._room = 0
+        """Bytes that the journal may still take."""
 
     def parts(self) -> Iterator[Raw | Blob]:
         """The journal's rows and pictures."""
         with self._path.open("rb") as file:
             end = _whole_until(file)
-            self.is_mcap = end > 0
+            self.is_mcap, self._room = end > 0, max(MOST_ROWS_BYTES, ROWS_RATIO * end)
             try:
                 yield from self._read(file, end)
             except DefinitionError:
@@ -96,6 +105,9 @@ class _Seen:
         self.is_ours = True
 
     def _row(self, data: bytes) -> Raw:
+        self._room -= len(data)
+        if self._room < 0:
+            raise ValueError("it unpacks to a journal that is far larger than a recording of its size holds")
         row = json.loads(data)
         number, *texts = (row[name] for name in ("row", "kind", "content", "hash"))
         if type(number) is not int or not all(isinstance(text, str) for text in texts):
@@ -124,12 +136,14 @@ class _Whole:
 
 def _records(file: IO[bytes], end: int) -> Iterator[Any]:
     """The records before `end`, which is where one ends; chunks are checked and opened."""
-    whole = _Whole(file, end)
+    whole, left = _Whole(file, end), max(MOST_UNPACKED, UNPACKED_RATIO * end)
     reader: Any = StreamReader(whole, emit_chunks=True, validate_crcs=True, record_size_limit=MOST_BYTES)
     try:
         for record in reader.records:
             if isinstance(record, Chunk):
-                _check_size(record)
+                left -= _checked_size(record)
+                if left < 0:
+                    raise ValueError("it unpacks to far more than a recording of its size holds")
                 yield from breakup_chunk(record, validate_crc=True)
             else:
                 yield record
@@ -138,19 +152,23 @@ def _records(file: IO[bytes], end: int) -> Iterator[Any]:
             raise
 
 
-def _check_size(chunk: Chunk) -> None:
+def _checked_size(chunk: Chunk) -> int:
     """A few bytes can be packed so that they fill the memory: what they say of their size is looked at first.
+
+    Returns:
+        How many bytes are in it.
 
     Raises:
         ValueError: It is too much, or a packing that no recording has.
     """
     if chunk.compression not in ("", "zstd"):
         raise ValueError(f"a chunk is packed with {chunk.compression!r:.20}; recordings are packed with zstd")
-    sizes = [chunk.uncompressed_size]
+    sizes: list[int] = [chunk.uncompressed_size]
     if chunk.compression:
         sizes.append(zstandard.frame_content_size(chunk.data))
     if max(sizes) > MOST_BYTES:
         raise ValueError(f"a chunk of {max(sizes)} bytes; the most are {MOST_BYTES}")
+    return max(sizes)
 
 
 def _whole_until(file: IO[bytes]) -> int:
