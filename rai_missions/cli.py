@@ -45,7 +45,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     )
     run.add_argument("--no-operator", action="store_true", help="ask no operator, on the terminal or elsewhere")
     run.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
-    run.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    run.add_argument("--no-python", action="store_true", help="refuse a mission and guards that are Python")
     run.add_argument(
         "--journal", metavar="FILE", help="where the run is written down (default: journals/NAME-TIME.journal)"
     )
@@ -119,7 +119,7 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
         "--robot", metavar="PROFILE", help="check too that the profile has every name that the mission uses"
     )
     check.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
-    check.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    check.add_argument("--no-python", action="store_true", help="refuse a mission and guards that are Python")
     check.add_argument("--strict", action="store_true", help="warnings count: exit 1")
     check.add_argument("--json", action="store_true", help="print the findings as one JSON list")
     draw = commands.add_parser("draw", help="draw a mission, with the path of a journal in bold", epilog=EXIT)
@@ -185,7 +185,7 @@ def _add_prove(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     prove.add_argument("--states", type=int, metavar="N", help="states at the most (default: a million)")
     prove.add_argument("--guards", metavar="FILE.py", help="predicates that 'named' guards name; free in a proof")
-    prove.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
+    prove.add_argument("--no-python", action="store_true", help="refuse a mission and guards that are Python")
     prove.add_argument(
         "-o", "--output", metavar="FILE", help="where a refutation's run goes (default: NAME-CLAIM.journal)"
     )

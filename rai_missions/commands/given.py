@@ -23,10 +23,17 @@ def warn(sentence: str) -> None:
         print(sentence, file=sys.stderr)
 
 
-def named_in(path: str | None) -> dict[str, Callable[..., bool | None]] | None:
-    """The public functions of a file, by name."""
+def named_in(path: str | None, *, python: bool = True) -> dict[str, Callable[..., bool | None]] | None:
+    """The public functions of a file, by name.
+
+    Args:
+        path: The file, which is executed.
+        python: Whether it may be.
+    """
     if path is None:
         return None
+    if not python:
+        raise UsageError(f"--guards {path} is Python, which --no-python refuses; leave one of them out")
     import runpy
 
     if not Path(path).is_file():

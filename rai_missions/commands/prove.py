@@ -33,7 +33,7 @@ def prove(given: argparse.Namespace) -> int:
 
     mission = load(given.mission, python=not given.no_python)
     robot = load_profile(given.robot) if given.robot else None
-    faults = [*_faults(mission, given.guards), *(missing(mission, robot) if robot is not None else ())]
+    faults = [*_faults(mission, given), *(missing(mission, robot) if robot is not None else ())]
     if faults:
         raise DefinitionError(faults, given.mission)
     of_robot = terms(robot) if robot is not None else None
@@ -50,8 +50,8 @@ def prove(given: argparse.Namespace) -> int:
     return 0 if proof.verdict == "proved" else 1
 
 
-def _faults(mission: Mission, guards: str | None) -> list[Fault]:
-    named = named_in(guards)
+def _faults(mission: Mission, given: argparse.Namespace) -> list[Fault]:
+    named = named_in(given.guards, python=not given.no_python)
     found = check(mission, named=set(named)) if named is not None else check(mission)
     return [Fault(each.place, each.sentence) for each in found if each.severity == "error"]
 

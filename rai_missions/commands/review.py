@@ -27,7 +27,7 @@ ON_THE_PAGE = (
 def check_mission(given: argparse.Namespace) -> int:
     """Print every fault of a mission, and of what a profile lacks."""
     mission = load(given.mission, python=not given.no_python)
-    named = named_in(given.guards)
+    named = named_in(given.guards, python=not given.no_python)
     findings = list(check(mission, named=set(named))) if named is not None else list(check(mission))
     lacks: tuple[Fault, ...] = ()
     if given.robot:

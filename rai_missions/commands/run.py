@@ -43,7 +43,7 @@ def run(given: argparse.Namespace) -> int:
     if given.managed:
         return _managed(given)
     mission = _mission(given)
-    named = named_in(given.guards)
+    named = named_in(given.guards, python=not given.no_python)
     faults = [each.fault for each in check(mission, named=set(named or ())) if each.severity == "error"]
     if faults:
         raise DefinitionError(faults, given.mission or given.resume)
@@ -118,7 +118,8 @@ def _managed(given: argparse.Namespace) -> int:
     numbers = itertools.count(1)
     setting = Setting(
         Path(given.mission), given.robot, _arguments(given.set, mission), model=given.model, seed=given.seed,
-        named=named_in(given.guards), speed=1.0 if given.speed == "1" else math.inf, journal=base,
+        named=named_in(given.guards, python=not given.no_python), speed=1.0 if given.speed == "1" else math.inf,
+        journal=base,
     )  # fmt: skip
     return managed(given, setting, lambda: _fresh(base.with_stem(f"{base.stem}-{next(numbers)}")))
 

@@ -218,6 +218,11 @@ def test_every_command_that_takes_a_mission_can_refuse_python(place: Place, caps
     for command in (*words.values(), ["diff", lamp, str(evil)], ["run", "--resume", journal, str(evil)]):
         assert main([*command, "--no-python"]) == 2, command
         assert "is Python, which is not to be executed here" in capsys.readouterr().err
+    for command in ("run", "check", "prove"):
+        assert main([command, lamp, "--guards", str(evil), "--no-python"]) == 2
+        assert "is Python, which --no-python refuses" in capsys.readouterr().err
+    assert {name for name, dests in taken().items() if "guards" in dests} == {"run", "check", "prove"}
+    assert main(["run", lamp, "--no-python", "--managed", "--guards", str(evil)]) == 2
     assert not (place.out / "ran").exists()
 
 
