@@ -126,11 +126,13 @@ class LivePage:
     ) -> None:
         import uvicorn  # an extra, and needed by nobody who does not watch
 
+        from visualize.live.impatient import Impatient
+
         self._loop, self._hub = asyncio.get_running_loop(), Hub(feed)
         inside = application(mission, self._hub, desk, about)
         door = Door(inside, token=self.token, host=self.place.host, port=self.port, scheme=self._scheme)
         config = uvicorn.Config(
-            door, http="h11", ws="none", lifespan="off", log_config=None, access_log=False, server_header=False,
+            door, http=Impatient, ws="none", lifespan="off", log_config=None, access_log=False, server_header=False,
             limit_concurrency=256, timeout_graceful_shutdown=1, h11_max_incomplete_event_size=16_384,
         )  # fmt: skip
         config.load()

@@ -17,7 +17,7 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Image
 from rai_missions.png import png
 from tests.visualize.live.stage import Run, Viewer, ask, until
-from visualize.live import LivePage, Place
+from visualize.live import LivePage, Place, hub, impatient
 
 WITH_TOKEN = [("GET", "/mission"), ("GET", "/events"), ("GET", "/picture?key=camera"), ("POST", "/orders")]
 PAUSE = json.dumps({"command": "pause"}).encode()
@@ -199,6 +199,26 @@ def test_what_is_no_request_of_ours_is_refused_and_the_page_goes_on(run: Run, se
         said = line.recv(200)
     assert not said or said.split()[1] in (b"400", b"401", b"404", b"421"), said
     assert ask(run.page, "GET", "/mission")[0] == 200
+
+
+@pytest.mark.parametrize("said", [b"", b"GET / HTTP/1.1\r\nHost: x\r\n"])
+def test_who_knocks_and_says_nothing_is_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
+    monkeypatch.setattr(impatient, "SPEAKS_WITHIN_S", 0.2)
+    with socket.create_connection(("127.0.0.1", run.page.port), timeout=30) as line:
+        line.sendall(said)
+        try:
+            assert line.recv(100) == b"", "the other side has hung up"
+        except ConnectionResetError:
+            pass
+    assert ask(run.page, "GET", "/mission")[0] == 200
+
+
+def test_a_viewer_is_not_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(impatient, "SPEAKS_WITHIN_S", 0.2)
+    monkeypatch.setattr(hub, "BEAT_S", 0.3)
+    viewer = Viewer(run.page)
+    until(lambda: viewer.kinds.count("beat") > 2, "it is there for longer than that")
+    viewer.cut()
 
 
 def test_a_port_in_use_is_told_with_a_way_out(run: Run) -> None:
