@@ -22,6 +22,8 @@ __all__ = ("LARGEST", "block", "image_of")
 LARGEST = 1_000_000
 """Bytes of a picture's file."""
 LONGEST_SIDE = 1_024
+MOST_PIXELS = 50_000_000
+"""Of a picture file: a few bytes may unpack to very many."""
 """Pixels."""
 
 
@@ -110,8 +112,12 @@ def _smaller_file(data: bytes) -> bytes:
         raise ConnectorError(
             f"a picture file of {len(data)} bytes is larger than {LARGEST}; to make it smaller, pip install pillow"
         ) from None
-    picture = pillow.open(io.BytesIO(data)).convert("RGB")
-    side = LONGEST_SIDE
+    picture = pillow.open(io.BytesIO(data), formats=("JPEG", "PNG"))  # other forms are programs: Pillow runs PostScript
+    if picture.width * picture.height > MOST_PIXELS:
+        raise ConnectorError(
+            f"a picture of {picture.width}x{picture.height} is too large; {MOST_PIXELS} pixels are the most"
+        )
+    picture, side = picture.convert("RGB"), LONGEST_SIDE
     while True:
         picture.thumbnail((side, side))
         file = io.BytesIO()

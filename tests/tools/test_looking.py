@@ -6,7 +6,9 @@ from __future__ import annotations
 import asyncio
 import base64
 import math
+import struct
 import threading
+import zlib
 from collections.abc import Callable
 from typing import Any
 
@@ -204,6 +206,21 @@ def test_a_picture_file_goes_as_it_is_and_a_large_one_is_made_smaller() -> None:
     made = block(Image("x", 0, 0, "png", large.getvalue()))
     assert made["mime_type"] == "image/jpeg"
     assert len(base64.b64decode(made["base64"])) <= LARGEST
+
+
+def test_a_large_file_in_a_form_that_is_a_program_is_not_opened() -> None:
+    script = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n" + b"% nothing\n" * (LARGEST // 10)
+    with pytest.raises(ConnectorError, match="cannot identify image file"):
+        block(Image("camera@1", 10, 10, "jpeg", script))
+
+
+def test_a_picture_file_that_unpacks_to_very_many_pixels_is_refused() -> None:
+    size = struct.pack(">II", 8_000, 8_000) + bytes((8, 2, 0, 0, 0))
+    head = b"IHDR" + size
+    data = b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + head + struct.pack(">I", zlib.crc32(head))
+    data += struct.pack(">I", LARGEST) + b"IDAT" + bytes(LARGEST) + bytes(4)
+    with pytest.raises(ConnectorError, match="8000x8000 is too large"):
+        block(Image("camera@1", 8_000, 8_000, "png", data))
 
 
 @pytest.mark.parametrize(
