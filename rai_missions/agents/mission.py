@@ -145,7 +145,11 @@ class Prepared:
         world = "; the simulated world starts anew, and what was under way in it is begun again" if self.world else ""
         cut = self._taken.record.cut
         lost = f"; {cut} bytes at the journal's end are of a row that was not written whole, and count as not written"
-        return f"the run goes on at {chart.at:.2f} s in: {where}{world}{lost if cut else ''}"
+        paused = "; it is paused: resume it on the live page (--watch) or through its node (--node)"
+        return (
+            f"the run goes on at {chart.at:.2f} s in: {where}{paused if chart.mode == 'paused' else ''}"
+            f"{world}{lost if cut else ''}"
+        )
 
     def _surroundings(self) -> tuple[World | None, Connector | None, Clock]:
         """The world, how it is reached, and whose time counts."""

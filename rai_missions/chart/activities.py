@@ -13,7 +13,9 @@ from rai_missions.event import Event
 from rai_missions.states.activity import GOALS, NO_KEYS, Machine, Turn, concerns
 from rai_missions.states.machines import machine_of
 from rai_missions.states.state import Controller
+from rai_missions.states.tending import questions_in
 from rai_missions.step import Handover
+from rai_missions.verdict import Question
 from rai_missions.wording import suggestion
 
 __all__ = ("Activities",)
@@ -24,6 +26,17 @@ HOLDERS = (*get_args(Controller), "nobody")
 
 class Activities(Core):
     """A chart that runs the machines of its states."""
+
+    @property
+    def questions(self) -> tuple[Question, ...]:
+        """Those that are open, the oldest first, each with the time that it has by now."""
+        found = (each for _, _, state in self._live() for each in questions_in(state))
+        return tuple(sorted(found, key=lambda question: question.number))
+
+    @property
+    def paused_at(self) -> float | None:
+        """Since when no question loses time; None while the run is not paused."""
+        return self._paused_at if self.mode == "paused" else None
 
     def _machine(self, node: Node) -> Machine | None:
         if node.name not in self._machines:

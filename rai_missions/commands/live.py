@@ -135,8 +135,8 @@ class Watch:
             seq=seq, at=course.runner.clock.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
             questions=questions, outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
         )  # fmt: skip
-        if mode == "paused" and course.pauses.at is not None:
-            scene.paused_at = course.pauses.at
+        if mode == "paused" and chart.paused_at is not None:
+            scene.paused_at = chart.paused_at
         return scene
 
     def _asked(self) -> list[Question]:

@@ -7,16 +7,18 @@ Rule: what a tick ends has ended before what it starts is started.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.states.activity import Desk, Machine, Outcome, Turn, concerns
+from rai_missions.states.asking import Asking
 from rai_missions.states.ticker import Ticked, Ticker, TreeState
 from rai_missions.step import Effect, PublishMessage
+from rai_missions.verdict import Question
 
-__all__ = ("Limb", "Tending", "TendingMachine")
+__all__ = ("Limb", "Tending", "TendingMachine", "questions_in")
 
 MOST_TICKS = 1000
 """Ticks of one tree at one instant; a tree that wants more runs in circles."""
@@ -44,6 +46,15 @@ class Tending(NamedTuple):
     """Path → the leaf that runs there."""
     wake: float = math.inf
     """When the tree itself wants its next tick, if nothing that it reads changes before."""
+
+
+def questions_in(state: Any) -> Iterator[Question]:
+    """What is asked by a machine in this state, a tree's leaves included."""
+    if isinstance(state, Asking):
+        yield state.question
+    elif isinstance(state, Tending):
+        for tended in state.leaves.values():
+            yield from questions_in(tended.state)
 
 
 class _Growth:

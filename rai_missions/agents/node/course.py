@@ -13,7 +13,6 @@ from typing import Any
 
 from rai_missions.agents.node.bulletin import Open
 from rai_missions.agents.node.order import Order, Receipt, Told
-from rai_missions.agents.node.pauses import Pauses
 from rai_missions.agents.redact import Redaction
 from rai_missions.blackboard import stale_at
 from rai_missions.event import Event
@@ -21,7 +20,6 @@ from rai_missions.lifecycle import CONTROLLERS, Status, is_operator
 from rai_missions.robot import Robot
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Ask, Step
-from rai_missions.verdict import Question
 from rai_missions.wording import suggestion
 
 __all__ = ("Course",)
@@ -47,10 +45,9 @@ class Course:
         self.result: Result | None = None
         self.error = ""
         """Why it broke off, if it did."""
-        self.pauses = Pauses()
         self._lock = threading.Lock()
         self._waiting: dict[str, tuple[Order, Told]] = {}
-        self._asked: dict[int, Question] = {}
+        self._asked = {each.number: each for each in runner.chart.questions}
         self._thread: threading.Thread | None = None
         self._is_news = False
         self.is_over = False
@@ -60,7 +57,8 @@ class Course:
         """The run's mode; one that broke off has failed."""
         if self.is_over:
             return self.result.outcome if self.result is not None else "failed"
-        return self.status.mode if self.status is not None else "ready"
+        chart = self.runner.chart  # of a run that goes on, which says its status only once it does
+        return self.status.mode if self.status is not None else chart.outcome or chart.mode
 
     @property
     def is_here(self) -> bool:
@@ -70,8 +68,8 @@ class Course:
     def questions(self) -> tuple[Open, ...]:
         """What is asked now, the oldest first, with the time left, which stands still while the run is paused."""
         with self._lock:
-            asked = () if self.is_over else tuple(map(self.pauses.shifted, self._asked.values()))
-        paused_at = self.pauses.at
+            asked = () if self.is_over else tuple(self._asked.values())
+        paused_at = self.runner.chart.paused_at
         now = self.runner.clock.now() if paused_at is None else paused_at
         return tuple(Open(question, max(0.0, question.until - now)) for question in asked)
 
@@ -184,7 +182,6 @@ class Course:
     def step(self, step: Step) -> bool:
         """Follow a step, on the run's thread; whether the status or what is asked has changed with it."""
         is_news, self._is_news = self._is_news, False
-        self.pauses.follow(step)
         return self._follow_questions(step) or is_news
 
     def receive(self, step: Step) -> None:
@@ -194,14 +191,11 @@ class Course:
             waiting[1](_receipt(waiting[0], step))
 
     def _follow_questions(self, step: Step) -> bool:
-        asked = [effect.question for effect in step.effects if isinstance(effect, Ask)]
-        if not asked and not self._asked:
+        if not self._asked and not any(isinstance(effect, Ask) for effect in step.effects):
             return False
-        awaited = self.runner.chart.awaited
         before = tuple(self._asked)
         with self._lock:
-            self._asked |= {question.number: question for question in asked}
-            self._asked = {number: each for number, each in self._asked.items() if number in awaited}
+            self._asked = {each.number: each for each in self.runner.chart.questions}
         return before != tuple(self._asked)
 
     def _end(self) -> None:

@@ -72,3 +72,16 @@ def test_a_pause_before_a_question_gives_it_no_more_time() -> None:
     stood.send("ask")
     stood.clock.at = 60.0
     assert stood.left_s == 590.0
+
+
+def test_a_run_that_goes_on_shows_what_was_asked_before_with_the_time_left() -> None:
+    stood = Stood()
+    stood.send("ask")
+    stood.clock.at = 10.0
+    stood.send("pause", "command")
+    stood.clock.at = 99.0
+    resumed = Course(stood.runner, None)
+    ((question, left_s),) = resumed.questions()
+    assert (question.state, question.asked, left_s) == ("asking", "operator", 590.0)
+    resumed.step(stood.runner.chart.send(Event("resume", 99.0, {}, "command")))
+    assert resumed.questions()[0].left_s == 590.0

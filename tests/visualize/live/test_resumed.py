@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run that goes on beside its page, and is recorded: what was asked before the old process died can be answered."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import pytest
+
+from rai_missions.agents.mission import Setting, prepare
+from rai_missions.commands.live import Watch
+from rai_missions.event import Event
+from rai_missions.journal import Journal
+from rai_missions.recording import journal_of
+from rai_missions.replay import replay
+from rai_missions.result import Result
+from tests.agents.node.scenes import mission
+from tests.recording.kept import rows_of
+from tests.visualize.live.stage import Viewer, ask, until
+from visualize.live import LivePage, Place
+
+
+def cut_short(journal: Path, *names: tuple[str, str]) -> None:
+    """A journal that ends while a question is open."""
+    with prepare(Setting(mission(), journal=journal)) as prepared:
+        chart = prepared.runner.chart
+        assert isinstance(prepared.journal, Journal)
+        for number, (name, kind) in enumerate((("start", "command"), *names)):
+            at = float(number)
+            step = chart.start(at) if name == "start" else chart.send(Event(name, at, {}, kind))
+            prepared.journal.write(step, since=at)
+
+
+@pytest.mark.parametrize("is_paused", [False, True])
+def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_goes_on(
+    tmp_path: Path, is_paused: bool
+) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("mcap")
+    journal, recording = tmp_path / "a.journal", tmp_path / "a.mcap"
+    cut_short(journal, ("ask", "event"), *([("pause", "command")] if is_paused else []))
+    page, ended = LivePage(Place(port=0)), list[Result]()
+    watch = Watch(page, Setting(None, journal=journal, resume=journal, record=recording))
+
+    def run() -> None:
+        with prepare(watch.setting) as prepared:
+            assert ("it is paused" in prepared.goes_on) is is_paused
+            ended.append(watch.run(prepared, lambda runner: runner.run()))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        until(lambda: page.serves, "the page is there")
+        viewer = Viewer(page)
+        until(lambda: viewer.seen.get("questions"), "the question is shown")
+        (question,) = viewer.seen["questions"]
+        assert question["until"] == pytest.approx(601.0)
+        if is_paused:
+            assert viewer.sees(mode="paused", paused_at=2.0)
+            assert ask(page, "POST", "/orders", b'{"command": "resume"}')[0] == 200
+            until(lambda: viewer.sees(mode="running"), "it goes on")
+        answer = f'{{"command": "answer", "question": {question["number"]}, "option": "left"}}'
+        assert ask(page, "POST", "/orders", answer.encode())[2] == {"success": True, "why": ""}
+        thread.join(30)
+        viewer.cut()
+    finally:
+        page.stop()
+    assert ended[0].outcome == "aborted"
+    with journal_of(recording) as replayed:
+        assert rows_of(replayed.path) == rows_of(journal)
+        assert replay(replayed.path).outcome == "aborted"
