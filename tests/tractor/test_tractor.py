@@ -58,10 +58,11 @@ def test_what_was_driven_before_is_no_success_of_a_run(drive: Any) -> None:
 
 
 @pytest.mark.sim
-def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, tmp_path: Path) -> None:
+@pytest.mark.parametrize("obstacles", [["person"], pytest.param(["branch", "person"], marks=pytest.mark.drill)])
+def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, obstacles: list[str], tmp_path: Path) -> None:
     seen: list[tuple[list[Step], str]] = []
     for name in ("one", "two"):
-        one = drive(words={"journal": tmp_path / f"{name}.journal"}, alleys=2, obstacles=["branch", "person"])
+        one = drive(words={"journal": tmp_path / f"{name}.journal"}, alleys=len(obstacles), obstacles=obstacles)
         one.run()
         seen.append((written(tmp_path / f"{name}.journal"), one.world.fingerprint()))
     assert seen[0] == seen[1]
