@@ -22,6 +22,8 @@ from rai_missions.connectors.contract import Heard
 ROOT = Path(__file__).parents[3]
 SUCCEED, RUN, REJECT, STUBBORN, ABORT, SLOW_TO_ACCEPT = range(6)
 """What a goal's `order` asks for; `RUN` until canceled, `STUBBORN` until it has refused to be canceled twice."""
+STARTS_WITHIN_S = 120.0
+"""A process that loads ROS takes two seconds, and far longer where many others want the same cores."""
 LASTS = 100
 """From here on, an order is the hundredths of a second that a goal lasts."""
 FIBONACCI, TRIGGER = "test_msgs/action/Fibonacci", "std_srvs/srv/Trigger"
@@ -38,6 +40,7 @@ class Peer:
     def __init__(self, name: str, program: Path = Path(__file__)) -> None:
         self.name = name
         self.said: Heard[Any] = Heard(30.0)
+        self._ready: Heard[Any] = Heard(STARTS_WITHIN_S)
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         self._process = subprocess.Popen(
             [sys.executable, "-W", "ignore", str(program), name],
@@ -49,7 +52,9 @@ class Peer:
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            self.said(json.loads(line))
+            self.said(said := json.loads(line))
+            if said == ["ready"]:
+                self._ready(said)
 
     def signal(self, number: signal.Signals) -> None:
         self._process.send_signal(number)
@@ -59,7 +64,12 @@ class Peer:
         self._process.wait()
 
     def __enter__(self) -> Peer:
-        self.said.wait(lambda said: ["ready"] in said, "the peer has started")
+        try:
+            self._ready.wait(bool, "the peer has started")
+        except AssertionError:
+            self.kill()
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
