@@ -31,6 +31,7 @@ from rai_missions.result import Commands, Result
 from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, missing, terms
 from rai_missions.states.ticker import Trees
+from rai_missions.steered import Steered
 from rai_missions.step import Step
 from rai_missions.taking_up import Hearing, carry_on
 from rai_missions.verdict import Answerer
@@ -42,7 +43,7 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 
-class Runner:
+class Runner(Steered):
     """Runs one mission to its end.
 
     Args:
@@ -101,46 +102,9 @@ class Runner:
         self._requests: deque[Callable[[], None]] = deque()
         self._decisions = resumed.decisions if resumed is not None else 0
 
-    # -- commands -------------------------------------------------------------------------------------------------
-
-    def pause(self, by: str = "operator") -> None:
-        self._command("pause", by)
-
-    def resume(self, by: str = "operator") -> None:
-        self._command("resume", by)
-
-    def cancel(self, by: str = "operator") -> None:
-        self._command("cancel", by)
-
-    def kill(self, by: str = "operator") -> None:
-        self.mailbox.post_urgent(Event("kill", self.clock.now(), {"by": by}, "command"))
-
-    def control(self, to: str, by: str = "operator") -> str:
-        why = self.lifecycle.control.refuses(to, by)
-        if not why:
-            self._requests.append(lambda: self._hand_over(to, by))
-            self.mailbox.wake()
-        return why
-
-    def _hand_over(self, to: str, by: str) -> None:
-        if not self.lifecycle.control.request(to, by):
-            self.performer.handovers.hand_over(to, by)
-
-    def answer(
-        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
-    ) -> None:
-        data = {"option": option, "parameters": dict(parameters or {}), "by": by}
-        self.post(Event(by, self.clock.now(), data, "proposal", number))
-
-    def post(self, event: Event) -> None:
-        self.mailbox.post(event)
-
     def later(self, at: float, do: Callable[[], None]) -> None:
         """Have something done on the runner's thread at an instant of the run's clock."""
         heapq.heappush(self._later, (at, next(self._order), do))
-
-    def _command(self, name: str, by: str) -> None:
-        self.post(Event(name, self.clock.now(), {"by": by}, "command"))
 
     # -- the loop -------------------------------------------------------------------------------------------------
 

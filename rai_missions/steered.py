@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What anybody may do to a run, from any thread: pause, resume, cancel, kill, hand control over, answer, tell.
+
+Rule: nothing is done here and now. The run takes it up on its own thread, in its turn; an emergency stop overtakes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.clock import Clock, Mailbox
+from rai_missions.event import Event
+from rai_missions.lifecycle import Lifecycle
+
+if TYPE_CHECKING:
+    from rai_missions.performer import Performer
+
+__all__ = ("Steered",)
+
+
+class Steered:
+    """The side of a run that others act on; its `Commands`."""
+
+    mailbox: Mailbox
+    clock: Clock
+    lifecycle: Lifecycle
+    performer: Performer
+    _requests: deque[Callable[[], None]]
+    """What is to be done on the run's thread before its next event."""
+
+    def pause(self, by: str = "operator") -> None:
+        self._command("pause", by)
+
+    def resume(self, by: str = "operator") -> None:
+        self._command("resume", by)
+
+    def cancel(self, by: str = "operator") -> None:
+        self._command("cancel", by)
+
+    def kill(self, by: str = "operator") -> None:
+        self.mailbox.post_urgent(Event("kill", self.clock.now(), {"by": by}, "command"))
+
+    def control(self, to: str, by: str = "operator") -> str:
+        why = self.lifecycle.control.refuses(to, by)
+        if not why:
+            self.soon(lambda: self._hand_over(to, by))
+        return why
+
+    def _hand_over(self, to: str, by: str) -> None:
+        if not self.lifecycle.control.request(to, by):
+            self.performer.handovers.hand_over(to, by)
+
+    def answer(
+        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
+    ) -> None:
+        data = {"option": option, "parameters": dict(parameters or {}), "by": by}
+        self.post(Event(by, self.clock.now(), data, "proposal", number))
+
+    def post(self, event: Event) -> None:
+        self.mailbox.post(event)
+
+    def soon(self, do: Callable[[], None]) -> None:
+        """Have something done on the run's thread, before its next event."""
+        self._requests.append(do)
+        self.mailbox.wake()
+
+    def _command(self, name: str, by: str) -> None:
+        self.post(Event(name, self.clock.now(), {"by": by}, "command"))
