@@ -8,6 +8,7 @@ lies in a folder of its own that is gone afterwards.
 from __future__ import annotations
 
 import json
+import os
 import posixpath
 import subprocess
 import tempfile
@@ -25,6 +26,10 @@ PLAIN = ("100644", "100755")
 """The modes of files that are neither links nor repositories."""
 MOST = 1000
 """Files of one mission."""
+MOST_BYTES = 64 * 2**20
+"""Of a file."""
+ALONE = ("-c", "protocol.allow=never", "-c", "core.fsmonitor=false", "-c", "core.hooksPath=/dev/null")
+"""A repository from elsewhere brings settings of its own, and some name programs: to fetch what it lacks is one."""
 
 
 @contextmanager
@@ -54,7 +59,7 @@ def at_revision(revision: str, mission: Path, *, python: bool = False) -> Iterat
         if name not in known:
             raise UsageError(f"'{name}' is not a file of {revision!r}; name it as it was called there")
         for file in known if mission.suffix == ".py" else _needed(top, known, name):
-            _put(Path(made) / file, _git(top, "cat-file", "blob", known[file]))
+            _put(Path(made) / file, _blob(top, known[file]))
         yield Path(made) / name
 
 
@@ -74,7 +79,7 @@ def _files(top: Path, commit: str, room: str) -> dict[str, str]:
     found = {}
     for entry in listed.decode("utf-8", "surrogateescape").split("\0"):
         about, _, path = entry.partition("\t")
-        if path and (parts := about.split(" "))[0] in PLAIN:
+        if path and (parts := about.split(" "))[0] in PLAIN and ".." not in path.split("/"):
             found[path] = parts[2]
     return found
 
@@ -85,7 +90,7 @@ def _needed(top: Path, known: Mapping[str, str], name: str) -> Iterator[str]:
     while waiting:
         file = waiting.pop()
         yield file
-        for written in _included(_git(top, "cat-file", "blob", known[file])):
+        for written in _included(_blob(top, known[file])):
             other = posixpath.normpath(posixpath.join(posixpath.dirname(file), written))
             if other in known and other not in seen and len(seen) < MOST:
                 seen.add(other)
@@ -108,6 +113,13 @@ def _included(data: bytes) -> Iterator[str]:
             waiting += value
 
 
+def _blob(top: Path, name: str) -> bytes:
+    size = int(_git(top, "cat-file", "-s", name))
+    if size > MOST_BYTES:
+        raise UsageError(f"a file of {size} bytes is not taken out of {top}; {MOST_BYTES} are the most")
+    return _git(top, "cat-file", "blob", name)
+
+
 def _put(path: Path, data: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(data)
@@ -115,7 +127,10 @@ def _put(path: Path, data: bytes) -> None:
 
 def _git(folder: Path, *words: str) -> bytes:
     try:
-        done = subprocess.run(["git", "-C", str(folder), *words], capture_output=True, check=False)
+        done = subprocess.run(
+            ["git", *ALONE, "-C", str(folder), *words], capture_output=True, check=False,
+            env={**os.environ, "GIT_NO_LAZY_FETCH": "1", "GIT_TERMINAL_PROMPT": "0"},
+        )  # fmt: skip
     except FileNotFoundError:
         raise UsageError("there is no git on this machine; give two files instead: diff OLD NEW") from None
     if done.returncode:
