@@ -34,6 +34,11 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     run.add_argument(
         "--resume", metavar="JOURNAL", help="go on with a run that was cut short; its mission and profile are in there"
     )
+    run.add_argument(
+        "--migrate", metavar="MAP",
+        help="have the run of --resume go on in MISSION, which has changed: a .json file that says what has become of"
+        " states and keys (rai-missions schema map); what it does not name must be as it was",
+    )  # fmt: skip
     run.add_argument("--robot", metavar="PROFILE", help="the robot profile: what stands behind the mission's names")
     run.add_argument(
         "--set", metavar="KEY=VALUE", action="append", default=[], help="an argument of the mission; may be repeated"
@@ -193,8 +198,8 @@ def _add_prove(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _add_tools(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    schema = commands.add_parser("schema", help="print the JSON Schema of missions or robot profiles")
-    schema.add_argument("of", nargs="?", choices=("mission", "robot"), default="mission")
+    schema = commands.add_parser("schema", help="print the JSON Schema of missions, robot profiles or maps")
+    schema.add_argument("of", nargs="?", choices=("mission", "robot", "map"), default="mission")
     new = commands.add_parser("new", help="start a mission of your own from a template", epilog=EXIT)
     new.add_argument("directory", metavar="DIRECTORY", help="made; must not be there or be empty")
     new.add_argument(

@@ -43,10 +43,11 @@ class Event(NamedTuple):
     | `proposal`   | the answerer that answers, declines or fails      | number of question|
     | `control`    | who holds control now                             | –                 |
     | `behaviour`  | `behaviour`; its end stands in `data["status"]`   | number of start   |
-    | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`            | –                 |
+    | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`, `migrate` | –                 |
     | `doubt`      | `uncertain`: whether it was done (`data["name"]`) nobody can say | – |
 
     `take_up`: another process goes on with the run, and what the robot says now is in `data["heard"]`.
+    `migrate`: a run of another mission goes on in this one; where it stands is in the data.
     """
     number: int = 0
     """The number of the start or question that this answers; a late one is known by it."""

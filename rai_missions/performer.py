@@ -183,7 +183,8 @@ class Performer:
             self._perform[type(effect)](effect)
         elif isinstance(effect, StartGoal):
             self._senses.begin_action(effect.action, anew=False)
-            if not self._goals.take_up(effect, accepted=effect.number in under.accepted):
+            known = effect.number in under.accepted or effect.number in under.canceled
+            if not self._goals.take_up(effect, accepted=known):
                 self._doubt("action", effect.action, effect.number, "rejected")
         elif isinstance(effect, CallService) and not self._may_repeat(effect):
             self._doubt("call", effect.service, effect.number, "failed")

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from rai_missions.chart import Chart
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.guards.guard import Truth
-from rai_missions.journal import Record, StepRow, difference
+from rai_missions.journal import MIGRATED, Note, Record, StepRow, difference
 from rai_missions.journal.underway import Underway
 from rai_missions.mission import Mission
 from rai_missions.rebuild import Rebuilding
@@ -56,12 +56,15 @@ def resumption(
 
     Raises:
         DefinitionError: A step comes out differently: the program or a predicate has changed.
-        UsageError: The run has ended.
+        UsageError: The run has ended, or goes on in another mission.
     """
     rebuilding, under = Rebuilding(record, mission, ticker, named), Underway()
     chart, last, began, decisions = rebuilding.chart, None, 0.0, 0
     for row in record.rows():
         under.follow(row)
+        if isinstance(row, Note) and row.text == MIGRATED:
+            other = record.path.parent / row.data["journal"]
+            raise UsageError(f"the run of {record.path} goes on in another mission: --resume {other}")
         if not isinstance(row, StepRow):
             continue
         if found := difference(row.step, rebuilding.again(row)):

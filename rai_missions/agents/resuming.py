@@ -14,6 +14,7 @@ from typing import NamedTuple
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.guards.guard import Truth
 from rai_missions.journal import Record, read
+from rai_missions.migration import follow
 from rai_missions.mission import Mission
 from rai_missions.rebuild import mission_of, robot_of
 from rai_missions.resume import Resumption, resumption
@@ -48,10 +49,11 @@ def take_up(
 
     Raises:
         DefinitionError: The journal is damaged, or the mission or the profile has changed.
-        UsageError: There is no such journal, or its run has ended.
+        UsageError: There is no such journal, or its run has ended or goes on elsewhere.
     """
     record = read(journal)
     try:
+        follow(record)
         was = mission_of(record) if record.header.mission or mission is None else mission
         if mission is not None and mission != was:
             sentence = f"the mission has changed since the run began ({was.version} then, {mission.version} now)"

@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.blackboard import Stamped, fits
 from rai_missions.chart.configuration import Leap
 from rai_missions.chart.core import Named
-from rai_missions.chart.instants import Instants
+from rai_missions.chart.saving import Saving, Snapshot
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
@@ -28,13 +28,10 @@ __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 NOT_STARTED = "the mission has not been started"
 """Why an event before the start changes nothing."""
 
-Snapshot = Mapping[str, Any]
-"""All that a chart remembers, as values; `Chart.restore` goes on from there."""
-
 _new = tuple.__new__
 
 
-class Chart(Instants):
+class Chart(Saving):
     """One run of a mission, as far as rules decide it.
 
     Args:
@@ -188,25 +185,6 @@ class Chart(Instants):
         wake = None if self._wake == math.inf else self._wake
         return _new(Step, (self.seq, at, event, (), looked, (), None, wake, (), "", ()))
 
-    def snapshot(self) -> Snapshot:
-        """All that the run remembers, as values that later steps do not change."""
-        names = (
-            "seq", "mode", "holder", "outcome", "why", "_order", "_number", "_paused_at", "_queue", "_suspended",
-            "_unknown", "_cancel_by", "_wake", "_quick", "_listening",
-        )  # fmt: skip
-        copies = ("_timers", "_running", "_pending", "_rounds", "_settling", "_calls")
-        memory = {self._graph.order[at].name: tuple(each.name for each in nodes) for at, nodes in self._memory.items()}
-        return {
-            **{name: getattr(self, name) for name in names},
-            **{name: dict(getattr(self, name)) for name in copies},
-            "atomic": tuple(node.name for node in self._config.atomic),
-            "memory": memory,
-            "goals": self._ledger.saved(),
-            "final": self._final.name if self._final else None,
-            "at": self.view.at, "board": dict(self.view.board), "entered": dict(self.view.entered),
-            "held": dict(self.view.held), "event": self.view.event, "answer": self.view.answer,
-        }  # fmt: skip
-
     @classmethod
     def restore(
         cls, mission: Mission, saved: Snapshot, ticker: Trees | None = None, *, terms: Terms | None = None,
@@ -214,25 +192,7 @@ class Chart(Instants):
     ) -> Chart:  # fmt: skip
         """A chart that goes on where a snapshot was taken."""
         chart = cls(mission, ticker, terms=terms, named=named)
-        nodes, view = chart._graph.nodes, chart.view
-        for name, value in saved.items():
-            if name in ("atomic", "memory", "goals", "final"):
-                continue
-            if name in ("at", "board", "entered", "held", "event", "answer"):
-                setattr(view, name, dict(value) if name in ("board", "entered", "held") else value)
-            else:
-                setattr(chart, name, dict(value) if isinstance(value, dict) else value)
-        chart._config = chart._graph.configuration(nodes[name] for name in saved["atomic"])
-        if not saved["atomic"]:
-            chart._config = chart._graph.empty
-        view.active = chart._config.active
-        chart._memory = {
-            nodes[name].index: tuple(nodes[each] for each in held) for name, held in saved["memory"].items()
-        }
-        chart._ledger.restore(saved["goals"])
-        for name in chart._running:
-            chart._machine(nodes[name])
-        chart._final = nodes[saved["final"]] if saved["final"] else None
+        chart._stand(saved)
         return chart
 
     def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:
@@ -266,7 +226,7 @@ class Chart(Instants):
                 self._write(event)
             elif event.kind == "control":
                 self._control(event)
-            elif event.kind == "command" and event.name in ("cancel", "kill", "take_up"):
+            elif event.kind == "command" and event.name in ("cancel", "kill", "take_up", "migrate"):
                 self._command(event)
             else:
                 self._refused = NOT_STARTED

@@ -131,6 +131,8 @@ class Core:
         self._paused_at = 0.0
         self._queue: tuple[Event, ...] = ()
         self._suspended: tuple[str, ...] = ()
+        self._unbegun: tuple[tuple[str, bool], ...] = ()
+        """States that a migration has brought, and whether they are new: they begin when the run is taken up."""
         self._unknown: frozenset[str] = frozenset()
         self._cancel_by = math.inf
         self._final: Node | None = None

@@ -167,6 +167,12 @@ class Graph(Compiled):
                     states = [each for each in config.nodes if each.parent is node]
                 yield history.index, tuple(sorted(states, key=lambda each: each.index))
 
+    def around(self, targets: Iterable[Node]) -> set[Node]:
+        """All that is active when these states are: what contains them, and what is entered inside them by default."""
+        entered: set[Node] = set()
+        self._into(targets, self.root, entered, {})
+        return entered
+
     def _into(self, targets: Iterable[Node], domain: Node, entered: set[Node], memory: Memory) -> None:
         """Targets, what is entered inside them by default, and what lies between them and the domain."""
         targets = tuple(targets)

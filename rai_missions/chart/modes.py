@@ -23,11 +23,15 @@ class Modes(Microsteps):
         if event.name == "take_up":
             self._touched = True  # what the robot has said since was noted before
             if self.mode == "paused":
+                self._begin_new()
                 self._check_invariants()
             elif self.mode != "ready" and self.outcome is None:
+                self._begin_new()
                 self._due = frozenset(self._running)  # each may have read what is not known any more
                 self._poll()
                 self._complete(None)
+        elif event.name == "migrate" and self.mode == "ready":
+            self._migrate(event.data)
         elif self.outcome is not None:
             self._refused = "the mission has ended"
         elif event.name == "kill":
@@ -55,6 +59,23 @@ class Modes(Microsteps):
                 board[name] = Stamped(value, float(at))
                 self.written.append((name, value))
         self._look_ahead()
+
+    def _begin_new(self) -> None:
+        """Begin what a migration has brought: `entry` where nothing was before, and what runs there."""
+        unbegun, self._unbegun = self._unbegun, ()
+        for name, is_new in unbegun:
+            node = self._graph.nodes[name]
+            for act in node.entry if is_new else ():
+                act(self)
+            if (node.activity or node.control) and node in self._config.atomic:
+                self._starting.append(node)
+        if self.mode == "paused":
+            self._suspended += tuple(node.name for node in self._starting)
+            self._starting = []
+
+    def _migrate(self, data: Mapping[str, Any]) -> None:
+        """Stand where a run of another mission stood."""
+        raise NotImplementedError
 
     def _look_ahead(self) -> None:
         """See what the next event may change."""

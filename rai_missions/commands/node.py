@@ -60,7 +60,7 @@ def refuse_words_of_one_run(given: argparse.Namespace) -> None:
     Raises:
         UsageError: A word is given that is of one run.
     """
-    for word in ("picture", "resume", "record", "json"):
+    for word in ("picture", "resume", "migrate", "record", "json"):
         if getattr(given, word, None):
             raise UsageError(f"--{word} is of one run; a managed node has many: drop it or --managed")
 

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.check import check
 from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.commands.live import sort_out, watched
+from rai_missions.commands.migrate import migrated
 from rai_missions.commands.node import beside, managed, refuse_words_of_one_run
 from rai_missions.commands.signals import on_signals
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -42,8 +43,10 @@ def run(given: argparse.Namespace) -> int:
         check_name(Path(given.record))
     if given.managed:
         return _managed(given)
-    mission = _mission(given)
     named = named_in(given.guards, python=not given.no_python)
+    if given.migrate:
+        migrated(given, named)
+    mission = _mission(given)
     faults = [each.fault for each in check(mission, named=set(named or ())) if each.severity == "error"]
     if faults:
         raise DefinitionError(faults, given.mission or given.resume)

@@ -17,6 +17,11 @@ def schema(given: argparse.Namespace) -> int:
 
         print(json.dumps(robot_schema(), indent=2, ensure_ascii=False))
         return 0
+    if given.of == "map":
+        from rai_missions.migration import map_schema
+
+        print(json.dumps(map_schema(), indent=2, ensure_ascii=False))
+        return 0
     from rai_missions.schema import mission_schema
 
     print(json.dumps(mission_schema(), indent=2, ensure_ascii=False))

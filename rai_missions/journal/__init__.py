@@ -6,10 +6,10 @@ from rai_missions.journal.codec import decode, encode
 from rai_missions.journal.compare import difference
 from rai_missions.journal.copied import copied
 from rai_missions.journal.record import Record
-from rai_missions.journal.rows import Blob, Confirmation, Header, Note, Raw, Row, StepRow
+from rai_missions.journal.rows import MIGRATED, Blob, Confirmation, Header, Note, Raw, Row, StepRow
 from rai_missions.journal.writer import Journal, versions
 
 __all__ = (
-    "Blob", "Confirmation", "Header", "Journal", "Note", "Raw", "Record", "Row", "StepRow", "copied", "decode",
-    "difference", "encode", "read", "verify", "versions",
+    "MIGRATED", "Blob", "Confirmation", "Header", "Journal", "Note", "Raw", "Record", "Row", "StepRow", "copied",
+    "decode", "difference", "encode", "read", "verify", "versions",
 )  # fmt: skip

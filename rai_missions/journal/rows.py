@@ -17,12 +17,14 @@ from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to
 from rai_missions.step import Step
 
 __all__ = (
-    "GENESIS", "Blob", "Confirmation", "Header", "Note", "Raw", "Row", "StepRow", "chained", "parsed", "read_header",
-    "text_of", "written_header",
+    "GENESIS", "MIGRATED", "Blob", "Confirmation", "Header", "Note", "Raw", "Row", "StepRow", "chained", "parsed",
+    "read_header", "text_of", "written_header",
 )  # fmt: skip
 
 GENESIS = "0" * 64
 """What row 0 follows."""
+MIGRATED = "the run goes on in another mission"
+"""The text of the note that is a journal's last row from then on; its data names the other journal."""
 Raw = tuple[int, Any, Any, Any]
 """A row as it stands in the file: number, kind, content and hash."""
 Blob = tuple[str, str, bytes]
@@ -44,6 +46,8 @@ class Header(NamedTuple):
     """Wall time at the start, ISO 8601 with its zone; filled in where it is empty."""
     versions: Mapping[str, str] = {}
     """`rai_missions`, `python` and whatever else may explain a difference; filled in where it is empty."""
+    migrated: Mapping[str, str] = {}
+    """Of a run that another mission began: the `journal` of that one, its `seal` then, and the `map`."""
 
 
 class StepRow(NamedTuple):
@@ -105,7 +109,9 @@ def text_of(content: Any) -> str:
 
 def written_header(header: Header, keep: Keep = keep_nothing) -> str:
     """The content of row 0."""
-    return text_of({**header._asdict(), "format": 1, "arguments": to_json(header.arguments, keep)})
+    fields = header._asdict() if header.migrated else {**header._asdict(), "migrated": None}
+    written = {name: value for name, value in fields.items() if value is not None}
+    return text_of({**written, "format": 1, "arguments": to_json(header.arguments, keep)})
 
 
 def read_header(kind: str, content: str, fetch: Fetch) -> Header:
@@ -122,6 +128,8 @@ def read_header(kind: str, content: str, fetch: Fetch) -> Header:
     texts = [fields[name] for name in ("mission", "profile", "run", "started")]
     if not all(isinstance(text, str) for text in texts) or not isinstance(fields["versions"], dict):
         raise ValueError("its words are not text")
+    if not isinstance(fields.get("migrated", {}), dict):
+        raise ValueError("its 'migrated' is no object")
     return Header(**{**fields, "arguments": from_json(fields["arguments"], fetch)})
 
 

@@ -24,7 +24,7 @@ from tests.resume.test_kills import Ended, has_ended, holds
 from tests.resume.test_kinds import is_mode
 from tests.strategies import EVENTS, mission_documents
 
-__all__ = ("ENDS_AT_S", "Found", "tried")
+__all__ = ("ENDS_AT_S", "Found", "tried", "worth_a_trial")
 
 ENDS_AT_S = 20.0
 MOST_AT_ONCE = 60
@@ -62,6 +62,8 @@ class Yard(Steady):
         self.connector_type = Steady.connector_type if keeps_time else Farm.connector_type  # type: ignore[assignment]
         self.accepts_s = chance.choice([0.0, 1.0])
         self.said: set[int] = set()
+        self.suffix = ""
+        """Of the names of events, in a mission that was renamed."""
         self.inquest = Inquest(mission, self, {})
         self._crowd: tuple[float, int] = (-1.0, 0)
         lasts_s = {action: chance.choice([0.5, 2.0, 6.0, 40.0]) for action in ACTIONS}
@@ -82,7 +84,7 @@ class Yard(Steady):
         name = chance.choice(EVENTS)
 
         def say(runner: Any) -> None:
-            runner.post(Event(name, runner.clock.now(), {"id": number}))
+            runner.post(Event(name + self.suffix, runner.clock.now(), {"id": number}))
 
         return Wish(chance.uniform(1, ENDS_AT_S), say, lambda _: number in self.said or number in self.inquest.heard)
 

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a chart remembers as plain data, which a journal can hold, and back.
+
+Rule: only the kinds in `KINDS` are made of data; whatever else stands there is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.blackboard import Stamped
+from rai_missions.chart.core import Timer
+from rai_missions.event import Event
+from rai_missions.states.asking import Asking
+from rai_missions.states.behaving import Behaving
+from rai_missions.states.calling import Calling
+from rai_missions.states.pursuit import Pursuit
+from rai_missions.states.tending import Tended, Tending
+from rai_missions.states.ticker import Leaf, TreeState
+from rai_missions.step import (
+    Ask,
+    CallService,
+    CancelGoal,
+    Handover,
+    PublishMessage,
+    SayAloud,
+    StartBehaviour,
+    StartGoal,
+)
+from rai_missions.verdict import Evidence, Limits, Offer, Question
+
+__all__ = ("packed", "unpacked")
+
+KINDS: Mapping[str, type[Any]] = {
+    kind.__name__: kind
+    for kind in (
+        Stamped, Timer, Event, Asking, Behaving, Calling, Pursuit, Tended, Tending, Leaf, TreeState, Evidence, Limits,
+        Offer, Question, Ask, CallService, CancelGoal, Handover, PublishMessage, SayAloud, StartBehaviour, StartGoal,
+    )
+}  # fmt: skip
+
+
+def packed(value: Any) -> Any:
+    """A value as lists, tuples, text, numbers and pictures, its mappings and records as `{"is": kind, "of": […]}`."""
+    if isinstance(value, Mapping):
+        return {"is": "map", "of": [[packed(name), packed(item)] for name, item in value.items()]}
+    if isinstance(value, frozenset):
+        return {"is": "set", "of": [packed(item) for item in sorted(value)]}
+    if isinstance(value, tuple):
+        items = [packed(item) for item in value]
+        return {"is": type(value).__name__, "of": items} if hasattr(value, "_fields") else tuple(items)
+    return [packed(item) for item in value] if isinstance(value, list) else value
+
+
+def unpacked(value: Any) -> Any:
+    """The value that `packed` made plain.
+
+    Raises:
+        ValueError: A kind that there is not; also `KeyError` and `TypeError` for what was altered.
+    """
+    if isinstance(value, list):
+        return [unpacked(item) for item in value]
+    if isinstance(value, tuple):
+        return tuple(unpacked(item) for item in value)
+    if not isinstance(value, Mapping):
+        return value
+    kind, items = value["is"], [unpacked(item) for item in value["of"]]
+    if kind == "map":
+        return dict(items)
+    if kind == "set":
+        return frozenset(items)
+    if kind not in KINDS:
+        raise ValueError(f"nothing that a run remembers is called {kind!r:.40}; there is: {', '.join(KINDS)}")
+    return KINDS[kind](*items)
