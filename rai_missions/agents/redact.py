@@ -23,6 +23,8 @@ __all__ = ("Redaction", "held_by", "hush")
 HIDDEN = "[hidden]"
 SHORTEST = 6
 """A shorter value is no secret, and hiding it would garble the text."""
+DEEPEST_DATA = 100
+"""Objects and lists inside each other; the same is the bound of what is read as JSON."""
 DEEPEST = 4
 """Objects inside each other in which a model's keys are looked for."""
 VARIABLES = (
@@ -76,18 +78,25 @@ class Redaction:
             return {self.text(name): self.json(item) for name, item in value.items()}
         return [self.json(item) for item in value] if isinstance(value, list) else value
 
-    def known(self, value: Any) -> Any:
-        """A value in which no text holds what was known for a secret when this was made; all else stays as it is."""
+    def known(self, value: Any, depth: int = 0) -> Any:
+        """A value in which no text holds what was known for a secret when this was made; all else stays as it is.
+
+        Args:
+            value: Plain data.
+            depth: How deep in it this is; what is deeper than any message is hidden unseen.
+        """
         if not self._at_first:
             return value
+        if depth > DEEPEST_DATA:
+            return HIDDEN
         if isinstance(value, str):
             return _without(value, self._at_first)
         if isinstance(value, Mapping):
-            return {self.known(name): self.known(item) for name, item in value.items()}
+            return {self.known(name): self.known(item, depth + 1) for name, item in value.items()}
         if isinstance(value, list) or type(value) is tuple:
             if value and isinstance(value[0], int | float):  # a scan or a map, and many of them a second
                 return value
-            return type(value)(self.known(item) for item in value)
+            return type(value)(self.known(item, depth + 1) for item in value)
         return value
 
     def _known(self) -> tuple[str, ...]:

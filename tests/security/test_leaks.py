@@ -353,3 +353,11 @@ def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPa
     clean = Redaction().known(scan)
     assert clean == scan and clean["ranges"] is scan["ranges"]
     assert Message("/scan", clean, 0.0).data == scan
+
+
+def test_data_that_is_deeper_than_any_message_ends_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
+    deep: Any = "canary-key-4b1d"
+    for _ in range(5_000):
+        deep = [deep]
+    assert "canary" not in repr(Redaction().known({"data": deep}))

@@ -59,5 +59,7 @@ def _from_json(said: dict[str, Any]) -> Any:
         return base64.b64decode(said[BYTES], validate=True)
     if said.keys() == {IMAGE}:
         ref, width, height, encoding, data = said[IMAGE]
+        if not (isinstance(ref, str) and isinstance(encoding, str) and type(width) is type(height) is int):
+            raise ValueError("a picture whose size or name is none")
         return Image(ref, width, height, encoding, base64.b64decode(data, validate=True))
     return said
