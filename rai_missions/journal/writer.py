@@ -13,6 +13,7 @@ import threading
 import uuid
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -37,12 +38,18 @@ Witness = Callable[[Raw, tuple[Blob, ...]], None]
 
 def versions() -> dict[str, str]:
     """What a run depends on, for its header."""
-    from importlib.metadata import PackageNotFoundError, version  # slow to import, and wanted once a run
+    ours = _version()
+    return {"python": platform.python_version(), "format": "1", **({"rai_missions": ours} if ours else {})}
 
-    found = {"python": platform.python_version(), "format": "1"}
+
+@cache
+def _version() -> str:
+    """That of this package, which takes 10 ms to find; empty where it is not installed."""
+    from importlib.metadata import PackageNotFoundError, version  # slow to import
+
     with suppress(PackageNotFoundError):
-        found["rai_missions"] = version("rai-missions")
-    return found
+        return version("rai-missions")
+    return ""
 
 
 class Journal:

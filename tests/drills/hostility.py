@@ -23,7 +23,7 @@ from pydantic import PrivateAttr, SecretStr
 from rai_missions.agents.doubles import LIES, DoubleModel
 from rai_missions.testing import call
 
-__all__ = ("CANARIES", "COMMANDS", "MOST_CALLS", "OWN", "HostileModel", "plant")
+__all__ = ("CANARIES", "COMMANDS", "DEEDS", "MOST_CALLS", "OWN", "HostileModel", "plant")
 
 CANARIES = {
     "DRILL_API_KEY": "sk-proj-Zk3mQ9vT7wXyB2nC5dF8hJ1lP4rS6uA0",

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from rai_missions.mission import Mission
 from rai_missions.states import asking
 from rai_missions.testing import ScriptedModel
 from rai_missions.verdict import Verdict
-from tests.drills.hostility import CANARIES, HostileModel
+from tests.drills.hostility import CANARIES, DEEDS, HostileModel
 from tests.drills.missions_run import Drill, Trial, try_one
 from tests.drills.yard import yard_mission
 
@@ -29,10 +30,11 @@ def _secrets(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("part", range(4))
-def test_two_hundred_missions_under_hostile_models(part: int) -> None:
-    drill = Drill().run(50, SEED, first=50 * part)
+def test_a_hundred_missions_under_hostile_models(part: int) -> None:
+    drill = Drill().run(25, SEED, first=50 * part)
     assert drill.faults == []
     assert drill.outcomes["succeeded"] and drill.outcomes["aborted"] and drill.refused, "it was tried"
+    assert len(drill.deeds) > len(set(DEEDS)) / 2, "most of what a model may do"
 
 
 @pytest.mark.drill
@@ -54,19 +56,17 @@ class Always(HostileModel):
         return self.said
 
 
-def found(folder: Path, said: str, mission: Mission | None = None) -> list[str]:
+def found(folder: Path, said: str, mission: Mission | None = None) -> Iterator[str]:
     """What the drill finds in some missions in which a model always says the same."""
-    faults: list[str] = []
     for number in range(12):
         (folder / str(number)).mkdir()
         trial: Trial = try_one(f"{SEED}/{number}", folder / str(number), mission=mission, model=Always(0, said=said))
-        faults += trial.faults
-    return faults
+        yield from trial.faults
 
 
 def test_without_redaction_the_drill_finds_the_secrets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     secret = CANARIES["HF_TOKEN"]
-    assert found(tmp_path, f'{{"option": "{secret}"}}') == []
+    assert not any(found(tmp_path, f'{{"option": "{secret}"}}'))
     monkeypatch.setattr(Redaction, "text", lambda self, text: text)
     (tmp_path / "again").mkdir()
     assert any(f"'{secret}' stands in run.journal" in each for each in found(tmp_path / "again", secret))

@@ -202,7 +202,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [2, 4, 6])
 def test_the_tractor_over_a_bad_connection_harms_nobody_and_claims_nothing(seed: int) -> None:
     assert with_the_tractor(seed, CALM, CALM) == []
 
