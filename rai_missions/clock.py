@@ -39,6 +39,8 @@ class Mailbox:
         self._front: deque[Event] = deque()
         self.alarm: Callable[[], None] = lambda: None
         """Told of each urgent event, once it is here, on the thread that brings it."""
+        self.overdue: Callable[[Event], bool] | None = None
+        """Whether an event that comes to be taken has waited too long and is dropped; whoever says so has told why."""
 
     def post(self, event: Event) -> None:
         """Put it behind what waits; what the robot says is lost when far too much does, and so grows old."""
@@ -58,6 +60,8 @@ class Mailbox:
     def take(self) -> Event | None:
         """The next event; None if there is none now."""
         event = self._next()
+        while event is not None and self.overdue is not None and self.overdue(event):
+            event = self._next()
         return event if event is None or self._clean is None else event._replace(data=self._clean(event.data))
 
     def _next(self) -> Event | None:

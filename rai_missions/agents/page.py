@@ -48,8 +48,9 @@ class PageDesk:
         if why:
             self._tell(order, told, Receipt(False, why), heard=False)
         else:
-            is_event = order.command != "control"
-            self._course.submit(order, lambda receipt: self._tell(order, told, receipt, heard=is_event))
+            self._course.submit(
+                order, lambda receipt: self._tell(order, told, receipt, heard=_is_heard(order, receipt))
+            )
 
     def _refuses(self, order: Order) -> str:
         if order.command not in ACTS:
@@ -75,6 +76,11 @@ class PageDesk:
             except Exception:  # noqa: BLE001 - the engine itself finds out that the journal is lost
                 pass
         told(receipt.success, receipt.why)
+
+
+def _is_heard(order: Order, receipt: Receipt) -> bool:
+    """The engine has taken it as an event."""
+    return order.command != "control" and not receipt.dropped
 
 
 def replace_by(order: Order) -> Order:

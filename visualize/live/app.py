@@ -161,9 +161,9 @@ class Pages:
             return _refused(429, "too many orders at once; wait a second")
         if command not in ALWAYS and (why := _is_late(request.headers.get(SENT_HEADER))):
             return _refused(409, why)
-        return await self._carry(self._desk, text)
+        return await self._carry(self._desk, text, command)
 
-    async def _carry(self, desk: Desk, text: str) -> Response:
+    async def _carry(self, desk: Desk, text: str, command: str) -> Response:
         loop = asyncio.get_running_loop()
         receipt: asyncio.Future[tuple[bool, str]] = loop.create_future()
 
@@ -179,7 +179,12 @@ class Pages:
         try:
             success, why = await asyncio.wait_for(receipt, PATIENCE_S)
         except TimeoutError:
-            return _refused(202, "the run has not taken it yet; the journal will say what became of it")
+            then = (
+                "it will as soon as it can"
+                if command in ALWAYS
+                else f"unless it does within {OLDEST_S:.0f} s, it is dropped"
+            )
+            return _refused(202, f"the run has not taken it yet; {then}, and the journal will say so")
         return JSONResponse({"success": success, "why": why}, 200 if success else 409)
 
 

@@ -6,13 +6,15 @@ Rule: an order is an event in the run's mailbox like any other, and its receipt 
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.agents.node.bulletin import Open
-from rai_missions.agents.node.order import Order, Receipt, Told
+from rai_missions.agents.node.order import GOOD_FOR_S, Order, Receipt, Told, lasts, overdue
 from rai_missions.agents.redact import Redaction
 from rai_missions.blackboard import stale_at
 from rai_missions.event import Event
@@ -28,6 +30,22 @@ MOST_WAITING = 256
 COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": "kill"}
 """Order → the engine's command."""
 OVER = "the mission has ended"
+
+
+class Waiting(NamedTuple):
+    """An order that the run has yet to take."""
+
+    order: Order
+    told: Told
+    until: float
+    """By `time.monotonic`: when it is too late for it."""
+
+    def drops(self) -> bool:
+        """Whether it is too late now; then that is told."""
+        late_s = time.monotonic() - self.until
+        if late_s > 0:
+            self.told(overdue(self.order, late_s + GOOD_FOR_S))
+        return late_s > 0
 
 
 class Course:
@@ -46,7 +64,9 @@ class Course:
         self.error = ""
         """Why it broke off, if it did."""
         self._lock = threading.Lock()
-        self._waiting: dict[str, tuple[Order, Told]] = {}
+        self._waiting: dict[str, Waiting] = {}
+        self._others = runner.mailbox.overdue
+        runner.mailbox.overdue = lambda event: self._is_overdue(event) or bool(self._others and self._others(event))
         self._asked = {each.number: each for each in runner.chart.questions}
         self._thread: threading.Thread | None = None
         self._is_news = False
@@ -108,9 +128,6 @@ class Course:
         why = self._refuses(order)
         if why:
             told(Receipt(False, why, order.id))
-        elif order.command == "control":
-            why = self.runner.control(order.to, _controller(order.by))
-            told(Receipt(not why, why, order.id))
         else:
             self._post(order, told)
 
@@ -119,13 +136,31 @@ class Course:
         with self._lock:
             is_over, is_full = self.is_over, len(self._waiting) >= MOST_WAITING and order.command != "e_stop"
             if not is_over and not is_full:
-                self._waiting[request] = (order, told)
+                until = math.inf if lasts(order) else time.monotonic() + GOOD_FOR_S
+                self._waiting[request] = Waiting(order, told, until)
         if is_over or is_full:
             told(Receipt(False, OVER if is_over else "too many orders wait already; ask again", order.id))
         elif order.command == "e_stop":
             self.runner.mailbox.post_urgent(self._event(order, request))
+        elif order.command == "control":
+            self.runner.soon(lambda: self._hand_over(request))
         else:
             self.runner.post(self._event(order, request))
+
+    def _hand_over(self, request: str) -> None:
+        """Ask for control as somebody has ordered, on the run's thread."""
+        waiting = self._waiting.pop(request, None)
+        if waiting is not None and not waiting.drops():
+            why = self.runner.control(waiting.order.to, _controller(waiting.order.by))
+            waiting.told(Receipt(not why, why, waiting.order.id))
+
+    def _is_overdue(self, event: Event) -> bool:
+        """An order that the run takes too late is dropped, and that is told."""
+        waiting = self._waiting.get(event.data.get("request", "")) if self._waiting else None
+        if waiting is None or not waiting.drops():
+            return False
+        del self._waiting[event.data["request"]]
+        return True
 
     def _event(self, order: Order, request: str) -> Event:
         at, said = self.runner.clock.now(), {"by": order.by, "request": request}
@@ -140,6 +175,8 @@ class Course:
         """Why an order is not put to the engine at all."""
         if order.command == "control" and order.to not in CONTROLLERS:
             return f"nobody called '{order.to:.60}' can hold control{suggestion(order.to, CONTROLLERS)}"
+        if order.command == "control":
+            return self.runner.lifecycle.control.refuses(order.to, _controller(order.by))
         if order.command == "post":
             events = self._robot.events if self._robot is not None else {}
             posted = [name for name, event in events.items() if event.posted]
@@ -188,7 +225,7 @@ class Course:
         """Tell whoever has ordered what this step did."""
         waiting = self._waiting.pop(step.event.data.get("request", ""), None) if self._waiting else None
         if waiting is not None:
-            waiting[1](_receipt(waiting[0], step))
+            waiting.told(_receipt(waiting.order, step))
 
     def _follow_questions(self, step: Step) -> bool:
         if not self._asked and not any(isinstance(effect, Ask) for effect in step.effects):
@@ -202,8 +239,8 @@ class Course:
         with self._lock:
             self.is_over = True
             left, self._waiting = tuple(self._waiting.values()), {}
-        for order, told in left:
-            told(Receipt(False, OVER, order.id))
+        for each in left:
+            each.told(Receipt(False, OVER, each.order.id))
 
 
 def _controller(by: str) -> str:

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 
 from rai_missions.agents.node.course import Course
-from rai_missions.agents.node.order import Order, Receipt, Told
+from rai_missions.agents.node.order import Order, Receipt, Told, untaken
 from rai_missions.agents.redact import Redaction
 from rai_missions.errors import MissionError
 
@@ -21,7 +21,6 @@ log = logging.getLogger(__name__)
 
 PATIENCE_S = 1.0
 """How long a service waits for the run to take an order."""
-NOT_YET = "the run has not taken it yet; it stands in line, and the status will say what became of it"
 LOCKED = 'control is with nobody since the stop; first an operator takes it: {"command": "control", "to": "operator"}'
 ALWAYS = ("cancel", "e_stop")
 """Taken by a node that is not active, too."""
@@ -79,7 +78,7 @@ class Desk:
         course = self.live
         if course is None or not course.is_here:  # a run that asks its own node would wait for itself
             is_told.wait(within_s)
-        return receipts[0] if receipts else Receipt(False, NOT_YET, order.id)
+        return receipts[0] if receipts else Receipt(False, untaken(order), order.id)
 
     def attend(self, course: Course) -> None:
         """A run is about to begin."""

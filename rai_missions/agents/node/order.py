@@ -14,11 +14,28 @@ from rai_missions.errors import DefinitionError
 from rai_missions.json_text import parse_json
 from rai_missions.wording import shown, suggestion
 
-__all__ = ("LONGEST", "Order", "Receipt", "Told", "mapping_in", "read_order", "unheard", "who")
+__all__ = (
+    "GOOD_FOR_S",
+    "LONGEST",
+    "Order",
+    "Receipt",
+    "Told",
+    "lasts",
+    "mapping_in",
+    "overdue",
+    "read_order",
+    "unheard",
+    "untaken",
+    "who",
+)
 
 LONGEST = 65_536
 """Characters of an order; longer ones are not read."""
 LONGEST_ID = 128
+GOOD_FOR_S = 5.0
+"""Seconds on the wall within which a run has to take an order: whoever gave it has gone on since."""
+LASTING = frozenset({"e_stop", "cancel", "post"})
+"""Orders that are carried out however late they are taken."""
 LONGEST_NAME = 64
 NOTHING: Mapping[str, Any] = {}
 
@@ -30,6 +47,8 @@ class Receipt(NamedTuple):
     why: str = ""
     """Why not; empty, or a remark, where it was carried out."""
     id: str = ""
+    dropped: bool = False
+    """The run never heard of it."""
 
 
 class Order(NamedTuple):
@@ -92,6 +111,23 @@ def who(given: Any) -> str:
     """The name under which somebody stands in the journal: one short line, `operator` where nothing is said."""
     text = given if isinstance(given, str) else ""
     return "".join(letter if letter.isprintable() else " " for letter in text)[:LONGEST_NAME].strip() or "operator"
+
+
+def lasts(order: Order) -> bool:
+    """It is carried out however late the run takes it: it ends something, or says what has happened."""
+    return order.command in LASTING or (order.command == "control" and order.to == "nobody")
+
+
+def overdue(order: Order, waited_s: float) -> Receipt:
+    """What is told of an order that the run was too busy to take in time."""
+    why = f"the run did not get to it for {waited_s:.0f} s, and it was dropped; look again, and give it anew"
+    return Receipt(False, why, order.id, dropped=True)
+
+
+def untaken(order: Order) -> str:
+    """What is told of an order that the run has not taken yet."""
+    then = "it will as soon as it can" if lasts(order) else f"unless it does within {GOOD_FOR_S:g} s, it is dropped"
+    return f"the run has not taken it yet; {then}, and what became of it is told then"
 
 
 def unheard(_receipt: Receipt) -> None:

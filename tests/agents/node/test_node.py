@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from rai_missions.agents.mission import Setting
 from rai_missions.agents.node import MissionNode
 from rai_missions.agents.node.carrier import Carrier
-from rai_missions.agents.node.order import LONGEST, Order
+from rai_missions.agents.node.order import LONGEST, Order, Receipt
 from rai_missions.connectors.contract import Heard
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
@@ -379,6 +379,31 @@ def test_an_order_that_the_run_does_not_take_in_time_is_not_told_as_done(scene: 
     is_free.set()
     assert not told.success and "has not taken it yet" in told.why
     scene.client.await_status("it is taken in the end", mode="paused")
+
+
+def test_orders_that_a_busy_run_takes_too_late_are_dropped_but_those_that_end_it(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene.client.activate()
+    scene.client.start()
+    is_busy, is_free = threading.Event(), threading.Event()
+    scene.robot.obey = lambda _word: is_busy.set() or is_free.wait(30)  # on the run's own thread, in this process
+    scene.node.ask(Order("post", event="go"), within_s=0.0)
+    assert is_busy.wait(30)
+    monkeypatch.setattr("rai_missions.agents.node.course.GOOD_FOR_S", -1.0)  # as if it had been busy for longer
+    course, told = scene.node.course, Heard[Receipt]()
+    assert course is not None
+    orders = (Order("pause", id="a"), Order("control", to="operator", id="b"), Order("control", to="nobody", id="c"),
+              Order("post", event="ask", id="d"), Order("cancel", id="e"))  # fmt: skip
+    for order in orders:
+        course.submit(order, told)
+    is_free.set()
+    receipts = {each.id: each for each in told.wait(lambda all_: len(all_) == len(orders), "each is told its fate")}
+    assert {name: each.dropped for name, each in receipts.items()} == dict(zip("abcde", (1, 1, 0, 0, 0), strict=True))
+    assert "did not get to it for" in receipts["a"].why and "give it anew" in receipts["a"].why
+    assert receipts["c"].success and receipts["e"].success
+    scene.client.await_status("it is canceled", outcome="canceled")
+    assert not any("paused" in step["notes"] for step in scene.client.steps.all)
 
 
 def test_a_second_node_of_the_same_name_is_refused(scene: Scene) -> None:
