@@ -20,7 +20,7 @@ from unique_identifier_msgs.msg import UUID
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.ros2.goal_ids import to_bytes
 from rai_missions.connectors.ros2.messages import to_data
-from rai_missions.connectors.ros2.peers import NOBODY, Peers, are_gone, servers_of_action
+from rai_missions.connectors.ros2.peers import NOBODY, Peers, are_gone, are_replaced, servers_of_action
 from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.services import MANY, WATCH_S
 from rai_missions.connectors.ros2.window import Window
@@ -31,6 +31,8 @@ log = logging.getLogger(__name__)
 
 CHASE_S = 60.0
 """How long a lost goal is chased."""
+PRESS_S = 2.0
+"""How long an answer is awaited before a lost goal's end is asked for once more."""
 CLEAR_S = 5.0
 """How long a new goal waits until it is known of a lost one that it runs no more."""
 End = Literal["rejected", "succeeded", "failed", "canceled", "lost"]
@@ -63,6 +65,7 @@ class GoalClient:
         self.starts, self.cancels = Window(), Window()
         self._running: set[Goal] = set()
         self._lost: dict[Goal, float] = {}
+        self._pressed: dict[Goal, float] = {}
         self._is_watched = False
         runtime.later(patience_s, self._grow_impatient)
 
@@ -89,6 +92,7 @@ class GoalClient:
     def caught(self, goal: Goal) -> None:
         """A lost goal runs no more."""
         self._lost.pop(goal, None)
+        self._pressed.pop(goal, None)
 
     def is_clear(self) -> bool:
         """No goal that was lost may still run."""
@@ -97,7 +101,18 @@ class GoalClient:
     def hasten(self) -> None:
         """Somebody waits for the lost goals to end."""
         for goal in tuple(self._lost):
+            self._press(goal)
+
+    def _press(self, goal: Goal) -> None:
+        """Ask for a lost goal's end, in one word at a time: another would end what is sent anew under its id."""
+        now = time.monotonic()
+        if goal in self._lost and now >= self._pressed.get(goal, 0.0):
+            self._pressed[goal] = now + PRESS_S
             goal.cancel_blindly()
+
+    def answered(self, goal: Goal) -> None:
+        """A lost goal's server has answered, and may be asked again."""
+        self._pressed.pop(goal, None)
 
     def _look_later(self) -> None:
         if not self._is_watched:
@@ -120,7 +135,7 @@ class GoalClient:
             if time.monotonic() > until:
                 self.caught(goal)
             elif is_there:
-                goal.cancel_blindly()
+                self._press(goal)
         if self._lost:
             self._look_later()
 
@@ -286,6 +301,7 @@ class Goal:
 
     def _cancel_answered(self, future: Any) -> None:
         self._is_asking, self.is_settled = False, True
+        self._client.answered(self)
         response, codes = _result_of(future), CancelGoal.Response
         if response is None:
             return
@@ -306,7 +322,7 @@ class Goal:
         if is_ending:
             handle = self._handle or ClientGoalHandle(self._client.client, self._uuid, None)
             handle.get_result_async().add_done_callback(self._finished)
-        elif is_unknown and (self._handle is not None or are_gone(self.peers, self._client.peers())):
+        elif is_unknown and (self._handle is not None or are_replaced(self.peers, self._client.peers())):
             self._client.caught(self)  # else its server may still be about to accept it
 
 

@@ -12,7 +12,9 @@ from typing import Any
 
 from rclpy.node import Node
 
-__all__ = ("NOBODY", "Peers", "are_gone", "servers_of_action", "servers_of_service", "types_of_service")
+__all__ = (
+    "NOBODY", "Peers", "are_gone", "are_replaced", "servers_of_action", "servers_of_service", "types_of_service",
+)  # fmt: skip
 
 Peers = Mapping[bytes, str]
 """The identities of a server's endpoints, each with its node's name, empty while that is not known."""
@@ -57,3 +59,11 @@ def are_gone(then: Peers, now: Peers) -> bool:
     left = then.keys() & now.keys()
     reborn = {now[identity] for identity in now.keys() - then.keys()} - {""}
     return bool(then) and all(now[identity] in reborn for identity in left)
+
+
+def are_replaced(then: Peers, now: Peers) -> bool:
+    """Whether others are there instead of the servers that were there then. Nobody at all is no proof of it.
+
+    A machine that is busy loses sight of a server that lives.
+    """
+    return bool(now) and are_gone(then, now)
