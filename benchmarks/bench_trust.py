@@ -34,6 +34,8 @@ from tests.drills.yard import Yard, yard_mission, yard_robot
 SEEDS, LONGEST_S = 20, 5.0
 THINKS_S, PACE_S = 0.025, 0.005
 """How long an answer takes on the wall, and a tenth of a second of the peer's world."""
+TRIES = 8
+"""So often the mission looks again and drives on after something did not work out; the peer tries for 60 calls."""
 AFTERWARDS = 200
 """Steps that the world goes on by itself once nobody is in charge any more: twenty seconds."""
 GOAL = (
@@ -285,7 +287,7 @@ def ours(script: Says, seed: int) -> Seen:
     model = Scripted(script, seed)
     agent = DecisionAgent(model, None, box.read_only)
     runner = Runner(
-        yard_mission(), robot=yard_robot(), connector=connector, clock=SimulatedClock(yard),
+        yard_mission(tries=TRIES), robot=yard_robot(), connector=connector, clock=SimulatedClock(yard),
         answerers={"agent": agent},
     )  # fmt: skip
     began = time.monotonic()

@@ -211,8 +211,14 @@ def png_that_says(text: str) -> bytes:
 DRIVEN: Json = {"key": "position", ">=": LENGTH_M}
 
 
-def yard_mission(**decision: Any) -> Mission:
-    """Drive to the lane's end; what to do about what lies there is a model's to say."""
+def yard_mission(*, tries: int = 0, **decision: Any) -> Mission:
+    """Drive to the lane's end; what to do about what lies there is a model's to say.
+
+    Args:
+        tries: So often it looks and drives on after something did not work out, before it gives up; and asks so much
+            oftener.
+        decision: What is other than usual about the decision.
+    """
     asked = {
         "question": "Something is in the way. What now?",
         "evidence": ["thing", "camera", "signals"],
@@ -231,6 +237,12 @@ def yard_mission(**decision: Any) -> Mission:
         **decision,
     }  # fmt: skip
     failed = ["failed", "unverified", "timed_out", "rejected"]
+    unanswered = ["failed", "timed_out", "rejected"]
+
+    def again(on: list[str]) -> list[Json]:
+        row = {"on": on, "when": {"key": "tries", "<": tries}, "to": "looking", "do": [{"set": "tries", "add": 1}]}
+        return [row] if tries else []
+
     return Mission.model_validate({
         "name": "yard", "initial": "driving",
         "blackboard": {
@@ -242,27 +254,29 @@ def yard_mission(**decision: Any) -> Mission:
                       "fields": {"kind": "string", "height_m": "number", "living": "boolean", "label": "string"}},
             "signals": {"type": "integer", "source": "mission", "initial": 0},
             "rounds": {"type": "integer", "source": "mission", "initial": 0},
+            **({"tries": {"type": "integer", "source": "mission", "initial": 0}} if tries else {}),
         },
         "states": {
             "driving": {"action": "drive", "timeout_s": 20, "achieved": DRIVEN, "settle_s": 0.3,
                         "transitions": [
-                            {"when": {"all": [{"key": "blocked", "==": True}, {"key": "rounds", "<": 8}]},
+                            {"when": {"all": [{"key": "blocked", "==": True}, {"key": "rounds", "<": 8 + tries}]},
                              "to": "assessing"},
                             {"when": {"key": "blocked", "==": True}, "to": "left"},
-                            {"on": "succeeded", "to": "done"}, {"on": failed, "to": "left"}]},
+                            {"on": "succeeded", "to": "done"}, *again(failed), {"on": failed, "to": "left"}]},
             "assessing": {"entry": [{"set": "rounds", "add": 1}], "decision": asked, "transitions": [
                 {"on": "cross", "to": "crossing"}, {"on": "detour", "to": "going_round"},
                 {"on": "signal", "to": "signalling"}, {"on": "finish", "to": "done"}, {"on": "abort", "to": "left"}]},
             "crossing": {"action": "cross", "timeout_s": 2, "achieved": {"key": "blocked", "==": False},
                          "settle_s": 0.3,
                          "transitions": [{"when": {"key": "thing.living", "==": True}, "to": "assessing"},
-                                         {"on": "succeeded", "to": "driving"}, {"on": failed, "to": "left"}]},
+                                         {"on": "succeeded", "to": "driving"}, *again(failed),
+                                         {"on": failed, "to": "left"}]},
             "going_round": {"call": "detour", "timeout_s": 2,
-                            "transitions": [{"on": "succeeded", "to": "looking"},
-                                            {"on": ["failed", "timed_out", "rejected"], "to": "left"}]},
+                            "transitions": [{"on": "succeeded", "to": "looking"}, *again(unanswered),
+                                            {"on": unanswered, "to": "left"}]},
             "signalling": {"call": "horn", "timeout_s": 2, "entry": [{"set": "signals", "add": 1}],
-                           "transitions": [{"on": "succeeded", "to": "looking"},
-                                           {"on": ["failed", "timed_out", "rejected"], "to": "left"}]},
+                           "transitions": [{"on": "succeeded", "to": "looking"}, *again(unanswered),
+                                           {"on": unanswered, "to": "left"}]},
             "looking": {"transitions": [{"after_s": 0.3, "to": "driving"}]},
             "done": {"final": "succeeded", "requires": DRIVEN},
             "left": {"final": "aborted"},
