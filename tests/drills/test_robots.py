@@ -218,6 +218,27 @@ def test_the_tractor_over_a_bad_connection_three_hundred_times(part: int) -> Non
     assert [each for each in faults if each[1]] == []
 
 
+@pytest.mark.parametrize("both", [False, True])
+def test_a_topic_that_lies_within_its_type_is_believed_and_found_out_where_another_is_asked_too(both: bool) -> None:
+    """The robot says that it is there, and has not moved; its battery, which another wire tells of, is as full."""
+    there: dict[str, Any] = {"key": "there", "==": True}
+    achieved = {"all": [there, {"key": "battery", "<": 0.9}]} if both else there
+    rig = Rig({
+        "moving": {"action": "move", "timeout_s": 20, "achieved": achieved, "settle_s": 1,
+                   "transitions": [{"on": "succeeded", "to": "over"}, {"on": "unverified", "to": "found_out"}]},
+        "over": {"final": "aborted"}, "found_out": {"final": "failed"},
+    })  # fmt: skip
+
+    def lies() -> None:
+        rig.publish("/battery", percentage=1.0)
+        rig.publish("/there", data=True)
+
+    rig.stage.each = lies
+    rig.stage.play({2.0: lambda: rig.move.say("succeeded")})
+    rig.run()
+    assert rig.entered[-1] == ("found_out" if both else "over")
+
+
 class Mute(LocalConnector):
     """A connector that answers no call, whatever it promised."""
 

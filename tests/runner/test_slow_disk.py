@@ -13,7 +13,7 @@ import pytest
 from rai_missions.clock import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox, WallClock
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Image
-from rai_missions.journal import Header, Journal, clerk
+from rai_missions.journal import Header, Journal, clerk, read
 from rai_missions.result import Result
 from rai_missions.step import StartGoal, Step
 from tests.runner.stages import Book, Rig, robot
@@ -194,6 +194,18 @@ def test_what_a_robot_says_to_a_run_that_takes_nothing_does_not_fill_its_memory(
     assert mailbox.waiting == MOST_BEFORE_WRITE
     mailbox.post(Event("stop_now"))
     assert mailbox.waiting == MOST_BEFORE_WRITE + 1, "what happens is never lost"
+
+
+def test_a_disk_that_becomes_read_only_stops_the_robot(tmp_path: Path) -> None:
+    journal = Journal.create(tmp_path / "run.journal", Header('{"format": 1}'))
+    rig = Rig(MOVING, {1.0: lambda: rig.post("go"), 3.0: lambda: rig.post("again")}, journal=journal)
+    rig.stage.play({2.0: lambda: journal._database.execute("PRAGMA query_only=ON")})
+    result = rig.run()
+    journal.close()
+    assert result.outcome == "aborted" and "attempt to write a readonly database" in result.why
+    assert rig.move.canceled == rig.move.goals != []
+    with read(tmp_path / "run.journal") as record:
+        assert [step.event.name for step in record.steps()][-1] == "accepted", "what was written stands there"
 
 
 def test_a_journal_is_closed_although_its_disk_hangs_and_stays_this_process_own(tmp_path: Path) -> None:
