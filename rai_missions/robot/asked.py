@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whom a run on a robot may ask for something: the services and actions that its profile names."""
+"""Whom a run on a robot may ask or tell something: the services, actions and topics that its profile names."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ HANDS_OVER = ("agent", "operator")
 
 
 class Asked(NamedTuple):
-    """A service or an action by its name on the robot."""
+    """A service, an action or a topic that is published on, by its name on the robot."""
 
-    mode: Literal["services", "actions"]
+    mode: Literal["services", "actions", "topics"]
     name: str
     type: str
 
@@ -37,4 +37,6 @@ def asked(robot: Robot) -> Iterator[Asked]:
     for entry in robot.control.values():
         for by in HANDS_OVER:
             found[Asked("services", entry.service.replace("{by}", by), entry.type)] = None
+    for topic in robot.topics.values():
+        found[Asked("topics", topic.topic, topic.type)] = None
     yield from found

@@ -61,6 +61,12 @@ class FoundGoal(Goal):
             self._is_known = True
             self._tell(Report(self.goal_id, "accepted", {}))
 
+    def _finished(self, future: Any) -> None:
+        was_over = self.is_over
+        super()._finished(future)
+        if self.is_over and not was_over:
+            self._client.caught(self)  # its server has said what became of it: there is nothing to chase
+
     def end(self, said: End, data: dict[str, Any] | None = None, why: str = "") -> None:
         for close in self._ears:
             close()

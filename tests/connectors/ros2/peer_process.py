@@ -156,7 +156,14 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         response.success, response.message = request.data, "failed: it is broken" if not request.data else ""
         return response
 
-    ActionServer(
+    class Telling(ActionServer):
+        """Says of which goals the end is asked for, also of those that it knows nothing of."""
+
+        async def _execute_cancel_request(self, request: Any) -> None:
+            say("end wanted", bytes(request[1].goal_info.goal_id.uuid).hex())
+            await super()._execute_cancel_request(request)
+
+    Telling(
         node,
         Fibonacci,
         f"/{name}/fibonacci",

@@ -75,3 +75,27 @@ def test_a_goal_that_nobody_knows_is_lost(open_ros: Open, peer: Peer) -> None:
         lambda said: [(each.said, each.why) for each in said] == [("lost", "nobody serves /nobody/serves")],
         "nobody is there",
     )
+
+
+def test_goals_that_their_server_knows_nothing_of_are_sent_anew_and_nobody_asks_for_their_end(
+    open_ros: Open, peer: Peer
+) -> None:
+    """A word on the way to end them would end those that are sent under the same ids."""
+    connector, action = open_ros(), f"/{peer.name}/fibonacci"
+    sent: dict[str, Heard[Report]] = {uuid.uuid4().hex: Heard(30.0) for _ in range(4)}
+
+    def anew(goal_id: str) -> Callable[[Report], None]:
+        def lost(said: Report) -> None:
+            assert said.said == "lost"
+            connector.send_goal(action, FIBONACCI, {"order": RUN}, goal_id=goal_id, report=sent[goal_id])
+
+        return lost
+
+    for goal_id in sent:
+        connector.find_goal(action, FIBONACCI, goal_id=goal_id, report=anew(goal_id))
+    for heard in sent.values():
+        heard.wait(lambda said: "accepted" in [each.said for each in said], "it runs")
+    for goal_id, heard in sent.items():
+        connector.cancel_goal(goal_id)
+        heard.wait(lambda said: said[-1].said == "canceled", "it was canceled")
+    assert sorted(said[1] for said in peer.said.all if said[0] == "end wanted" and said[1] in sent) == sorted(sent)
