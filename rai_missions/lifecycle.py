@@ -177,15 +177,11 @@ class Lifecycle:
             self._go(target)
         if holder != self.control.holder:
             self.control.acknowledge(holder)
-        why = step.why if step.outcome else ""
-        status = (
-            target,
-            holder,
-            tuple(sorted(active)),
-            step.outcome,
-            why,
-            _waits(waiting, holder) if mode != "ended" else "",
-        )
+        outcome, why = step.outcome, step.why if step.outcome else ""
+        if self._last and self._last[3]:  # it has ended: what comes too late has a reason of its own
+            outcome, why = self._last[3:5]
+        waits = _waits(waiting, holder) if mode != "ended" else ""
+        status = (target, holder, tuple(sorted(active)), outcome, why, waits)
         if status == self._last:
             return None
         self._last = status

@@ -11,11 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.chart import Chart
 from rai_missions.clock import WallClock
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.lifecycle import MODES, Status
+from rai_missions.lifecycle import MODES, Lifecycle, Status
 from rai_missions.runner import Result
+from rai_missions.step import Step
 from rai_missions.testing import LateAnswerer
 from tests.runner.stages import Rig, mission
 
@@ -300,6 +302,20 @@ def test_an_answer_to_a_question_that_nobody_asks_is_stale() -> None:
     rig.runner._on_step = act
     assert rig.run().outcome == "aborted"
     assert [step.event.number for step in rig.stale()] == [8]
+
+
+def test_what_comes_after_the_end_does_not_change_what_the_status_says_of_it() -> None:
+    chart, life = Chart(mission(ASKING)), Lifecycle()
+
+    def seen(step: Step) -> Status | None:
+        return life.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
+
+    seen(chart.start(0.0))
+    ended = seen(chart.send(Event("cancel", 1.0, {"by": "Ann"}, "command")))
+    assert ended is not None and (ended.outcome, ended.why) == ("canceled", "canceled by Ann")
+    late = chart.send(Event("go", 2.0))
+    assert late.why == "the mission has ended"
+    assert seen(late) is None
 
 
 def test_the_status_has_a_revision_that_grows_with_each_change() -> None:
