@@ -50,6 +50,7 @@ def _follow(given: argparse.Namespace, page: Any, path: Path, own: dict[str, Any
 
     with journal_of(str(path)) as journal:
         warn(journal.warning)
+        _check_mission(journal.path)
         feed = JournalFeed(journal.path)
         page.start(feed.mission, feed, None, {"run": feed.header.run, "journal": str(path), "answers": False})
         print(f"watch: {page.url}", flush=True)
@@ -58,6 +59,20 @@ def _follow(given: argparse.Namespace, page: Any, path: Path, own: dict[str, Any
         with _until_ended() as ended:
             while not ended.wait(0.5) and page.serves:
                 pass
+
+
+def _check_mission(journal: Path) -> None:
+    """Whether the mission in a journal is one, within the bounds that hold for its file as well.
+
+    Raises:
+        DefinitionError: It is none.
+    """
+    from rai_missions.journal.record import Record
+    from rai_missions.rebuild import mission_of
+
+    with Record(journal) as record:
+        if record.header.mission:
+            mission_of(record)
 
 
 def found(name: str | None) -> Path:

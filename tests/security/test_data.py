@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.cli import main, parser
+from rai_missions.journal import Header, Journal
 from rai_missions.load import dump
 from tests.fuzz.seeds import LAMP, written_run
 
@@ -182,6 +183,18 @@ def test_a_mission_s_schemas_are_never_fetched(place: Place) -> None:
         written["states"]["asking"]["decision"]["options"]["stay"] = {"parameters": parameters}
         mission = place.put("fetching.json", written)
         place.assert_harmless(place.watch(*reviews(place, mission)))
+
+
+def test_a_journal_s_mission_is_bounded_as_its_file_is(place: Place, capsys: pytest.CaptureFixture[str]) -> None:
+    states: dict[str, Any] = {"s0": {"final": "aborted"}}
+    for number in range(200):
+        states = {f"s{number + 1}": {"initial": f"s{number}", "states": states}}
+    mission = {"format": 1, "name": "deep", "initial": "s200", "states": states}
+    file = place.given / "deep.journal"
+    Journal.create(file, Header(json.dumps(mission))).close()
+    for command in ("replay", "watch"):
+        assert main([command, str(file)]) == 2
+        assert "more than 100 objects and lists inside each other" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["mission.json", "robot.json", "run.journal", "run.mcap", "mission.py"])
