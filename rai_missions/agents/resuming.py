@@ -57,7 +57,9 @@ def take_up(
         was = mission_of(record) if record.header.mission or mission is None else mission
         if mission is not None and mission != was:
             sentence = f"the mission has changed since the run began ({was.version} then, {mission.version} now)"
-            raise DefinitionError([Fault("", f"{sentence}; go on with the one that the journal holds")], str(journal))
+            raise DefinitionError(
+                [Fault("", f"{sentence}; go on with the one that the journal holds, or migrate")], str(journal)
+            )
         before = robot_of(record)
         if robot is not None and before is not None and (changed := _changes(before, robot)):
             sentence = f"the robot profile has changed since the run began: {', '.join(changed)}"

@@ -175,7 +175,10 @@ def _mission(given: argparse.Namespace) -> Mission:
         from visualize import difference
 
         faults = [Fault("", line) for line in difference(was, now).lines()]
-        raise DefinitionError([*faults, Fault("", "the run goes on with its own mission only")], given.mission)
+        remedy = (
+            "the run goes on with its own mission, or in this one by a map of what has become of what: --migrate MAP"
+        )
+        raise DefinitionError([*faults, Fault("", remedy)], given.mission)
     return was
 
 

@@ -72,13 +72,13 @@ def migrate(
             said = "has not begun" if resumed.chart.mode == "ready" else f"has ended, {resumed.chart.outcome}"
             raise UsageError(f"the run of {journal} {said}: there is nothing to go on with; start a new one")
         profile = robot or robot_of(record)
-        if profile is not None and (faults := [*missing(mission, profile), *_other(record, profile, resumed)]):
-            raise DefinitionError(faults, profile.name)
         naming = Naming(was, mission, map_)
         chart = Chart(
             mission, default_ticker(mission), terms=terms(profile) if profile is not None else None, named=named
         )
         data, at = _data(naming, resumed, chart, source), resumed.at
+        if profile is not None and (faults := [*missing(mission, profile), *_other(record, profile, resumed)]):
+            raise DefinitionError(faults, profile.name)
         chart.absorb((), at=at, seq=resumed.chart.seq)
         step = chart.send(Event("migrate", at, data, "command"))
         if faults := _broken(chart):
