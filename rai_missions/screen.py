@@ -114,7 +114,8 @@ class Screen(Lines):
         facts = Table.grid(padding=(0, 2))
         for key, entry in sorted(chart.view.board.items()):
             if self._mission.blackboard[key].source == "robot":
-                facts.add_row(Text(f"  {key}", style="dim"), trimmed(entry.value, 60), f"{at - entry.at:.1f} s old")
+                said = Text(trimmed(entry.value, 60))  # a string would be read as markup
+                facts.add_row(Text(f"  {key}", style="dim"), said, f"{at - entry.at:.1f} s old")
         return Group(Text(""), head, facts)
 
     def _path(self, chart: Chart) -> list[str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import io
 
 import pytest
+from rich.console import Console
 
 from rai_missions.chart import Chart
 from rai_missions.event import Event
@@ -52,3 +53,20 @@ def test_what_happens_before_the_start_is_one_line_that_says_what_is_waited_for(
 def test_who_wants_every_step_sees_every_step() -> None:
     ignored = [line for line in lines_before_the_start(Lines, verbose=True) if "has not been started" in line]
     assert len(ignored) == 11
+
+
+@pytest.mark.parametrize("said", ["[/red]", "[link=file:///etc/passwd]here[/link]", "[bold", "\x1b[2J"])
+def test_what_a_robot_says_is_shown_as_it_was_said_and_never_as_markup(said: str) -> None:
+    mission = Mission.model_validate(
+        {
+            "name": "m", "blackboard": {"said": {"type": "string", "source": "robot"}}, "initial": "a",
+            "states": {"a": {"final": "aborted"}},
+        }
+    )  # fmt: skip
+    out, chart = io.StringIO(), Chart(mission)
+    screen = Screen(mission, out)
+    screen.watch(chart)
+    chart.write("said", said, 0.0)
+    foot = Console(file=out, width=200)
+    foot.print(screen._foot(0.0))
+    assert said.replace("\x1b", " ").strip() in out.getvalue()
