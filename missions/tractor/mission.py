@@ -7,7 +7,7 @@ from rai_missions import After, CallEffect, Declared, Image, In, Key, Keys, Miss
 from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, State, Tree
 from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
 
-TROUBLE = ("failed", "unverified", "timed_out", "rejected")
+TROUBLE = ("failed", "unverified", "timed_out")
 
 k = Keys(
     alleys=Key(
@@ -30,11 +30,12 @@ k = Keys(
     ),
     passed=Key(bool, source="robot", max_age_s=5, optional=True, about="the last obstacle lies behind, as it lay"),
     touched_living=Key(bool, source="robot", max_age_s=5, about="a person or an animal was touched"),
-    crossings=Key(int, source="mission", initial=0, about="attempts to drive over this obstacle"),
+    crossings=Key(int, source="mission", initial=0, about="attempts to get past this obstacle"),
     signals=Key(int, source="mission", initial=0, about="how often it was signalled here"),
     unfinished=Key(bool, source="mission", initial=False, about="alleys are left that cannot be driven"),
 )
 
+MOVING = ["REVERSING", "CHANGING_PATH", "DRIVING"]
 HALT = CallEffect("halt")
 GIVE_UP = Set(k.unfinished, True)
 
@@ -42,7 +43,7 @@ GIVE_UP = Set(k.unfinished, True)
 def mission() -> Mission:
     return Mission(
         "tractor_orchard",
-        version="1.3.0",
+        version="1.4.0",
         about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
         keys=k,
         events={
@@ -70,6 +71,7 @@ def mission() -> Mission:
                         transitions=[
                             On("anomaly", to="assessing", do=[Set(k.signals, 0), Set(k.crossings, 0)]),
                             On("succeeded", to="done"),
+                            On("rejected", to="looking", do=[Set(k.crossings, add=1)]),
                             On(*TROUBLE, to="returning", do=[GIVE_UP]),
                         ],
                     ),
@@ -110,7 +112,8 @@ def mission() -> Mission:
                 entry=[Set(k.crossings, add=1)],
                 transitions=[
                     When(k.obstacle.living, to="assessing"),
-                    On("succeeded", to="resume"),
+                    On("succeeded", to="resume", do=[Set(k.crossings, 0)]),
+                    On("rejected", to="looking"),
                     On(*TROUBLE, to="assessing"),
                 ],
             ),
@@ -120,6 +123,7 @@ def mission() -> Mission:
                 timeout_s=10,
                 control="agent",
                 transitions=[
+                    On("uncertain", to="looking"),
                     On("succeeded", to="leaving"),
                     On("failed", "timed_out", "rejected", to="returning", do=[GIVE_UP]),
                 ],
@@ -128,9 +132,30 @@ def mission() -> Mission:
                 about="the autonomy stack says whether there is an alley left to take",
                 control="agent",
                 transitions=[
-                    When(k.autonomy_state.is_in(["REVERSING", "CHANGING_PATH", "DRIVING"]), to="resume"),
+                    When(k.alleys_driven >= k.alleys, to="done"),
+                    When(k.autonomy_state.is_in(MOVING), to="resume"),
                     When((k.autonomy_state == "FINISHED") | ~k.autonomy_state.fresh, to="returning", do=[GIVE_UP]),
-                    After(10, to="returning", do=[GIVE_UP]),
+                    After(10, to="looking", do=[Set(k.crossings, add=1)]),
+                ],
+            ),
+            "looking": State(
+                about="refused, or nobody knows whether it was done: a moment to hear what is so",
+                control="agent",
+                transitions=[When(k.alleys_driven >= k.alleys, to="done"), After(3, to="going_on")],
+            ),
+            "going_on": State(
+                about="what is so says how",
+                control="agent",
+                transitions=[
+                    When(
+                        (k.crossings >= 2) | (k.autonomy_state == "FINISHED") | ~k.autonomy_state.fresh,
+                        to="returning",
+                        do=[GIVE_UP],
+                    ),
+                    When(k.autonomy_state.is_in(MOVING), to="resume"),
+                    When(k.obstacle.fresh, to="assessing"),
+                    When(k.camera.fresh, to="resume"),
+                    When(~k.camera.fresh, to="returning", do=[GIVE_UP]),
                 ],
             ),
             "signalling": Tree(
@@ -154,7 +179,7 @@ def mission() -> Mission:
                 transitions=[
                     On("succeeded", when=k.unfinished, to="unfinished_home"),
                     On("succeeded", to="aborted"),
-                    On(*TROUBLE, to="stranded"),
+                    On(*TROUBLE, "rejected", to="stranded"),
                 ],
             ),
             "done": Final(
