@@ -12,6 +12,7 @@ from rai_missions.chart import Chart
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, Raw, Record
 from rai_missions.load import dump
+from rai_missions.migration import Map, migrate
 from rai_missions.mission import Mission
 from rai_missions.recording import Recording
 
@@ -95,8 +96,22 @@ def _runs(target: str) -> Iterator[bytes]:
         elif target == "recording":
             yield journal.with_suffix(".mcap").read_bytes()
         else:
-            with Record(journal) as record:
-                yield json.dumps([_row(raw) for raw in record.raw()]).encode()
+            for each in (journal, _migrated(journal)):
+                with Record(each) as record:
+                    yield json.dumps([_row(raw) for raw in record.raw()]).encode()
+
+
+def _migrated(journal: Path) -> Path:
+    """The journal of a run that was cut short and goes on in another mission: it begins with where that stood."""
+    cut, to = journal.with_name("cut.journal"), journal.with_name("migrated.journal")
+    chart = Chart(LAMP)
+    with Journal.create(cut, Header(dump(LAMP), run="run")) as written:
+        for step in (chart.start(at=0.0), chart.send(Event("tap", at=1.0)), chart.write("battery", 0.4, at=2.0)):
+            written.write(step, since=step.at)
+    later = LAMP.written() | {"version": "2.0.0"}
+    later["states"]["on"]["about"] = "It shines."
+    migrate(cut, Mission.model_validate(later), Map(), to=to)
+    return to
 
 
 def _is_small(path: Path) -> bool:
