@@ -2,7 +2,8 @@
 """How long it takes to load and to check a mission, by its size: `python -m benchmarks.bench_check`.
 
 The charts are generated, the same for a seed: compound states three levels deep, with actions, decisions, guarded rows,
-protective rows and parallel regions. A second chart of each size is full of faults, for messages cost time too.
+protective rows and parallel regions. A second chart of each size is full of faults, for messages cost time too. The
+peer is jsonschema with the shipped schema, which sees the form alone.
 """
 
 from __future__ import annotations
@@ -12,8 +13,11 @@ import random
 import time
 from typing import Any
 
+from jsonschema import Draft202012Validator
+
 from rai_missions.check import check
 from rai_missions.mission import Mission
+from rai_missions.schema import mission_schema
 
 SIZES = (10, 100, 1_000, 10_000)
 
@@ -100,13 +104,22 @@ def measure(data: dict[str, Any]) -> tuple[int, float, float, int]:
 
 def main() -> None:
     """Print a row for each size."""
-    print("| states | load, CPU s | check, CPU s | findings | with faults: check, CPU s | findings |")
-    print("|---|---|---|---|---|---|")
+    schema = Draft202012Validator(mission_schema())
+    print(
+        "| states | jsonschema, CPU s | load, CPU s | check, CPU s | findings | with faults: check, CPU s | findings |"
+    )
+    print("|---|---|---|---|---|---|---|")
     for size in SIZES:
         data = chart(size)
         states, load_s, check_s, findings = measure(data)
         _, _, faulty_s, faults = measure(faulty(data))
-        print(f"| {states:,} | {load_s:.2f} | {check_s:.2f} | {findings} | {faulty_s:.2f} | {faults:,} |")
+        begun = time.process_time()
+        checked = sum(1 for _ in schema.iter_errors(data))
+        peer_s = time.process_time() - begun
+        assert not checked, "the chart is no mission by the schema"
+        print(
+            f"| {states:,} | {peer_s:.2f} | {load_s:.2f} | {check_s:.2f} | {findings} | {faulty_s:.2f} | {faults:,} |"
+        )
 
 
 if __name__ == "__main__":

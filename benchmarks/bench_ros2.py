@@ -128,8 +128,21 @@ def plain(kind: str) -> None:
     horn.wait_for_service()
     move.wait_for_server()
 
+    unwanted = threading.Event()
+
     def start(_heard: Any) -> None:
-        move.send_goal_async(Fibonacci.Goal()).add_done_callback(lambda sent: goals.append(sent.result()))
+        move.send_goal_async(Fibonacci.Goal()).add_done_callback(accepted)
+
+    def accepted(sent: Any) -> None:
+        goals.append(sent.result())
+        if unwanted.is_set():
+            leave(None)
+
+    def leave(_heard: Any) -> None:
+        """Where the word of its acceptance has not come, cancel the goal when it does."""
+        unwanted.clear() if goals else unwanted.set()
+        if goals:
+            goals.pop().cancel_goal_async()
 
     def look() -> None:
         while True:
@@ -142,7 +155,7 @@ def plain(kind: str) -> None:
     if kind == "seeing":
         node.create_subscription(Image, "/camera", lambda _heard: None, 10)
     node.create_subscription(String, "/go", deeds.get(kind, deeds["floor"]), 10)
-    node.create_subscription(String, "/leave", lambda _heard: goals.pop().cancel_goal_async(), 10)
+    node.create_subscription(String, "/leave", leave, 10)
     node.create_subscription(String, "/again", start, 10)
     if kind == "polling":
         threading.Thread(target=look, daemon=True).start()
