@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import ipaddress
 import json
 import os
 import signal
@@ -131,10 +132,25 @@ def serving(journal: Path) -> dict[str, Any] | None:
         if about.st_uid != os.getuid() or stat.S_IMODE(about.st_mode) & 0o077 or not isinstance(told["url"], str):
             return None
         place = urlsplit(told["url"])
+        if not _is_here(place.hostname or ""):
+            return None
         with socket.create_connection((place.hostname or "", place.port or 0), timeout=ANSWERS_S):
             return dict(told)
     except (OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def _is_here(host: str) -> bool:
+    """Whether an address is this machine's: a file that came with a journal may name any, and no name server is asked."""
+    if host in ("localhost", socket.gethostname().lower()):
+        return True
+    try:
+        address = ipaddress.ip_address(host)
+        with socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET, socket.SOCK_DGRAM) as tried:
+            tried.bind((host, 0))  # nothing is sent: only what is ours can be bound
+    except (OSError, ValueError):
+        return False
+    return True
 
 
 def _changed(path: Path) -> float:

@@ -7,6 +7,7 @@ import argparse
 import json
 import os
 import shutil
+import socket
 import sqlite3
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.cli import main, parser
+from rai_missions.commands.watch import serving
 from rai_missions.journal import Header, Journal
 from rai_missions.load import dump
 from tests.fuzz.seeds import LAMP, written_run
@@ -195,6 +197,20 @@ def test_a_journal_s_mission_is_bounded_as_its_file_is(place: Place, capsys: pyt
     for command in ("replay", "watch"):
         assert main([command, str(file)]) == 2
         assert "more than 100 objects and lists inside each other" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("host", ["192.0.2.1", "evil.example", "[2001:db8::1]", "", "127.0.0.1.evil.example"])
+def test_a_page_that_a_file_beside_a_journal_names_elsewhere_is_not_asked(
+    place: Place, monkeypatch: pytest.MonkeyPatch, host: str
+) -> None:
+    journal = written_run(place.given)
+    beside = Path(f"{journal}.watch")
+    beside.write_text(json.dumps({"url": f"http://{host}:8765/#token=x", "pid": os.getpid()}))
+    beside.chmod(0o600)
+    asked: list[Any] = []
+    monkeypatch.setattr(socket, "create_connection", lambda *given, **_: asked.append(given))
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *given, **_: asked.append(given))
+    assert serving(journal) is None and asked == []
 
 
 @pytest.mark.parametrize("name", ["mission.json", "robot.json", "run.journal", "run.mcap", "mission.py"])
