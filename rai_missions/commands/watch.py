@@ -141,7 +141,7 @@ def serving(journal: Path) -> dict[str, Any] | None:
 
 
 def _is_here(host: str) -> bool:
-    """Whether an address is this machine's: a file that came with a journal may name any, and no name server is asked."""
+    """Whether an address is this machine's: a file that came with a journal may name any, and none is asked."""
     if host in ("localhost", socket.gethostname().lower()):
         return True
     try:
