@@ -107,6 +107,8 @@ class Activities(Core):
         """Let those machines look whom a key that was written, a goal's end or the time concerns; whether one spoke."""
         if self.outcome is not None or self.mode == "paused":
             return False
+        if not self._due and not self._ledger.changed and self._polled == len(self.written):
+            return False
         keys = frozenset(key for key, _ in self.written[self._polled :]) | (
             {GOALS} if self._ledger.changed else NO_KEYS
         )
