@@ -71,6 +71,7 @@ def mission() -> Mission:
                         transitions=[
                             On("anomaly", to="assessing", do=[Set(k.signals, 0), Set(k.crossings, 0)]),
                             On("succeeded", to="done"),
+                            On("uncertain", to="looking"),
                             On("rejected", to="looking", do=[Set(k.crossings, add=1)]),
                             On(*TROUBLE, to="returning", do=[GIVE_UP]),
                         ],
@@ -113,7 +114,7 @@ def mission() -> Mission:
                 transitions=[
                     When(k.obstacle.living, to="assessing"),
                     On("succeeded", to="resume", do=[Set(k.crossings, 0)]),
-                    On("rejected", to="looking"),
+                    On("uncertain", "rejected", to="looking"),
                     On(*TROUBLE, to="assessing"),
                 ],
             ),
