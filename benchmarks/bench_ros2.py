@@ -285,6 +285,13 @@ def main() -> None:
         print("ROS 2 is not installed, nothing is measured: pip install -e '.[ros,ros-test]'")
         return
     robot = Robot()
+    try:
+        measure(robot)
+    finally:  # its thread would keep the process
+        robot.close()
+
+
+def measure(robot: Robot) -> None:
     print(
         f"{'from a message to its call, ms':<46}{'median':>10}{'p99':>10}{'longest':>10}{'over floor':>10}{'ratio':>8}"
     )
@@ -312,7 +319,6 @@ def main() -> None:
         idle(f"{MISSIONS} missions", pid)
         print(f"    {MISSIONS} missions from the connector's start to the last one's: {said.split()[-1]} s")
     print(WANTED)
-    robot.close()
 
 
 if __name__ == "__main__":
