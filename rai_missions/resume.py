@@ -12,7 +12,7 @@ from typing import NamedTuple
 from rai_missions.chart import Chart
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.guards.guard import Truth
-from rai_missions.journal import MIGRATED, Note, Record, StepRow, difference
+from rai_missions.journal import MIGRATED, Note, Record, StepRow, checked, difference
 from rai_missions.journal.underway import Underway
 from rai_missions.mission import Mission
 from rai_missions.rebuild import Rebuilding
@@ -49,18 +49,18 @@ def resumption(
     """Do the steps of a journal again, to go on after the last.
 
     Args:
-        record: The journal of the run that was cut short.
+        record: The journal of the run that was cut short; whether its chain holds is looked at on the way.
         mission: The mission of its run.
         ticker: Who ticks trees; py_trees by default.
         named: The predicates that guards name.
 
     Raises:
-        DefinitionError: A step comes out differently: the program or a predicate has changed.
+        DefinitionError: The journal was altered, or a step comes out differently: program or predicate has changed.
         UsageError: The run has ended, or goes on in another mission.
     """
     rebuilding, under = Rebuilding(record, mission, ticker, named), Underway()
     chart, last, began, decisions = rebuilding.chart, None, 0.0, 0
-    for row in record.rows():
+    for row in checked(record):
         under.follow(row)
         if isinstance(row, Note) and row.text == MIGRATED:
             other = record.path.parent / row.data["journal"]

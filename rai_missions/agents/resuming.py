@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.guards.guard import Truth
-from rai_missions.journal import Record, read
+from rai_missions.journal import Record, opened
 from rai_missions.migration import follow
 from rai_missions.mission import Mission
 from rai_missions.rebuild import mission_of, robot_of
@@ -51,9 +51,8 @@ def take_up(
         DefinitionError: The journal is damaged, or the mission or the profile has changed.
         UsageError: There is no such journal, or its run has ended or goes on elsewhere.
     """
-    record = read(journal)
+    record = opened(journal)
     try:
-        follow(record)
         was = mission_of(record) if record.header.mission or mission is None else mission
         if mission is not None and mission != was:
             sentence = f"the mission has changed since the run began ({was.version} then, {mission.version} now)"
@@ -64,7 +63,9 @@ def take_up(
         if robot is not None and before is not None and (changed := _changes(before, robot)):
             sentence = f"the robot profile has changed since the run began: {', '.join(changed)}"
             raise DefinitionError([Fault("", f"{sentence}; go on with the one that the journal holds")], str(journal))
-        return TakenUp(record, was, before, resumption(record, was, named=named))
+        resumed = resumption(record, was, named=named)
+        follow(record)
+        return TakenUp(record, was, before, resumed)
     except BaseException:
         record.close()
         raise

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.check import check
+from rai_missions.commands.aside import printed_aside
 from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.commands.live import sort_out, watched
 from rai_missions.commands.migrate import migrated
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = ("run",)
 
 
+@printed_aside()
 def run(given: argparse.Namespace) -> int:
     """Run a mission and print it as it goes."""
     from rai_missions.agents.mission import prepare
@@ -165,11 +167,11 @@ def _mission(given: argparse.Namespace) -> Mission:
         if not given.mission:
             raise UsageError("name a mission (rai-missions run MISSION), or a run to go on with: --resume JOURNAL")
         return load(given.mission, python=not given.no_python)
-    from rai_missions.journal import read
+    from rai_missions.journal import opened
     from rai_missions.rebuild import mission_of
 
     now = load(given.mission, python=not given.no_python) if given.mission else None
-    with read(given.resume) as record:
+    with opened(given.resume) as record:  # read whole, and looked at, when the run is taken up
         was = mission_of(record) if record.header.mission or now is None else now
     if now is not None and now != was:
         from visualize import difference

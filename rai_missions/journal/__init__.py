@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The journal: what a run did, row by row, written ahead of its effects and read back as the same values."""
 
-from rai_missions.journal.chain import read, verify
+from rai_missions.journal.chain import checked, opened, read, verify
 from rai_missions.journal.codec import decode, encode
 from rai_missions.journal.compare import difference
 from rai_missions.journal.copied import copied
@@ -10,6 +10,6 @@ from rai_missions.journal.rows import MIGRATED, Blob, Confirmation, Header, Note
 from rai_missions.journal.writer import Journal, versions
 
 __all__ = (
-    "MIGRATED", "Blob", "Confirmation", "Header", "Journal", "Note", "Raw", "Record", "Row", "StepRow", "copied",
-    "decode", "difference", "encode", "read", "verify", "versions",
+    "MIGRATED", "Blob", "Confirmation", "Header", "Journal", "Note", "Raw", "Record", "Row", "StepRow", "checked",
+    "copied", "decode", "difference", "encode", "opened", "read", "verify", "versions",
 )  # fmt: skip

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal.record import Record
-from rai_missions.journal.rows import GENESIS, Raw, StepRow, chained
+from rai_missions.journal.rows import GENESIS, Raw, Row, StepRow, chained
 
-__all__ = ("read", "verify")
+__all__ = ("checked", "opened", "read", "verify")
 
 MOST_FAULTS = 100
 
@@ -31,6 +31,41 @@ def read(path: Path | str) -> Record:
         record.close()
         raise DefinitionError(faults, str(path))
     return record
+
+
+def opened(path: Path | str) -> Record:
+    """Opens a journal of which nothing but row 0 has been looked at; `checked` looks at the rest.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal, or its row 0 is not what was written: every fault with its row.
+    """
+    record = Record(path)
+    first = next(record.raw(), None)
+    if first is None or first[0] != 0 or _altered(first, GENESIS):
+        faults = _collected(_chain_faults(record))
+        record.close()
+        raise DefinitionError(faults, str(path))
+    return record
+
+
+def checked(record: Record) -> Iterator[Row]:
+    """The rows of a journal that was opened and not read: each is looked at before it is given.
+
+    Raises:
+        DefinitionError: The chain does not hold: every fault with its row.
+    """
+    expected, before = 0, GENESIS
+    for raw in record.raw():
+        if raw[0] != expected or _altered(raw, before):
+            break
+        if expected:
+            yield record.row(raw)
+        expected, before = expected + 1, raw[3]
+    else:
+        if expected:
+            return
+    raise DefinitionError(_collected(_chain_faults(record)), str(record.path))
 
 
 def verify(path: Path | str) -> tuple[Fault, ...]:

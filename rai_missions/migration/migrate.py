@@ -19,7 +19,7 @@ from rai_missions.chart.packing import packed
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
-from rai_missions.journal import MIGRATED, Header, Journal, Record, read
+from rai_missions.journal import MIGRATED, Header, Journal, Record, opened, read
 from rai_missions.load import dump
 from rai_missions.migration.board import board
 from rai_missions.migration.carry import carry
@@ -65,7 +65,7 @@ def migrate(
         DefinitionError: The map does not say enough, or what is not so.
         UsageError: The run has ended, has not begun, or goes on elsewhere; or the new journal is there already.
     """
-    with read(journal) as record:
+    with opened(journal) as record:
         was = mission_of(record)
         resumed = resumption(record, was, named=named)
         if resumed.chart.mode in ("ready", "ended"):
@@ -93,11 +93,14 @@ def migrate(
 def follow(record: Record) -> None:
     """Have the journal that a run comes from say where it went, if whoever migrated it died before that.
 
+    It is looked for beside this one only: no journal makes anybody read or write elsewhere.
+
     Raises:
         UsageError: That run went on meanwhile, or in another journal: this one counts no more.
     """
-    origin = record.path.parent / record.header.migrated.get("journal", "")
-    if not record.header.migrated or not origin.is_file():
+    name = record.header.migrated.get("journal", "")
+    origin = record.path.parent / name
+    if not name or Path(name).name != name or not origin.is_file():
         return
     with read(origin) as before:
         went = [note.data for note in before.notes() if note.text == MIGRATED]
