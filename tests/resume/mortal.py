@@ -165,6 +165,7 @@ class Land:
     def __init__(self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]) -> None:
         self._wishes = list(wishes)
         self._ticks = 0
+        self._said_at = -1.0
         self.runner: Runner | None = None
         self.connector = self.connector_type(now=lambda: self.at)
         self.connector.start()
@@ -215,7 +216,14 @@ class Land:
             if self._wishes[0].is_granted(self.runner):
                 self._wishes.pop(0)
             else:
+                self._said_at = self.at
                 self._wishes[0].say(self.runner)
+
+    def wish_again(self) -> None:
+        """Say once more what was said in this period to a process that has died since, unless it took it in."""
+        runner = self.runner
+        if runner is not None and self._said_at == self.at and not self._wishes[0].is_granted(runner):
+            self._wishes[0].say(runner)
 
     def look(self, step: Step) -> None:
         """Stop a run that goes round for ever without that any time passes."""
@@ -323,7 +331,7 @@ def live(
         )  # fmt: skip
         fate.mourn = lambda: coroner.died(runner, fate)
         if land.keeps_time and taken is not None:
-            land.wish()
+            land.wish_again()
         return runner.run()
     except Dead:
         return None

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rai_missions.journal import clerk
 from rai_missions.mission import Mission
 from tests.resume.coroner import INSTANTS
 from tests.resume.trial import tried, worth_a_trial
@@ -43,7 +44,10 @@ def trials() -> Iterator[tuple[int, Mission]]:
 
 @pytest.mark.drill
 @pytest.mark.timeout(7200)
-def test_ten_thousand_kills_at_instants_of_every_kind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_ten_thousand_kills_at_instants_of_every_kind(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(clerk, "LONGEST_S", 600.0)  # a machine with other work to do is no disk that hangs
     began, count, runs = time.monotonic(), 0, 0
     kinds, compared = Counter[str](), Counter[str]()
     logging.disable(logging.CRITICAL)
