@@ -22,8 +22,8 @@ from rai_missions.worlds.world import World
 
 __all__ = ("world",)
 
-LOOK_S = 1.5
-"""After so long on the wall whoever else is there is known."""
+LOOK_S = 3.0
+"""After so long on the wall whoever else is there is known, as a connector's `discovery_s` has it."""
 REPORT_S = 60.0
 """Seconds on the wall between two words that all is well."""
 
