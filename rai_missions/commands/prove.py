@@ -125,7 +125,8 @@ def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | 
     before: frozenset[str] = frozenset()
     for number, scene in enumerate(scenes, 1):
         ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
-        known = ", ".join(f"{key} {_said(value)}" for key, value in sorted(scene.facts.items()))
+        facts = [f"{key} {_said(value)}" for key, value in sorted(scene.facts.items())]
+        known = ", ".join([f"control is with {scene.holder}"] * bool(scene.holder) + facts)
         yield f"      {number}. {scene.words}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
         before = scene.active
     if journal is not None:
@@ -140,13 +141,17 @@ def _said(value: Any) -> str:
 def _limits(proof: Any) -> Iterable[str]:
     if proof.assumed:
         yield f"assumed of the robot, and watched in a run: {', '.join(proof.assumed)}"
+    if proof.in_pause:
+        names = ", ".join(proof.in_pause)
+        yield f"while paused no rule acts, and what the robot says can end the mission by: {names}"
     if proof.predicates:
         yield f"free to say anything whenever asked: {', '.join(proof.predicates)}"
     if proof.sampled:
         yield f"tried with some values only, so nothing is called proved: {', '.join(proof.sampled)}"
     if proof.never:
         yield f"no run enters: {', '.join(proof.never)}"
-    yield "not explored: pause and resume, an operator who takes control; timers run out in any order"
+    yield "in every state the operator may pause, resume, take control or give it; timers run out in any order"
+    yield "not explored: a process that is killed and taken up again"
 
 
 def _object(mission: Mission, proof: Any, journals: dict[str, Any]) -> dict[str, Any]:
@@ -159,7 +164,19 @@ def _object(mission: Mission, proof: Any, journals: dict[str, Any]) -> dict[str,
         }
         for each in proof.claims
     ]  # fmt: skip
-    words = ("states", "steps", "depth", "farthest", "is_whole", "assumed", "predicates", "sampled", "never", "seconds")
+    words = (
+        "states",
+        "steps",
+        "depth",
+        "farthest",
+        "is_whole",
+        "assumed",
+        "in_pause",
+        "predicates",
+        "sampled",
+        "never",
+        "seconds",
+    )
     told = {word: getattr(proof, word) for word in words}
     return {"mission": mission.name, "version": mission.version, "verdict": proof.verdict, **told, "claims": claims}
 

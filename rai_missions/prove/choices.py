@@ -14,6 +14,8 @@ from rai_missions.blackboard import Stamped
 __all__ = ("Choices", "OpenBoard", "OpenFields", "Payload")
 
 MISSING: Any = object()
+NOTHING: Mapping[str, Any] = {}
+_get = dict.get
 
 
 class Choices:
@@ -127,7 +129,7 @@ class OpenBoard(dict[str, Any]):
 
     def get(self, key: str, default: Any = None) -> Any:
         self.looked.add(key)
-        found = dict.get(self, key, MISSING)
+        found = _get(self, key, MISSING)
         if found is MISSING:
             if key not in self.open_keys:
                 return default
@@ -152,9 +154,10 @@ class OpenBoard(dict[str, Any]):
         """Have it so, None for unknown."""
         dict.__setitem__(self, key, entry)
 
-    def refill(self, entries: Mapping[str, Any]) -> None:
+    def refill(self, entries: Mapping[str, Any], others: Mapping[str, Any] = NOTHING) -> None:
         """Have these and no others; objects become its own."""
         dict.clear(self)
+        dict.update(self, others)
         dict.update(self, entries)
         for key, entry in entries.items():
             if entry is not None and entry.__class__ is Stamped and entry[0].__class__ is OpenFields:

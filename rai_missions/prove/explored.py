@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import marshal
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.chart.configuration import Configuration
@@ -23,10 +24,12 @@ from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 from rai_missions.states.tree.leaves import ActionLeaf
 
-__all__ = ("Explored", "State")
+__all__ = ("Explored", "Own", "State")
 
 State = tuple[Any, ...]
-"""All that a chart remembers, to put it back."""
+"""All that a chart remembers but the mission's own keys, to put it back."""
+Own = Mapping[str, Any]
+"""The mission's own keys and what stands under them."""
 NONE: dict[Any, Any] = {}
 A_LITTLE_S = 1e-3
 """A state is older than a guard asks for by so much, lest a sum of floats falls short."""
@@ -40,6 +43,11 @@ class Explored(Resting):
         self._levels = self._thresholds()
         self._quick = False
         self._atomic, self._last = self._config.atomic, self._config
+        self.own_keys = self._every - self.open_keys
+        """The keys that only the mission, answers and results write."""
+        self.own_fade = any(mission.blackboard[key].max_age_s is not None for key in self.own_keys)
+        """Some of them grow stale."""
+        self._own_order: dict[frozenset[str], tuple[str, ...]] = {}
 
     # -- ages -----------------------------------------------------------------------------------------------------
 
@@ -83,19 +91,27 @@ class Explored(Resting):
         """What `load` puts back."""
         view = self.view
         return (
-            self._config.atomic, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
-            _kept(self._memory), _kept(self._timers), _kept(self._running), _kept(self._pending), _kept(self._rounds),
-            _kept(self._settling), _kept(self._calls), _kept(self._ledger.goals), self._unknown, self._cancel_by,
-            _kept(view.entered), _kept(view.held), view.answer, _kept(self.board), self._listening,
+            self._config.atomic, self.mode, self._holder, self.outcome, self.why, self._final, self._number,
+            self._order, _kept(self._memory), _kept(self._timers), _kept(self._running), _kept(self._pending),
+            _kept(self._rounds), _kept(self._settling), _kept(self._calls), _kept(self._ledger.goals), self._unknown,
+            self._cancel_by, _kept(view.entered), _kept(view.held), view.answer, self._known_of_robot(),
+            self._listening, self._suspended,
         )  # fmt: skip
 
-    def load(self, state: State) -> None:
+    def _known_of_robot(self) -> dict[str, Any]:
+        return {key: entry for key, entry in self.board.entries() if key not in self.own_keys}
+
+    def own(self) -> dict[str, Any]:
+        """What stands under the mission's own keys."""
+        return {key: entry for key, entry in self.board.entries() if key in self.own_keys}
+
+    def load(self, state: State, own: Own) -> None:
         """Be in a state again."""
         view = self.view
         (
-            atomic, self.mode, self.holder, self.outcome, self.why, self._final, self._number, self._order,
+            atomic, self.mode, self._holder, self.outcome, self.why, self._final, self._number, self._order,
             memory, timers, running, pending, rounds, settling, calls, goals, self._unknown, self._cancel_by,
-            entered, held, view.answer, board, self._listening,
+            entered, held, view.answer, board, self._listening, self._suspended,
         ) = state  # fmt: skip
         self._config = self._configured(atomic)
         self._memory, self._timers, self._running = memory.copy(), timers.copy(), running.copy()
@@ -103,7 +119,7 @@ class Explored(Resting):
         self._calls, self._ledger.goals, self._ledger.changed = calls.copy(), goals.copy(), False
         view.entered, view.held, view.event = entered.copy(), held.copy(), {}
         view.active = self._config.active
-        self.board.refill(board)
+        self.board.refill(board, own)
         self._quick, self._due = False, frozenset()
         self._wavering.clear()
 
@@ -114,19 +130,30 @@ class Explored(Resting):
             self._last = self._graph.configuration(atomic) if atomic else self._graph.empty
         return self._last
 
-    def key(self) -> bytes:
+    def core(self) -> bytes:
+        """The same for two states that differ in the mission's own keys alone: 16 bytes."""
+        return _digest((self._told_run(), self._told_goals(), self._told_facts()))
+
+    def telling(self) -> tuple[str, ...]:
+        """The mission's own keys that make a difference from here on."""
+        keys = self.later.keys
+        found = self._own_order.get(keys)
+        if found is None:
+            found = self._own_order[keys] = tuple(sorted(keys & self.own_keys))
+        return found
+
+    def key(self, core: bytes, own: Own, telling: tuple[str, ...]) -> bytes:
         """The same for two states from which the same can happen: 16 bytes."""
-        parts = (self._told_run(), self._told_goals(), self._told_facts())
-        try:
-            said = marshal.dumps(parts, 2)
-        except ValueError:  # a picture, a mapping of some kind
-            said = repr(parts).encode()
-        return hashlib.blake2b(said, digest_size=16).digest()
+        if not telling:
+            return core
+        idle = self._idle
+        entries = ((name, own.get(name)) for name in telling)
+        return _digest((core, [None if entry is None else name in idle or entry[0] for name, entry in entries]))
 
     def _told_run(self) -> tuple[Any, ...]:
         timers, recalls = self._timers, self.later.recalls
         return (
-            self._config.key, self.mode, self.holder, self._final.index if self._final else -1,
+            self._config.key, self.mode, self._holder, self._suspended, self._final.index if self._final else -1,
             [(at, [node.index for node in nodes]) for at, nodes in sorted(self._memory.items()) if at in recalls],
             sorted([told_timer(key, timer) for key, timer in timers.items()]) if timers else (),
             [(name, until == math.inf) for name, until in sorted(self._pending.items())],
@@ -148,13 +175,22 @@ class Explored(Resting):
 
     def _told_facts(self) -> tuple[Any, ...]:
         view, idle, kept = self.view, self._idle, self.later.keys
-        board = sorted([entry for entry in self.board.entries() if entry[0] in kept])
+        own = self.own_keys
+        board = sorted([entry for entry in self.board.entries() if entry[0] in kept and entry[0] not in own])
         return (
             [(name, self.next_age(name)) for name in self._levels if name in view.entered],
             [(memory, since == NOW) for memory, since in sorted(view.held.items())],
             sorted(view.answer.items()) if view.answer else (),
             [(n, None if entry is None else n in idle or plain(entry[0])) for n, entry in board],
         )
+
+
+def _digest(parts: tuple[Any, ...]) -> bytes:
+    try:
+        said = marshal.dumps(parts, 2)
+    except ValueError:  # a picture, a mapping of some kind
+        said = repr(parts).encode()
+    return hashlib.blake2b(said, digest_size=16).digest()
 
 
 def _kept(store: dict[Any, Any]) -> dict[Any, Any]:

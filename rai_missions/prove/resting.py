@@ -19,9 +19,10 @@ from rai_missions.chart.node import Condition, Node
 from rai_missions.guards.guard import View
 from rai_missions.mission import Mission
 from rai_missions.prove.choices import OpenFields
+from rai_missions.prove.handed import Handed
 from rai_missions.prove.live import Later, Live
 from rai_missions.prove.remembered import SOON, rested, told_timer
-from rai_missions.prove.watched import NOW, Watched
+from rai_missions.prove.watched import NOW
 from rai_missions.states.compound import Each
 from rai_missions.states.goals import Goal
 from rai_missions.states.pursuit import Pursuit, PursuitMachine
@@ -38,7 +39,7 @@ PURSUED = ("sent", "running")
 """The phases of a goal that its state still pursues."""
 
 
-class Resting(Watched):
+class Resting(Handed):
     """A chart that comes to rest after each step."""
 
     def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
@@ -62,6 +63,7 @@ class Resting(Watched):
         """Forget what nobody looks at, and put every timer that runs to the same distance."""
         if self.mode == "ended":
             return
+        self.let_go()
         self._listening = self._sensed()
         self._forget()
         self._wait()
@@ -88,7 +90,7 @@ class Resting(Watched):
                 entry.value.looked.clear()
         for condition in self._watching():
             self._look(condition)
-        for _, machine, state in self._live():
+        for _, machine, state in self._live() if self.mode != "paused" else ():
             if isinstance(machine, PursuitMachine) and not self.predicates:
                 _sense(machine, state, self.view)
             else:
@@ -97,6 +99,9 @@ class Resting(Watched):
 
     def _watching(self) -> Iterable[Condition]:
         """The guards that may do something without an event."""
+        if self.mode == "paused":
+            yield from (condition for _, condition in self._invariants)
+            return
         if self._final is not None:
             yield from [self._final.requires] if self._final.requires is not None else []
         else:

@@ -1,38 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All states that a mission can come into, breadth first, and how one leads to another.
+"""All states that a mission can come into, breadth first, and what is wrong with any of them.
 
-Rule: the first way into a state that is found is a shortest one.
+Rule: a step does the same wherever the mission's own keys that it looks at are the same, and is made once for these.
 """
 
 from __future__ import annotations
 
-from array import array
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
-from rai_missions.prove.explored import State
-from rai_missions.prove.free import Free
-from rai_missions.prove.happening import KINDS, HappeningKind
+from rai_missions.prove.explored import Own, State
+from rai_missions.prove.free import RESUME, Free
+from rai_missions.prove.happening import Happening, HappeningKind
+from rai_missions.prove.reached import Reached, Way
 
 __all__ = ("CANCEL", "KILL", "START", "Flaw", "Space", "Way")
 
-TIME, COMMAND = KINDS.index("time"), KINDS.index("command")
-DEEPEST = 65_535
 NOW_AND_THEN = 1000
-
-
-class Way(NamedTuple):
-    """How one state leads to another."""
-
-    words: str
-    """What happens."""
-    at: int = -1
-    """The happening's place among those of its state; -1 for the start and the operator's commands."""
-    trail: tuple[int, ...] = ()
-    """What was chosen meanwhile."""
-
-
+MOST_COURSES = 20_000
+"""So many states are remembered with all that happened in them."""
 START, CANCEL, KILL = "the mission starts", "the operator cancels", "the operator stops the mission at once"
 
 
@@ -47,7 +34,40 @@ class Flaw(NamedTuple):
     """What happens in that state; None where the state itself is at fault."""
 
 
-class Space:
+class Arrival(NamedTuple):
+    """What one step came to, but for those of the mission's own keys that it left alone."""
+
+    way: Way
+    kind: HappeningKind
+    has_moved: bool
+    ended: tuple[str, str] | None
+    """Outcome and why; None where the mission goes on."""
+    core: bytes = b""
+    state: State = ()
+    written: Own | None = None
+    telling: tuple[str, ...] = ()
+    mode: str = ""
+
+
+class Course(NamedTuple):
+    """All that one happening can come to."""
+
+    arrivals: list[Arrival]
+    steps: int
+    needs: tuple[tuple[str, Any], ...]
+    """Those of the mission's own keys that were looked at, each with its value: with these, all happens again."""
+
+    def fits(self, own: Own) -> bool:
+        """Whether all this happens where so much stands under the mission's own keys."""
+        return all(_value(own, key) == value for key, value in self.needs)
+
+
+def _value(own: Own, key: str) -> Any:
+    entry = own.get(key)
+    return None if entry is None else entry.value
+
+
+class Space(Reached):
     """What was explored of a mission.
 
     Args:
@@ -57,15 +77,12 @@ class Space:
     """
 
     def __init__(self, chart: Free, most: int, progress: Callable[[int, int], None] = lambda found, done: None) -> None:
+        super().__init__()
         self.chart, self.most, self._progress = chart, most, progress
-        self.fresh = chart.save()
+        self.fresh = (chart.save(), chart.own())
         """Before the start."""
-        self._numbers: dict[bytes, int] = {}
-        self._parents, self._ways = array("l"), array("L")
-        self._way_numbers: dict[Way, int] = {}
-        self._sources, self._targets, self._kinds = array("L"), array("L"), bytearray()
-        self._frontier: deque[tuple[int, State]] = deque()
-        self._depths = array("H")
+        self._frontier: deque[tuple[int, bytes, State, Own]] = deque()
+        self._courses: dict[bytes, list[list[Course]]] = {}
         self.ends: dict[int, str] = {}
         """Number of a state → the outcome with which the run has ended in it."""
         self.canceling: set[int] = set()
@@ -74,71 +91,141 @@ class Space:
         self.entered: set[str] = set()
         self.flaws: dict[str, Flaw] = {}
         """Promise → a shortest way to break it."""
+        self.in_pause: set[str] = set()
+        """Invariants that what a robot says can break while the mission is paused, when no rule can act."""
         self.steps = 0
         self.cut: set[int] = set()
         """States out of which some step leads where there was no room for it."""
-
-    @property
-    def states(self) -> int:
-        return len(self._parents)
-
-    @property
-    def depth(self) -> int:
-        """Steps of the longest of the shortest ways."""
-        return max(self._depths, default=0)
 
     @property
     def is_whole(self) -> bool:
         """Nothing was left out for want of room."""
         return not self.cut and not self._frontier
 
-    # -- exploring ------------------------------------------------------------------------------------------------
+    @property
+    def unfinished(self) -> list[int]:
+        """States whose steps were not explored, or not all."""
+        return [*self.cut, *(number for number, *_ in self._frontier)]
 
     def explore(self) -> None:
         """Find every state, or as many as there is room for."""
-        self._each_way(self.fresh, self.chart.begin, -1, "start", START, at=-1)
+        start = Happening(START, "start", self.chart.begin)
+        self._each_way(start, -1, self.fresh, -1)
         while self._frontier:
-            number, state = self._frontier.popleft()
-            self._leave(number, state)
+            number, core, state, own = self._frontier.popleft()
+            self._leave(number, core, (state, own))
             if number % NOW_AND_THEN == 0:
                 self._progress(self.states, number)
 
-    def _leave(self, number: int, state: State) -> None:
+    # -- one state ------------------------------------------------------------------------------------------------
+
+    def _leave(self, number: int, core: bytes, place: tuple[State, Own]) -> None:
         """Everything that can happen in a state."""
+        own, room = place[1], self._courses.get(core)
+        if room is None:
+            self._stop(number, place)
+        fitting = [next((course for course in each if course.fits(own)), None) for each in room or ()]
+        found = self._happenings(number, place) if room is None or None in fitting else []
+        if room is None:
+            room, fitting = self._room(core, len(found), place), [None] * len(found)
+        for at, course in enumerate(fitting):
+            if course is not None:
+                self._again(course, number, own)
+            else:
+                place_of = at if found[at].words != CANCEL else -1
+                room[at].append(self._each_way(found[at], place_of, place, number))
+
+    def _happenings(self, number: int, place: tuple[State, Own]) -> list[Happening]:
+        """Everything that can happen there but an emergency stop."""
         chart = self.chart
-        chart.load(state)
+        chart.load(*place)
         found = list(chart.happenings())
-        self._stop(number, state)
-        for at, happening in enumerate(found):
-            self._each_way(state, happening.do, number, happening.kind, happening.words, at=at)
         if number not in self.canceling:
-            self._each_way(state, self._cancel, number, "command", CANCEL, at=-1)
+            found.append(Happening(CANCEL, "command", chart.ordering("cancel")))
+        return found
 
-    def _cancel(self) -> None:
-        self.chart.order("cancel")
-
-    def _each_way(
-        self, state: State, do: Callable[[], None], source: int, kind: HappeningKind, words: str, *, at: int
-    ) -> None:
-        """Let it happen in each way in which it can."""
+    def _room(self, core: bytes, many: int, place: tuple[State, Own]) -> list[list[Course]]:
+        """Room for what comes of so many happenings; kept where the mission's own keys can differ."""
         chart = self.chart
+        room: list[list[Course]] = [[] for _ in range(many)]
+        chart.load(*place)
+        if chart.telling() and not chart.own_fade:
+            if len(self._courses) >= MOST_COURSES:
+                self._courses.clear()
+            self._courses[core] = room
+        return room
+
+    def _again(self, course: Course, source: int, own: Own) -> None:
+        """The same happens in a state that differs in the mission's own keys alone."""
+        self.steps += course.steps
+        for arrival in course.arrivals:
+            self._arrive(source, arrival, own)
+
+    def _each_way(self, happening: Happening, at: int, place: tuple[State, Own], source: int) -> Course:
+        """Let it happen in each way in which it can."""
+        chart, arrivals, steps = self.chart, [], 0
+        looked, own_keys, read = chart.board.looked, chart.own_keys, set[str]()
         chart.choices.begin()
         while True:
-            chart.load(state)
-            chart.make(do)
-            self.steps += 1
+            chart.load(*place)
+            looked.clear()
+            chart.make(happening.do)
+            steps += 1
             if chart.is_possible:
+                read |= looked & own_keys
                 chart.settle()
-                self._arrive(source, kind, Way(words, at, chart.choices.trail))
+                read |= (looked | chart.asked_at_the_end) & own_keys
+                way = Way(happening.words, at, chart.choices.trail)
+                self._learn(source, way, is_paused=place[0][1] == "paused" and happening.words != RESUME)
+                arrival = self._arrival(way, happening.kind, place[1])
+                self._arrive(source, arrival, place[1])
+                arrivals.append(arrival)
             if not chart.choices.another():
                 break
+        self.steps += steps
+        return Course(arrivals, steps, tuple((key, _value(place[1], key)) for key in sorted(read)))
 
-    def _stop(self, number: int, state: State) -> None:
-        """An emergency stop here ends the mission and every goal."""
+    def _arrival(self, way: Way, kind: HappeningKind, before: Own) -> Arrival:
+        chart, has_moved = self.chart, bool(self.chart.moves)
+        if chart.outcome is not None:
+            return Arrival(way, kind, has_moved, (chart.outcome, chart.why))
+        written = {key: entry for key, entry in chart.own().items() if before.get(key) is not entry}
+        return Arrival(
+            way, kind, has_moved, None, chart.core(), chart.save(), written, chart.telling(), chart.mode
+        )  # fmt: skip
+
+    def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:
+        """Take note of a step and of the state it leads to."""
+        ended = arrival.ended
+        if ended is not None:
+            own, key = before, repr(ended).encode()
+        else:
+            own = {**before, **arrival.written} if arrival.written else before
+            key = self.chart.key(arrival.core, own, arrival.telling)
+        number = self._numbers.get(key)
+        if number is None:
+            if self.states >= self.most:
+                self.cut.add(max(source, 0))
+                return
+            number = self._add(key, source, arrival.way)
+            if ended is not None:
+                self.ends[number] = ended[0]
+            else:
+                self._frontier.append((number, arrival.core, arrival.state, own))
+                if arrival.mode == "canceling":
+                    self.canceling.add(number)
+        is_circle = source == number and not (arrival.kind == "time" and arrival.has_moved)
+        if source >= 0 and not is_circle:  # what changes nothing leads nowhere
+            self._join(source, number, arrival.kind)
+
+    # -- what is wrong --------------------------------------------------------------------------------------------
+
+    def _stop(self, number: int, place: tuple[State, Own]) -> None:
+        """An emergency stop here ends the mission and every goal; it asks for nothing that is known."""
         chart = self.chart
-        chart.load(state)
+        chart.load(*place)
         chart.choices.begin()
-        chart.make(lambda: chart.order("kill"))
+        chart.make(chart.ordering("kill"))
         if chart.outcome != "aborted":
             self._flaw("stop", number, f"an emergency stop leaves the mission {chart.outcome or chart.mode}", Way(KILL))
         self._end(number, Way(KILL))
@@ -147,36 +234,7 @@ class Space:
         if loose := self.chart.loose:
             self._flaw("stopped", source, f"the mission ends while '{loose[0]}' goes on", way)
 
-    def _arrive(self, source: int, kind: HappeningKind, way: Way) -> None:
-        """Take note of a step and of the state it leads to."""
-        chart = self.chart
-        self._learn(source, way)
-        ended = chart.outcome is not None
-        number = self._numbers.get(key := repr((chart.outcome, chart.why)).encode() if ended else chart.key())
-        if number is None:
-            if self.states >= self.most:
-                self.cut.add(max(source, 0))
-                return
-            number = self._numbers[key] = self.states
-            self._add(source, way)
-            if ended:
-                self.ends[number] = chart.outcome or ""
-            else:
-                self._frontier.append((number, chart.save()))
-                if chart.mode == "canceling":
-                    self.canceling.add(number)
-        is_circle = source == number and not (kind == "time" and chart.moves)  # what changes nothing leads nowhere
-        if source >= 0 and not is_circle:
-            self._sources.append(source)
-            self._targets.append(number)
-            self._kinds.append(KINDS.index(kind))
-
-    def _add(self, source: int, way: Way) -> None:
-        self._parents.append(source)
-        self._ways.append(self._way_numbers.setdefault(way, len(self._way_numbers)))
-        self._depths.append(min(DEEPEST, self._depths[source] + 1 if source >= 0 else 1))
-
-    def _learn(self, source: int, way: Way) -> None:
+    def _learn(self, source: int, way: Way, *, is_paused: bool) -> None:
         chart = self.chart
         for move in chart.moves:
             self.taken.update(move.taken)
@@ -186,7 +244,9 @@ class Space:
         if chart.outcome is None:
             return
         self._end(source, way)
-        if chart.why.startswith("invariant "):
+        if chart.why.startswith("invariant ") and is_paused:
+            self.in_pause.add(chart.why.split("'")[1])
+        elif chart.why.startswith("invariant "):
             self._flaw("invariants", source, chart.why, way)
         elif chart.why.startswith(("a cycle without end", "timers without end")):
             self._flaw("comes to rest", source, chart.why, way)
@@ -196,52 +256,3 @@ class Space:
     def _flaw(self, promise: str, state: int, sentence: str, way: Way) -> None:
         """The first of each promise is a shortest."""
         self.flaws.setdefault(promise, Flaw(promise, state, sentence, way))
-
-    # -- the graph ------------------------------------------------------------------------------------------------
-
-    def path(self, number: int) -> list[Way]:
-        """What happens, from the start, to be in a state."""
-        every, way = list(self._way_numbers), []
-        while number >= 0:
-            way.append(every[self._ways[number]])
-            number = self._parents[number]
-        return way[::-1]
-
-    def edges(self, *, time_only: bool = False) -> Iterator[tuple[int, int]]:
-        """Source and target of every step from one state to another, but the operator's commands."""
-        for source, target, kind in zip(self._sources, self._targets, self._kinds, strict=True):
-            if kind == TIME or not (time_only or kind == COMMAND):
-                yield source, target
-
-    @property
-    def unfinished(self) -> list[int]:
-        """States whose steps were not explored, or not all."""
-        return [*self.cut, *(number for number, _ in self._frontier)]
-
-    def distances(self, goals: Iterable[int], *, time_only: bool = False) -> array[int]:
-        """For each state the steps to the nearest of these; -1 where no way leads there."""
-        before = _reversed(self.states, self, time_only=time_only)
-        far, waiting = array("l", [-1]) * self.states, deque(goals)
-        for number in waiting:
-            far[number] = 0
-        while waiting:
-            number = waiting.popleft()
-            for source in before(number):
-                if far[source] < 0:
-                    far[source] = far[number] + 1
-                    waiting.append(source)
-        return far
-
-
-def _reversed(states: int, space: Space, *, time_only: bool) -> Callable[[int], array[int]]:
-    """Target → its sources, in two arrays (compressed sparse rows)."""
-    counts = array("L", [0]) * (states + 1)
-    for _, target in space.edges(time_only=time_only):
-        counts[target + 1] += 1
-    for number in range(states):
-        counts[number + 1] += counts[number]
-    places, sources = array("L", counts), array("L", [0]) * counts[states]
-    for source, target in space.edges(time_only=time_only):
-        sources[places[target]] = source
-        places[target] += 1
-    return lambda number: sources[counts[number] : counts[number + 1]]

@@ -15,7 +15,6 @@ from rai_missions.mission import Mission
 from rai_missions.prove.choices import Payload
 from rai_missions.prove.explored import Explored
 from rai_missions.prove.happening import Happening
-from rai_missions.prove.resting import PURSUED
 from rai_missions.prove.watched import NOW
 from rai_missions.states.asking import Asking
 from rai_missions.states.behaving import Behaving
@@ -80,26 +79,35 @@ class Told(Explored):
 
     def reports(self) -> Iterator[Happening]:
         """Everything that servers, services and behaviours can say."""
-        for goal in [*self.pursued, *self.remaining]:
+        for goal in self.pursued:
             yield from self._goal(goal)
-        for number, owner in (*self._of(Calling), *self._calls.items()):
-            for reply in REPLIES:
-                do = self._result(reply, number, owner)
-                yield Happening(f"the call of '{owner}': {reply}", "robot", do, number)
+        for number, owner in self._of(Calling):
+            yield from self._call(number, owner)
         for number, owner in self._of(Behaving):
             for status in ("success", "failure"):
                 event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
                 words = f"the behaviour of '{owner}': {status}"
                 yield Happening(words, "robot", self._hear(event), number)
+        yield from self.leftovers()
+
+    def leftovers(self) -> Iterator[Happening]:
+        """What can be said of what no state waits for."""
+        for goal in self.remaining:
+            words = f"'{goal.action}' of '{goal.owner}' has ended"  # how it ended makes no difference
+            yield Happening(words, "robot", self._result("canceled", goal.number, goal.owner), goal.number)
+        for number, service in self._calls.items():
+            yield from self._call(number, service)
+
+    def _call(self, number: int, owner: str) -> Iterator[Happening]:
+        for reply in REPLIES:
+            do = self._result(reply, number, owner)
+            yield Happening(f"the call of '{owner}': {reply}", "robot", do, number)
 
     def _goal(self, goal: Goal) -> Iterator[Happening]:
         named, number = f"'{goal.action}' of '{goal.owner}'", goal.number
         if goal.phase == "sent":
             event = Event("accepted", NOW, {}, "accepted", number)
             yield Happening(f"{named} is accepted", "robot", self._hear(event), number)
-        if goal.phase not in PURSUED:  # nobody pursues it any more: how it ended makes no difference
-            yield Happening(f"{named} has ended", "robot", self._result("canceled", number, goal.owner), number)
-            return
         composed = goal.action in self.terms.succeeded
         for end in ENDS:
             if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):

@@ -159,6 +159,12 @@ class Watched(Chart):
         return all(each.test(self.view) is not False for each in self._doubted)
 
     @property
+    def asked_at_the_end(self) -> frozenset[str]:
+        """The keys that say whether a success counts."""
+        final = self._final
+        return final.requires.reads if final is not None and final.requires is not None else frozenset()
+
+    @property
     def rests_on_facts(self) -> bool:
         """Whether the mission's success would not have counted had robot, servers and services said nothing."""
         final = self._final

@@ -44,6 +44,8 @@ class Scene(NamedTuple):
     """The key that goes stale."""
     facts: Mapping[str, Any]
     """What is known when it happens: robot and argument keys, None for unknown."""
+    holder: str
+    """Who is found to have control when it happens; empty where nobody looks or it is known."""
     predicates: Mapping[str, Truth]
     """What the user's predicates say."""
     active: frozenset[str]
@@ -56,22 +58,23 @@ def scenes(space: Space, claim: Claim) -> list[Scene]:
     """The shortest way to where a claim is refuted."""
     way = [*space.path(claim.state), *([claim.way] if claim.way is not None else [])]
     chart = space.chart
-    chart.load(space.fresh)
+    chart.load(*space.fresh)
     told = []
     for each in way:
         told.append(_scene(chart, each))
         chart.settle()
-        chart.load(chart.save())
+        chart.load(chart.save(), chart.own())
     return told
 
 
 def _scene(chart: Free, way: Way) -> Scene:
-    state = chart.save()
+    state, own = chart.save(), chart.own()
     happening = list(chart.happenings())[way.at] if way.at >= 0 else None
-    chart.load(state)
+    assert happening is None or happening.words == way.words
+    chart.load(state, own)
     chart.choices.begin(way.trail)
-    chart.said = None
-    commands = {START: chart.begin, CANCEL: lambda: chart.order("cancel"), KILL: lambda: chart.order("kill")}
+    chart.said, chart.found = None, ""
+    commands = {START: chart.begin, CANCEL: chart.ordering("cancel"), KILL: chart.ordering("kill")}
     owner = chart.owner_of(happening.number) if happening is not None else ""
     chart.make(happening.do if happening is not None else commands[way.words])
     said = {place[6:]: value for place, value in chart.looked if place.startswith("named:")}
@@ -81,7 +84,7 @@ def _scene(chart: Free, way: Way) -> Scene:
     said_event: Event | None = chart.said
     event = said_event._replace(data=dict(said_event.data)) if said_event is not None else None
     stale = happening.stale if happening is not None else ""
-    return Scene(way.words, event, owner, stale, facts, said, chart.active, chart.outcome, chart.why)
+    return Scene(way.words, event, owner, stale, facts, chart.found, said, chart.active, chart.outcome, chart.why)
 
 
 def _plain(entry: Any) -> Any:
@@ -146,6 +149,9 @@ class Player:
         for name, value in scene.facts.items():
             if value is not None and name != named and (name not in self._facts or self._facts[name] != value):
                 self._write(name, value)
+        if scene.holder not in ("", self._chart.holder):
+            holder = scene.holder
+            self._take(lambda: self._chart.send(Event(holder, self._chart.at, {"by": "operator"}, "control")))
         self._happen(scene)
 
     def _happen(self, scene: Scene) -> None:

@@ -33,7 +33,7 @@ def test_what_is_proved_is_told_claim_by_claim(written: Callable[..., str], caps
     assert main(["prove", written()]) == 0
     told = capsys.readouterr().out
     assert told.startswith("tractor_orchard 1.0.0: ") and told.count("  proved ") == 9
-    assert "not explored: pause and resume" in told
+    assert "the operator may pause, resume" in told and "not explored: a process that is killed" in told
     assert not list(Path().glob("*.journal"))
 
 

@@ -10,7 +10,9 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission import Mission
-from tests.prove.explored import Forgetless, explored, scripts, walked
+from rai_missions.prove.free import Free
+from rai_missions.rebuild import default_ticker
+from tests.prove.explored import Forgetless, Seeing, explored, scripts, walked
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -23,7 +25,9 @@ def hold_against(document: Json, runs: list[Any], alleys: int, waypoints: list[s
     space = explored(mission, MOST)
     assume(space.is_whole)
     for script in runs:
-        for number, found in enumerate(walked(mission, script, alleys=alleys, waypoints=waypoints)):
+        for number, found in enumerate(
+            walked(mission, script, space.chart.assumed, alleys=alleys, waypoints=waypoints)
+        ):
             assert found in space.seen, f"step {number} of {script}"
 
 
@@ -54,6 +58,31 @@ def hold_against_forgetless(document: Json, most: int) -> None:
     assert few.chart.seen == every.chart.seen
     lengths = [{name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()} for space in (few, every)]
     assert lengths[0] == lengths[1]
+
+
+@settings(lenient, max_examples=6)
+@given(mission_documents())
+def test_what_is_told_again_is_what_happens_again(document: Json) -> None:
+    hold_against_patient(document, MOST)
+
+
+def hold_against_patient(document: Json, most: int) -> None:
+    """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
+    mission = Mission.model_validate(document)
+    quick, patient = (Seeing(Free(mission, default_ticker(mission)), most) for _ in range(2))
+    patient.chart.own_fade = True  # then nothing is remembered of other states
+    for space in (quick, patient):
+        space.explore()
+    for what in ("_sources", "_targets", "_kinds", "_parents", "ends", "flaws", "taken", "entered", "steps", "seen"):
+        assert getattr(quick, what) == getattr(patient, what), what
+    assert quick.chart.seen == patient.chart.seen and quick.chart.answered == patient.chart.answered
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=1000)
+@given(mission_documents())
+def test_what_is_told_again_is_what_happens_again_however_often_it_is_tried(document: Json) -> None:
+    hold_against_patient(document, 4 * MOST)
 
 
 @pytest.mark.drill

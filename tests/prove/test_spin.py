@@ -19,8 +19,8 @@ def agree(seed: int, folder: Path) -> int:
     space = explored(Mission.model_validate(document), 100_000)
     assert space.is_whole
     inner = {name for name, leaf in leaves(document)} | {END}
-    ours = {frozenset(active & inner) for active, outcome in space.seen if outcome is None}
-    ours |= {frozenset({END}) for _, outcome in space.seen if outcome == "aborted"}
+    ours = {frozenset(active & inner) for active, outcome, _ in space.seen if outcome is None}
+    ours |= {frozenset({END}) for _, outcome, _ in space.seen if outcome == "aborted"}
     theirs = reached_by_spin(document, folder)
     assert ours == theirs, f"seed {seed}"
     return len(ours)

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time, as far as a proof knows it: whatever waits for it gets it, in any order.
+
+Rule: what is known may go stale at the instant at which something else runs out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from rai_missions.mission import Mission
+from rai_missions.prove.happening import Happening
+from rai_missions.prove.told import Told, owned
+from rai_missions.prove.watched import NOW
+from rai_missions.states.asking import Asking
+from rai_missions.states.tending import Tended, Tending, TendingMachine
+from rai_missions.states.terms import Terms
+from rai_missions.states.ticker import Trees
+
+__all__ = ("Timely",)
+
+LONG_AGO = 0.0
+
+
+class Timely(Told):
+    """A chart for which any time can pass."""
+
+    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
+        super().__init__(mission, ticker, terms=terms)
+        keys = mission.blackboard.items()
+        self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
+        """What a robot must say again and again."""
+
+    def time_passes(self, *woken: str) -> None:
+        """What has run out takes effect; the machines of these states are told that time has passed."""
+        self._due = frozenset(woken)
+        self._instant()
+
+    def elapse(self, change: Callable[[], None], *woken: str, beyond: str = "") -> Callable[[], None]:
+        """Time passes until something has run out; what is known may go stale at the same instant.
+
+        Args:
+            change: What has run out.
+            woken: The states whose machines are told.
+            beyond: Only keys that come after this: that those before it go stale too is told of them.
+        """
+
+        def happen() -> None:
+            before = self._waver(beyond)
+            change()
+            self.time_passes(*woken)
+            gone = [key for key in before if key not in self._wavering and self.board.known(key) is None]
+            for key in self._wavering:
+                self.board.put(key, before[key])
+            self._wavering.clear()
+            if gone and self.mode != "ended":
+                self.time_passes(*self._readers(gone))
+
+        return happen
+
+    def _waver(self, beyond: str) -> dict[str, Any]:
+        """Have every key that can go stale do so at this instant or not, when somebody looks."""
+        before: dict[str, Any] = {}
+        for key, entry in list(self.board.entries()):
+            if entry is not None and key > beyond and key in self._passing:
+                before[key] = entry
+                self._wavering[key] = entry.value
+                self.board.pop(key)
+        return before
+
+    def _readers(self, keys: Iterable[str]) -> list[str]:
+        """The states whose machines want to hear of these."""
+        wanted = {*keys, "*"}
+        return [name for name, machine, state in self._live() if not machine.reads(state).isdisjoint(wanted)]
+
+    def times(self) -> Iterator[Happening]:
+        """Each thing that waits for time gets it, in any order."""
+        for key in sorted(self._timers, key=str):
+            kind, which = key
+            words = {"after": f"the time of row {which} has come", "timeout": f"the time of '{which}' is over"}
+            told = words.get(kind, f"'{self._timers[key].name}' is due")
+            yield Happening(told, "time", self.elapse(self._ring(key)))
+        for name, until in list(self._pending.items()):
+            if until != math.inf:
+                yield Happening(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)))
+        for name in list(self._settling):
+            yield Happening(f"'{name}' has not settled", "time", self.elapse(self._unsettled(name)))
+        if self._final is not None and not self._settling:
+            yield Happening("time passes at the end", "time", self.elapse(lambda: None))
+        if self._cancel_by != math.inf:
+            yield Happening("the cancel takes too long", "time", self.elapse(self._too_long))
+        yield from self.orphans()
+        yield from self._ages()
+
+    def orphans(self) -> Iterator[Happening]:
+        for goal in self.remaining:
+            if goal.phase != "orphaned":
+                told = f"'{goal.action}' never confirms its end"
+                yield Happening(told, "time", self.elapse(self._orphan(goal.number)))
+
+    def _ages(self) -> Iterator[Happening]:
+        for name in self.aging:
+            told = f"'{name or 'the mission'}' has lasted {self.next_age(name):g} s"
+            yield Happening(told, "time", self.elapse(self._aged(name), *self._running))
+        for memory, since in list(self.view.held.items()):
+            if since == NOW:
+                yield Happening(f"{memory} has held for long enough", "time", self.elapse(self._mature(memory)))
+
+    def machine_times(self) -> Iterator[Happening]:
+        for name, path, state in list(self.inner()):
+            owner, tree = owned(name, path), self._running[name]
+            if path is not None and tree.leaves[path].deadline != math.inf:
+                over = self.elapse(self._leaf_over(name, path), name)
+                yield Happening(f"the time of '{owner}' is over", "time", over)
+            wake = self._machine_of(name, path).wake_at(state, self.view)
+            told = f"time passes for '{owner}'"
+            if isinstance(state, Asking) and state.deadline != math.inf:
+                wake, told = state.deadline, f"the deadline of '{owner}' has come"
+            if NOW < wake < math.inf:
+                yield Happening(told, "time", self.elapse(self._let_pass(name, path, wake), name))
+        for name, state in list(self._running.items()):
+            if isinstance(state, Tending) and NOW < state.wake < math.inf:
+                yield Happening(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name))
+
+    def _machine_of(self, name: str, path: str | None) -> Any:
+        machine: Any = self._machines[name]
+        return machine if path is None else machine.limbs[path].machine
+
+    def _ring(self, key: Any) -> Callable[[], None]:
+        def change() -> None:
+            self._timers[key] = self._timers[key]._replace(due=NOW)
+
+        return change
+
+    def _late(self, name: str) -> Callable[[], None]:
+        return lambda: self._pending.update({name: NOW})
+
+    def _unsettled(self, name: str) -> Callable[[], None]:
+        return lambda: self._settling.update({name: NOW})
+
+    def _too_long(self) -> None:
+        self._cancel_by = NOW
+
+    def _orphan(self, number: int) -> Callable[[], None]:
+        def change() -> None:
+            goals = self._ledger.goals
+            goals[number] = goals[number]._replace(until=NOW)
+
+        return change
+
+    def _aged(self, name: str) -> Callable[[], None]:
+        age = self.next_age(name)
+        assert age is not None
+        return lambda: self.grow_old(name, age)
+
+    def _mature(self, memory: str) -> Callable[[], None]:
+        return lambda: self.view.held.update({memory: LONG_AGO})
+
+    def _leaf_over(self, name: str, path: str) -> Callable[[], None]:
+        def change() -> None:
+            tree = self._running[name]
+            leaves = {**tree.leaves, path: Tended(tree.leaves[path].state, NOW)}
+            self._running[name] = tree._replace(leaves=leaves)
+
+        return change
+
+    def _let_pass(self, name: str, path: str | None, wake: float) -> Callable[[], None]:
+        """So much time passes for one machine alone."""
+
+        def change() -> None:
+            machine, state = self._machine_of(name, path), self._running[name]
+            if path is None:
+                self._running[name] = machine.shifted(state, NOW - wake)
+                return
+            tended = state.leaves[path]
+            leaves = {**state.leaves, path: Tended(machine.shifted(tended.state, NOW - wake), tended.deadline)}
+            self._running[name] = state._replace(leaves=leaves)
+
+        return change
+
+    def _grow(self, name: str) -> Callable[[], None]:
+        """So much time passes for a tree that its own next instant comes; its leaves' time is another affair."""
+
+        def change() -> None:
+            state, machine = self._running[name], self._machines[name]
+            assert isinstance(machine, TendingMachine)
+            tree = machine.ticker.shifted(state.tree, NOW - state.wake)
+            self._running[name] = state._replace(tree=tree, wake=NOW)
+
+        return change
