@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whoever takes what is printed, late or never: the run goes on, and so does its emergency stop."""
+
+from __future__ import annotations
+
+import io
+import sys
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from rai_missions.commands.aside import MOST, Aside, printed_aside
+from rai_missions.progress import Lines
+from tests.runner.stages import Rig, mission
+
+PATIENCE_S = 30.0
+ROUND: dict[str, Any] = {
+    "moving": {"action": "move", "timeout_s": 900, "transitions": [
+        {"on": "again", "do": [{"set": "count", "add": 1}]}]},
+}  # fmt: skip
+
+
+class Stalled(io.StringIO):
+    """A terminal that takes nothing until it is let go."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.goes_on = threading.Event()
+
+    def write(self, text: str) -> int:
+        assert self.goes_on.wait(PATIENCE_S)
+        return super().write(text)
+
+
+@pytest.fixture
+def stalled() -> Iterator[Stalled]:
+    made = Stalled()
+    yield made
+    made.goes_on.set()
+
+
+def test_a_run_whose_lines_nobody_takes_is_stopped_all_the_same(stalled: Stalled) -> None:
+    going = mission(ROUND)
+    aside = Aside(stalled)
+    rig = Rig(going, on_step=Lines(going, aside, verbose=True).step)  # type: ignore[arg-type]
+    rig.stage.each = lambda: rig.post("again")
+    rig.stage.play({200.0: rig.runner.kill})
+    result = rig.run()
+    assert result.outcome == "aborted" and rig.move.canceled == rig.move.goals != []
+    stalled.goes_on.set()
+    aside.settle()
+    said = stalled.getvalue()
+    assert len(said.splitlines()) < 2 * MOST
+
+
+def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_counted(stalled: Stalled) -> None:
+    aside = Aside(stalled)
+    for number in range(MOST + 500):
+        aside.write(f"{number}\n")
+    stalled.goes_on.set()
+    while aside._texts.qsize():
+        threading.Event().wait(0.001)
+    aside.write("and on\n")
+    aside.settle()
+    lines = stalled.getvalue().split("\n")
+    kept = [int(line) for line in lines if line.isdigit()]
+    assert kept == list(range(len(kept))) and MOST <= len(kept) <= MOST + 1, "one was on its way"
+    (left_out,) = [line for line in lines if "left out" in line]
+    assert left_out.startswith(f"… {MOST + 500 - len(kept)} pieces")
+
+
+def test_at_the_end_all_of_it_is_out_and_the_streams_are_as_before(capsys: pytest.CaptureFixture[str]) -> None:
+    before = sys.stdout, sys.stderr
+    with printed_aside():
+        sys.stdout.write("to whoever reads\n")
+        sys.stderr.write("to whoever looks after it\n")
+        kept = sys.stderr
+    assert (sys.stdout, sys.stderr) == before
+    assert capsys.readouterr() == ("to whoever reads\n", "to whoever looks after it\n")
+    kept.write("later\n")
+    assert capsys.readouterr().err == "later\n"
+
+
+def test_a_reader_that_has_gone_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Gone(io.StringIO):
+        def write(self, text: str) -> int:
+            raise BrokenPipeError
+
+    monkeypatch.setattr(sys, "stdout", Gone())
+    with pytest.raises(BrokenPipeError), printed_aside():
+        sys.stdout.write("to nobody")
