@@ -27,43 +27,57 @@ def plan(cost: NDArray[np.float64], start: Cell, goal: Cell) -> list[Cell] | Non
     rows, columns = cost.shape
     if not (0 <= goal[0] < rows and 0 <= goal[1] < columns) or math.isinf(cost[goal]):
         return None
-    costs = cost.tolist()
-    known: dict[Cell, float] = {start: 0.0}
-    came: dict[Cell, Cell] = {}
+    # Numbers for cells, and an edge where nobody can be: a way over a house takes many thousand looks at a neighbour.
+    wide = columns + 2
+    costs: list[float] = np.pad(cost, 1, constant_values=math.inf).ravel().tolist()
+    left = _left(rows, columns, goal)
+    steps = [(dy * wide + dx, far) for dy, dx, far in NEIGHBOURS]
+    first, last = ((row + 1) * wide + column + 1 for row, column in (start, goal))
+    known = [math.inf] * len(costs)
+    known[first] = 0.0
+    came: dict[int, int] = {}
     number = count()  # among equals the first comes first, so that the same grid gives the same way
-    waiting = [(_left(start, goal), next(number), start)]
-    done: set[Cell] = set()
+    waiting = [(left[first], next(number), first)]
+    done = bytearray(len(costs))
     while waiting:
         _, _, here = heapq.heappop(waiting)
-        if here == goal:
-            return _way(came, here)
-        if here in done:
+        if here == last:
+            return [(each // wide - 1, each % wide - 1) for each in _way(came, here)]
+        if done[here]:
             continue
-        done.add(here)
-        stuck = math.isinf(costs[here[0]][here[1]])
-        for dy, dx, far in NEIGHBOURS:
-            row, column = here[0] + dy, here[1] + dx
-            if not (0 <= row < rows and 0 <= column < columns):
-                continue
-            step = costs[row][column]
-            if math.isinf(step):
-                if not stuck or abs(row - start[0]) > 3 or abs(column - start[1]) > 3:
+        done[here] = True
+        so_far, is_stuck = known[here], math.isinf(costs[here])
+        for by, far in steps:
+            there = here + by
+            step = costs[there]
+            if step == math.inf:
+                if not is_stuck:
+                    continue
+                cell = there // wide - 1, there % wide - 1
+                if not (0 <= cell[0] < rows and 0 <= cell[1] < columns and _is_near(cell, start)):
                     continue
                 step = 50.0
-            total = known[here] + far * step
-            if total < known.get((row, column), math.inf):
-                known[row, column] = total
-                came[row, column] = here
-                heapq.heappush(waiting, (total + _left((row, column), goal), next(number), (row, column)))
+            total = so_far + far * step
+            if total < known[there]:
+                known[there] = total
+                came[there] = here
+                heapq.heappush(waiting, (total + left[there], next(number), there))
     return None
 
 
-def _left(here: Cell, goal: Cell) -> float:
-    down, across = abs(here[0] - goal[0]), abs(here[1] - goal[1])
-    return max(down, across) + (math.sqrt(2) - 1) * min(down, across)
+def _is_near(cell: Cell, start: Cell) -> bool:
+    return abs(cell[0] - start[0]) <= 3 and abs(cell[1] - start[1]) <= 3
 
 
-def _way(came: dict[Cell, Cell], here: Cell) -> list[Cell]:
+def _left(rows: int, columns: int, goal: Cell) -> list[float]:
+    """What is left at least from each cell, and from those around the grid."""
+    down = np.abs(np.arange(-1, rows + 1) - goal[0])[:, None]
+    across = np.abs(np.arange(-1, columns + 1) - goal[1])[None, :]
+    left: list[float] = (np.maximum(down, across) + (math.sqrt(2) - 1) * np.minimum(down, across)).ravel().tolist()
+    return left
+
+
+def _way(came: dict[int, int], here: int) -> list[int]:
     way = [here]
     while here in came:
         here = came[here]
