@@ -76,9 +76,9 @@ lock: .venv/.ready-audit ## Choose the versions of requirements/dev.lock anew
 	    --extra sim --extra draw --extra local --extra mqtt --extra record --extra watch --extra browser --extra dev
 
 bench: .venv/.ready-bench ## Measure against the peers
-	@for each in benchmarks/bench_*.py; do \
-	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)"; \
-	done
+	@failed=; for each in benchmarks/bench_*.py; do \
+	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)" || failed="$$failed $$each"; \
+	done; [ -z "$$failed" ] || { echo "these did not come to their end:$$failed" >&2; exit 1; }
 
 pictures: .venv/.ready-dev ## Draw the stored pictures anew, and those of the documents in a browser
 	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
