@@ -37,7 +37,7 @@ class Discreet:
 
     def write(self, text: str) -> int:
         """Write a text."""
-        if text.isspace():
+        if text == "\n":
             return self._stream.write(text)
         self._stream.write(self._redaction.text(text).translate(self._unshown))
         return len(text)

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from langchain_core.messages import AIMessage
 from pydantic import SecretStr
@@ -326,6 +326,7 @@ def test_no_command_prints_a_secret_whatever_goes_wrong(
         assert_tight({" ".join(words): said.out + said.err})
 
 
+@example("\r", "canary-key-4b1d", "")
 @given(st.text(), st.sampled_from([*VARIABLES.values(), "http://somebody:canary-pass@host/"]), st.text())
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_words_on_a_terminal_command_it_nothing_and_tell_no_secret(
