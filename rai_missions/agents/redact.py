@@ -44,7 +44,7 @@ SHAPES = re.compile(
     r"|\bAIza[A-Za-z0-9_\-]{10,}|\bAKIA[A-Z0-9]{12,}"
     r"|\beyJ[A-Za-z0-9_\-]{8,}\.[A-Za-z0-9_\-]{4,}(?:\.[A-Za-z0-9_\-]*)?"
     r"|(?<=://)[^\s/@:\"']*:[^\s/@\"']+(?=@)"
-    r"|(?i:(?<=bearer )|(?<=basic ))[A-Za-z0-9_\-.+/=]{6,}"
+    r"|(?i:(?<=bearer )|(?<=basic ))(?=\S*[0-9=]|\S+[A-Z])[A-Za-z0-9_\-.+/=]{6,}"
     r"|(?i:(?<=api[-_ ]key[:=])|(?<=apikey[:=])|(?<=api[-_ ]key[:=] ))[^\s\"',;&]{6,}"
 )
 """What keys look like, by the prefixes that their issuers give them, or by the words before them."""

@@ -42,6 +42,11 @@ def test_what_stands_behind_the_word_for_a_key_is_hidden(header: str) -> None:
     assert Redaction().text(f"{header}abc.def-123") == f"{header}[hidden]"
 
 
+@pytest.mark.parametrize("token", ["dXNlcjpwYXNzd29yZA==", "QWxhZGRpbjpvcGVu", "abcdef123"])
+def test_a_header_s_token_is_known_by_what_no_word_has(token: str) -> None:
+    assert Redaction().text(f"Basic {token}") == "Basic [hidden]"
+
+
 def test_a_variables_value_is_hidden_from_the_moment_it_is_set(monkeypatch: pytest.MonkeyPatch) -> None:
     redaction = Redaction()
     assert redaction.text("open sesame") == "open sesame"
@@ -66,6 +71,7 @@ def test_a_password_in_an_address_is_hidden_and_the_address_stays() -> None:
         "the task-oriented tractor took the risk-free alley",
         "replan: obstacle.height_m 0.21 is not below 0.2",
         "a short key, and no token at all; bearer of news",
+        "basic navigation; Basic Planner; the bearer, bearer operator",
         "2026-11-21T11:00:00Z /tractor1/current_state",
     ],
 )
