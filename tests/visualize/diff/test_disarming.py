@@ -48,6 +48,12 @@ def test_another_name_of_the_mission_is_a_difference() -> None:
     assert found.lines()[0].endswith("nothing that diff weighs as safety-relevant, 1 other")
 
 
+def succeeded(new: Json, state: str) -> Json:
+    """The row of a state that goes on from its success."""
+    found: Json = next(each for each in states(new)[state]["transitions"] if each.get("on") == "succeeded")
+    return found
+
+
 def horn(new: dict[str, Any]) -> list[Any]:
     found: list[Any] = states(new)["signalling"]["tree"]["sequence"]
     return found
@@ -99,7 +105,7 @@ DISARMS: list[tuple[str, Mutation, str, str]] = [
      "assessing: row 'replan': 'do' changed: rows hear 'anomaly'"),
     ("swallows", lambda new: states(new)["assessing"]["transitions"].append({"on": "e_stop"}), "row",
      "assessing: row added, tried before one that it may keep from firing"),
-    ("success_leads_elsewhere", lambda new: row(new, "replanning", 0).update(to="crossing"), "row",
+    ("success_leads_elsewhere", lambda new: succeeded(new, "replanning").update(to="crossing"), "row",
      "replanning: row 'succeeded': 'to' changed"),
     ("success_unheard", lambda new: states(new)["crossing"]["transitions"].pop(1), "row", "crossing: row removed"),
 ]  # fmt: skip
