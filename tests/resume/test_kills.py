@@ -127,23 +127,25 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, list[
     return result, entered(path), [action for action, _ in there.started], fate.count
 
 
-@pytest.mark.parametrize("is_done", [False, True], ids=["before", "after"])
+@pytest.mark.parametrize("every", [9, pytest.param(1, marks=pytest.mark.drill)])
 def test_whatever_it_was_doing_when_it_was_killed_the_run_ends_as_if_it_had_not_been(
-    tmp_path: Path, undisturbed: tuple[Result, list[str], list[str], int], *, is_done: bool
+    tmp_path: Path, undisturbed: tuple[Result, list[str], list[str], int], every: int
 ) -> None:
+    """Right before and right after every so manyth thing that it does."""
     result, states, actions, things = undisturbed
     assert things > 40
-    for at in range(is_done, things, 2):
-        path, there = tmp_path / f"{at}.journal", land()
-        ended = lived(path, there, [Fate(at, is_done=is_done)])
-        where = f"killed at {at}"
+    for turn in range(0, 2 * things, every):
+        at, is_done = divmod(turn, 2)
+        path, there = tmp_path / f"{turn}.journal", land()
+        ended = lived(path, there, [Fate(at, is_done=bool(is_done))])
+        where = f"killed {'after' if is_done else 'before'} {at} of {things}"
         assert ended == (result.outcome, result.why), where
         assert sorted(entered(path)) == sorted(states), where
         assert sorted(action for action, _ in there.started) == sorted(actions), where
         holds(path, there)
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=10)
 @given(
     st.lists(st.tuples(st.integers(0, 60), st.booleans()), min_size=2, max_size=6), st.sampled_from([0.0, 1.0, 20.0])
 )
@@ -185,6 +187,7 @@ WAITING = Mission.model_validate({
 })  # fmt: skip
 
 
+@settings(deadline=None, max_examples=12)
 @given(st.lists(st.integers(0, 12), min_size=1, max_size=5))
 def test_a_timer_has_the_time_that_was_left(tmp_path_factory: pytest.TempPathFactory, deaths: list[int]) -> None:
     path, there = tmp_path_factory.mktemp("wait") / "run.journal", land()

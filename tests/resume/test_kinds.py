@@ -143,7 +143,7 @@ def farm(kind: Kind) -> Farm:
 
 @pytest.mark.parametrize("name", KINDS)
 def test_a_run_that_is_killed_ends_as_if_it_had_not_been(tmp_path: Path, name: str) -> None:
-    killed_at_all(tmp_path, name, every=5)
+    killed_at_all(tmp_path, name, every=11)
 
 
 @pytest.mark.drill
