@@ -32,6 +32,8 @@ OFTEN = {
     "a call is sent": 3, "an acceptance comes": 3, "a result comes": 4, "an answer comes": 1,
 }  # fmt: skip
 """Instant → how often it comes in a life at the most."""
+PATIENT_S = 60
+"""A busy machine may take longer to find the world than the shipped mission waits; it would stop the tractor then."""
 LIFE_S, ALONE_S = 60.0, 100.0
 
 
@@ -81,8 +83,10 @@ class Orchard(Graph):
     def words(self, journal: Path) -> list[str]:
         if journal.exists():
             return ["run", "--resume", str(journal), "--no-operator"]
-        robot, mission = str(TRACTOR / "robot.ros2.json"), str(TRACTOR / "mission.json")
-        return ["run", mission, "--robot", robot, "--no-operator", "--set", "alleys=1", "--journal", str(journal)]
+        robot, mission = str(TRACTOR / "robot.ros2.json"), self.folder / "mission.json"
+        patient = json.loads((TRACTOR / "mission.json").read_text()) | {"ready_s": PATIENT_S}
+        mission.write_text(json.dumps(patient))
+        return ["run", str(mission), "--robot", robot, "--no-operator", "--set", "alleys=1", "--journal", str(journal)]
 
     def life(self, world: Process, death: Death, said: int) -> int:
         def is_over() -> bool:
