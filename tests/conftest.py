@@ -9,6 +9,7 @@ from __future__ import annotations
 import ipaddress
 import os
 import socket
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -81,25 +82,40 @@ def is_on_ros(item: pytest.Item) -> bool:
     return bool(ON_ROS & set(getattr(item, "fixturenames", ()))) or item.path.name == "test_ros2.py"
 
 
-def shares(item: pytest.Item) -> bool:
-    """Whether something is made once for all tests of the file, such as a browser."""
-    info = getattr(item, "_fixtureinfo", None)
-    return info is not None and any(
-        made.scope == "module" for known in info.name2fixturedefs.values() for made in known
+def shares(path: str) -> bool:
+    """Whether something is made once for all tests of a file, such as a browser, there or beside it."""
+    texts = (
+        each.read_text(encoding="utf-8") for each in (Path(path), Path(path).with_name("conftest.py")) if each.exists()
     )
+    return any(f'scope="{scope}"' in text for text in texts for scope in ("module", "session"))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The slowest first, so that no worker is left with one at the end.
-
-    What is made once a file is made by one worker, who runs the file's tests; so it is with the nodes of ROS.
-    """
-    for item in items:
-        if is_on_ros(item) or shares(item):
-            item.add_marker(pytest.mark.xdist_group("/".join(item.path.parts[-3:])))
+    """The slowest first, so that no worker is left with one at the end."""
     items.sort(key=lambda item: not is_on_ros(item) and not any(item.get_closest_marker(each) for each in SLOW))
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """One worker runs all tests of a file that share something; the others go to whoever is free.
+
+    Marks of xdist's own do not do it: it hides the group in a test's name, where newer versions of pytest do not look.
+    """
+    from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped, unused-ignore]
+
+    root, together = config.rootpath, dict[str, bool]()
+
+    class ByFile(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.partition("::")[0]
+            if file not in together:
+                together[file] = shares(str(root / file))
+            return file if together[file] else nodeid
+
+    return ByFile(config, log)
+
+
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """Two more than there are cores: about half of the time that tests take is waiting, as for who is to be found."""
     return (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1) + 2
