@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from rai_missions.load import load
 from rai_missions.mission import Mission
+from rai_missions.prove.explored import Own
 from rai_missions.prove.free import Free
 from rai_missions.prove.happening import HappeningKind
-from rai_missions.prove.space import CANCEL, Space, Way
+from rai_missions.prove.space import CANCEL, Arrival, Space, Way
 from rai_missions.rebuild import default_ticker
 from rai_missions.step import Move
 from tests.strategies import KEYS, missions
@@ -30,12 +31,18 @@ class Moving(Space):
     def __init__(self, chart: Free, most: int) -> None:
         super().__init__(chart, most)
         self.came: list[tuple[int, bool, tuple[Move, ...]]] = []
+        self._moves: dict[int, tuple[Arrival, tuple[Move, ...]]] = {}
 
-    def _arrive(self, source: int, kind: HappeningKind, way: Way) -> None:
+    def _arrival(self, way: Way, kind: HappeningKind, before: Own) -> Arrival:
         moves = tuple(self.chart.moves)
-        super()._arrive(source, kind, way)
+        arrival = super()._arrival(way, kind, before)
+        self._moves[id(arrival)] = arrival, moves  # the arrival is kept, so that no other gets its id
+        return arrival
+
+    def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:
+        super()._arrive(source, arrival, before)
         if len(self.came) < self.states:
-            self.came.append((source, way.words == CANCEL, moves))
+            self.came.append((source, arrival.way.words == CANCEL, self._moves[id(arrival)][1]))
 
 
 def hold(mission: Mission) -> None:
