@@ -119,7 +119,7 @@ ALONE_TO_THE_END = "state: FINISHED"
     "death",
     [
         Death("state: STOPPED", instant=Instant("an acceptance comes", 2, True), delay_s=30.0, until=ALONE_TO_THE_END),
-        Death("passed: True", delay_s=0.1, until=ALONE_TO_THE_END),
+        pytest.param(Death("passed: True", delay_s=0.1, until=ALONE_TO_THE_END), marks=pytest.mark.drill),
     ],
     ids=["as it drives over the branch", "with the branch behind it"],
 )
@@ -127,6 +127,7 @@ def test_a_tractor_that_finished_its_alley_alone_is_no_failure(orchard: Orchard,
     orchard.drive([death])
 
 
+@pytest.mark.drill
 def test_a_start_of_which_nobody_knows_is_looked_after(orchard: Orchard) -> None:
     """Killed as it is told to drive on, and then as it is told to drive over the branch."""
     orchard.drive([Death(delay_s=60.0, instant=Instant("a call is sent", number, True)) for number in (1, 2)])
