@@ -63,8 +63,9 @@ def resumption(
     for row in checked(record):
         under.follow(row)
         if isinstance(row, Note) and row.text == MIGRATED:
-            other = record.path.parent / row.data["journal"]
-            raise UsageError(f"the run of {record.path} goes on in another mission: --resume {other}")
+            other = row.data.get("journal") if isinstance(row.data, Mapping) else "its journal"
+            beside = record.path.parent / str(other)
+            raise UsageError(f"the run of {record.path} goes on in another mission: --resume {beside}")
         if not isinstance(row, StepRow):
             continue
         if found := difference(row.step, rebuilding.again(row)):

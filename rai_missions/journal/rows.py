@@ -128,8 +128,9 @@ def read_header(kind: str, content: str, fetch: Fetch) -> Header:
     texts = [fields[name] for name in ("mission", "profile", "run", "started")]
     if not all(isinstance(text, str) for text in texts) or not isinstance(fields["versions"], dict):
         raise ValueError("its words are not text")
-    if not isinstance(fields.get("migrated", {}), dict):
-        raise ValueError("its 'migrated' is no object")
+    migrated = fields.get("migrated", {})
+    if not (isinstance(migrated, dict) and all(isinstance(text, str) for text in migrated.values())):
+        raise ValueError("its 'migrated' is no object of texts")
     return Header(**{**fields, "arguments": from_json(fields["arguments"], fetch)})
 
 

@@ -90,8 +90,9 @@ class Underway:
         for effect in step.effects:
             self._effect(effect)
         if event.kind == "command" and event.name == "migrate":  # what was under way in the run that it goes on with
-            self.accepted |= set(event.data["accepted"])
-            self.is_held_for_mission = bool(event.data["is_held_for_mission"])
+            accepted = event.data.get("accepted")
+            self.accepted |= {number for number in self.open if isinstance(accepted, list) and number in accepted}
+            self.is_held_for_mission = event.data.get("is_held_for_mission") is True
         if not (event.kind == "command" and event.name == "kill"):  # one is written after it was carried out
             weighs = tuple(effect for effect in step.effects if isinstance(effect, WEIGHTY))
             self.unsure |= {step.seq: weighs} if weighs else {}

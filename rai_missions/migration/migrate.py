@@ -104,7 +104,7 @@ def follow(record: Record) -> None:
         return
     with read(origin) as before:
         went = [note.data for note in before.notes() if note.text == MIGRATED]
-        if went and went[-1]["seal"] == _birth(record):
+        if went and isinstance(went[-1], Mapping) and went[-1].get("seal") == _birth(record):
             return
         if went or before.seal != record.header.migrated["seal"]:
             sentence = f"the run of {origin} went on otherwise after {record.path} was made of it"

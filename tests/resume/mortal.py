@@ -160,7 +160,7 @@ class Land:
     """How long a server thinks about a goal before it accepts it."""
     keeps_time = False
     """A death costs no time at all: a run's clock goes on with the land's."""
-    connector_type = LocalConnector
+    connector_type: type[LocalConnector] = LocalConnector
 
     def __init__(self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]) -> None:
         self._wishes = list(wishes)

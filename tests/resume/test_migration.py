@@ -5,10 +5,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-import os
-import shutil
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +14,9 @@ import pytest
 
 from rai_missions.agents.resuming import take_up
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.journal import Record, read, verify
+from rai_missions.journal import Record, read
 from rai_missions.migration import Map, load_map, map_schema, migrate
 from rai_missions.mission import Mission
-from rai_missions.replay import replay
 from rai_missions.step import CallService, StartGoal
 from tests.resume.mortal import Choosing, Fate, Land, live
 from tests.resume.test_kills import ROBOT, Ended, entered, holds
@@ -280,90 +276,6 @@ def test_an_action_whose_goal_is_under_way_must_be_what_it_was_to_the_robot(tmp_
     other = ROBOT.model_copy(update={"actions": {**ROBOT.actions, "move": ROBOT.actions["turn"]}})
     with pytest.raises(DefinitionError, match="/actions/move: a goal of it is under way"):
         migrate(path, ERRAND, Map(), to=tmp_path / "new.journal", robot=other)
-
-
-# -- either migrated or not -------------------------------------------------------------------------------------------
-
-INSTANTS = frozenset({"execute", "rename", "unlink", "open", "flock", "close", "mkdir", "connect", "replace"})
-
-
-def killed_at(number: int, do: Callable[[], object]) -> bool:
-    """Do something in a process that kills itself at its so manyth call to the system or to SQLite; whether it did."""
-    pid = os.fork()
-    if not pid:
-        left = [number]
-
-        def count(frame: Any, event: str, what: Any) -> None:
-            if event == "c_call" and getattr(what, "__name__", "") in INSTANTS:
-                left[0] -= 1
-                if left[0] < 0:
-                    os.kill(os.getpid(), 9)
-
-        sys.setprofile(count)
-        try:
-            do()
-        finally:
-            os._exit(0)
-    return os.WIFSIGNALED(os.waitpid(pid, 0)[1])
-
-
-def test_whoever_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path) -> None:
-    path = died(tmp_path / "run.journal", land())
-    found, number, is_dead = set(), 0, True
-    while is_dead:
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        was, new = folder / "run.journal", folder / "new.journal"
-        shutil.copy(path, was)
-        is_dead = killed_at(number, lambda was=was, new=new: migrate(was, ERRAND, Map(), to=new))  # type: ignore[misc]
-        found.add(new.exists())
-        if new.exists():
-            take_up(new).record.close()
-            assert verify(new) == () and replay(new).holds
-            with pytest.raises(UsageError, match="goes on in another mission"):
-                take_up(was)
-        else:
-            take_up(was).record.close()
-            migrate(was, ERRAND, Map(), to=new)
-            take_up(new).record.close()
-        number += 3
-    assert found == {True, False} and number > 20
-
-
-def test_one_run_never_goes_on_in_two_journals(tmp_path: Path) -> None:
-    """As if whoever migrated had died before the old journal was told of it."""
-    there = land()
-    path = died(tmp_path / "run.journal", there)
-    untold = Path(shutil.copy(path, tmp_path / "untold.journal"))
-    new = migrate(path, ERRAND, Map(), to=tmp_path / "new.journal").journal
-    shutil.copy(untold, path)
-    took_up(path)
-    with pytest.raises(UsageError, match=r"went on otherwise after .* was made of it; this journal counts no more"):
-        take_up(new)
-    shutil.copy(untold, path)
-    take_up(new).record.close()
-    with pytest.raises(UsageError, match=r"goes on in another mission: --resume .*new\.journal"):
-        take_up(path)
-    with pytest.raises(UsageError, match="goes on in another mission"):
-        migrate(path, ERRAND, Map(), to=tmp_path / "third.journal")
-
-
-def took_up(path: Path) -> None:
-    """A process has gone on with a run, and died."""
-    live(path, land(), ERRAND, ROBOT, {"someone": Choosing("on")}, Fate(1, what="write"))
-
-
-def test_a_journal_is_never_overwritten_and_a_folder_may_be_moved(tmp_path: Path) -> None:
-    there = land()
-    (tmp_path / "here").mkdir()
-    path = died(tmp_path / "here" / "run.journal", there)
-    with pytest.raises(UsageError, match="is there already"):
-        migrate(path, ERRAND, Map(), to=path)
-    migrate(path, ERRAND, Map(), to=tmp_path / "here" / "new.journal")
-    (tmp_path / "here").rename(tmp_path / "there")
-    assert went_on(tmp_path / "there" / "new.journal", there, ERRAND).outcome == "canceled"
-    with pytest.raises(UsageError, match=r"there/new\.journal"):
-        take_up(tmp_path / "there" / "run.journal")
 
 
 def test_a_migration_alone_begins_nothing_and_ends_nothing(tmp_path: Path) -> None:
