@@ -17,7 +17,7 @@ from tests.strategies import mission_documents
 
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
-MOST = 250
+MOST = 100
 
 
 def hold_against(document: Json, runs: list[Any], alleys: int, waypoints: list[str]) -> None:
