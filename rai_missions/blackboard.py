@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from rai_missions.event import Image
 from rai_missions.written import Bool, Json, Name, Seconds, Text, Written, fault
 
-__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "fits", "stale_at")
+__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "fits", "is_number", "stale_at")
 
 TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "pose", "image"]
 Source = Literal["robot", "argument", "mission", "answer"]
@@ -77,20 +77,26 @@ class Key(Written):
         return self
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+def is_number(value: Any) -> bool:
+    """Whether it is a number that can be reckoned with: finite, and no integer beyond all floating-point numbers."""
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _is_pose(value: Any) -> bool:
-    return isinstance(value, Mapping) and all(_is_number(value.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")) and (
+    return isinstance(value, Mapping) and all(is_number(value.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")) and (
         "x" in value and "y" in value
     )  # fmt: skip
 
 
 _FITS: Mapping[str, Callable[[Any], bool]] = {
     "string": lambda value: isinstance(value, str),
-    "number": _is_number,
-    "integer": lambda value: isinstance(value, int) and not isinstance(value, bool),
+    "number": is_number,
+    "integer": lambda value: isinstance(value, int) and is_number(value),
     "boolean": lambda value: isinstance(value, bool),
     "object": lambda value: isinstance(value, Mapping),
     "list": lambda value: isinstance(value, list | tuple),

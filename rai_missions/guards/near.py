@@ -48,6 +48,6 @@ def distance(here: Any, there: Any) -> float | None:
         return None
     try:
         metres = math.dist(*([float(pose.get(axis, 0.0)) for axis in ("x", "y", "z")] for pose in (here, there)))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
     return metres if math.isfinite(metres) else None

@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from rai_missions.blackboard import is_number
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 
@@ -34,17 +35,18 @@ def at_path(message: Any, path: str) -> Any:
 
 
 def plain(value: Any, depth: int = 0) -> Any:
-    """A message as data that a journal holds: lists for sequences, None for what is no finite number.
+    """A message as data that a journal holds: lists for sequences, None for a number not to be reckoned with.
+
+    That is one that is not finite, or an integer beyond all floating-point numbers.
 
     Raises:
         ConnectorError: Bytes that are no picture, a name that is no text, nesting deeper than 60, another type.
     """
     if value is None or isinstance(value, str | bool | Image):
         return value
-    if isinstance(value, int):
-        return int(value)
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
+    if isinstance(value, int | float):
+        kind = int if isinstance(value, int) else float
+        return kind(value) if is_number(value) else None
     if depth > DEEPEST:
         raise ConnectorError(f"a message is nested deeper than {DEEPEST}; its sender sends something else than it says")
     if isinstance(value, Mapping):
@@ -84,10 +86,11 @@ def stamp_of(message: Mapping[str, Any]) -> float | None:
     stamp = message.get("stamp") if stamp is None else stamp
     if isinstance(stamp, Mapping):
         sec, nanosec = stamp.get("sec", 0), stamp.get("nanosec", 0)
-        if not _is_number(sec) or not _is_number(nanosec):
+        if not is_number(sec) or not is_number(nanosec):
             return None
-        stamp = (int(sec) * 10**9 + int(nanosec)) / 1e9
-    return float(stamp) if _is_number(stamp) and stamp > 0 else None
+        nanoseconds = int(sec) * 10**9 + int(nanosec)
+        stamp = nanoseconds / 1e9 if is_number(nanoseconds) else None
+    return float(stamp) if is_number(stamp) and stamp > 0 else None
 
 
 def pose_of(message: Any) -> dict[str, Any] | None:
@@ -115,7 +118,7 @@ def pose_of(message: Any) -> dict[str, Any] | None:
     ]
     if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
         raise ConnectorError(f"a pose is made of numbers, not of {numbers!r:.120}")
-    if not all(map(math.isfinite, numbers)):
+    if not all(map(is_number, numbers)):
         return None
     x, y, z, qx, qy, qz, qw = map(float, numbers)
     yaw = math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
@@ -128,7 +131,7 @@ def pose_message(pose: Any, *, stamped: bool = True) -> dict[str, Any]:
     Raises:
         ConnectorError: It is no pose.
     """
-    if not isinstance(pose, Mapping) or not all(_is_number(pose.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")):
+    if not isinstance(pose, Mapping) or not all(is_number(pose.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")):
         raise ConnectorError(f"{pose!r:.60} stands where a pose belongs: {{'x', 'y', 'z', 'yaw', 'frame'}}")
     half = float(pose.get("yaw", 0.0)) / 2
     made = {
@@ -188,7 +191,3 @@ def _rgb(raw: bytes, *, width: int, height: int, step: int, encoding: str) -> by
     for number, plane in enumerate(planes):
         rgb[number::3] = plane
     return bytes(rgb)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

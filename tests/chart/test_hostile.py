@@ -54,6 +54,14 @@ def test_a_fact_without_a_time_is_of_now() -> None:
     assert made.write("k", 1).entered == ("b",)
 
 
+@pytest.mark.parametrize("kind", ["number", "integer", "pose"])
+def test_an_integer_beyond_all_floating_point_numbers_is_not_written(kind: str) -> None:
+    made = Chart(mission({"a": {}}, blackboard={"k": {"type": kind, "source": "robot"}}))
+    made.start(0.0)
+    step = made.write("k", {"x": 10**400, "y": 0} if kind == "pose" else 10**400)
+    assert not step.writes and "is not of type" in step.why
+
+
 def test_an_acceptance_after_an_emergency_stop_is_canceled_once_more() -> None:
     made = Chart(mission(DRIVE))
     made.start(0.0)

@@ -18,8 +18,15 @@ from rai_missions.robot.convert import at_path, image_of, pose_message, pose_of
 from rai_missions.step import Step
 
 coordinates = st.floats(-1e6, 1e6)
+HUGE = [10**305, -(10**400)]
 anything = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5) | st.binary(max_size=5),
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.sampled_from(HUGE)
+    | st.floats()
+    | st.text(max_size=5)
+    | st.binary(max_size=5),
     lambda inner: (
         st.lists(inner, max_size=3)
         | st.dictionaries(
@@ -145,6 +152,10 @@ def test_numbers_of_numpy_become_plain() -> None:
     assert plain({"a": numpy.float32(0.5), "b": numpy.arange(3)}) == {"a": 0.5, "b": [0, 1, 2]}
 
 
+def test_an_integer_beyond_all_floating_point_numbers_is_no_number_to_reckon_with() -> None:
+    assert plain({"a": [10**400, -(10**5000), 10**300]}) == {"a": [None, None, 10**300]}
+
+
 def test_bytes_are_no_plain_data() -> None:
     with pytest.raises(ConnectorError, match=r"b'x' \(bytes\) is no plain data; name the 'field' that is meant"):
         plain({"data": b"x"})
@@ -210,6 +221,7 @@ def test_what_is_no_picture_is_refused(message: dict[str, Any]) -> None:
         ({"stamp": 6.0}, 5.0),
         ({"stamp": "now"}, 5.0),
         ({"stamp": {"sec": "x"}}, 5.0),
+        *(({"stamp": stamp}, 5.0) for huge in HUGE for stamp in (abs(huge), {"sec": huge})),
         ({}, 5.0),
     ],
 )

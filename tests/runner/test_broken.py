@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 import logging
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -225,6 +226,18 @@ def test_a_message_that_is_not_what_the_profile_says_is_not_heard(message: Any) 
     rig.stage.play({1.0: lambda: dict(subscribers)["/there"](heard), 2.0: rig.runner.kill})
     assert rig.run().duration_s == 2.0
     assert "there" not in rig.runner.chart.view.board
+
+
+def test_an_integer_beyond_all_floating_point_numbers_ends_no_run_whoever_says_it() -> None:
+    told: Any = {"option": "left", "parameters": {"limit": 10**400}}
+    states = {**copy.deepcopy(ASKING), "waiting": {"transitions": [{"after_s": 2, "to": "asking"}]}}
+    states["asking"]["decision"]["options"]["left"] = {"parameters": {"properties": {"limit": {"type": "number"}}}}
+    keys = {**KEYS, "limit": {"type": "number", "source": "answer", "initial": 1}}
+    given = mission(states, initial="waiting", blackboard=keys)
+    rig = Rig(given, answerers={"agent": ChatteringAnswerer([told])})
+    rig.stage.play({1.0: lambda: rig.publish("/battery", percentage=10**400)})
+    assert rig.run().outcome == "failed" and rig.entered[-1] == "lost", "the fallback"
+    assert "battery" not in rig.runner.chart.view.board
 
 
 @pytest.mark.parametrize("observer", ["on_step", "on_status"])
