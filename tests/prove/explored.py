@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Container
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -48,8 +49,8 @@ def seen(chart: Chart) -> Seen:
 class Forgetless(Free):
     """A chart that tells states apart by all that it remembers, read later or not."""
 
-    @property
-    def later(self) -> Later:
+    @cached_property
+    def later(self) -> Later:  # type: ignore[override]
         actions = {part.action for kind in (Action, ActionLeaf) for part in parts(self.mission, kind)}
         return Later(frozenset(self.mission.blackboard), frozenset(actions), frozenset(range(len(self._graph.order))))
 

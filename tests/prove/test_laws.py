@@ -41,7 +41,7 @@ def test_no_run_leaves_what_was_explored(document: Json, runs: list[Any], alleys
     hold_against(document, runs, alleys, waypoints)
 
 
-@settings(lenient, max_examples=8)
+@settings(lenient, max_examples=3)
 @given(mission_documents())
 def test_what_nobody_reads_again_makes_no_difference(document: Json) -> None:
     hold_against_forgetless(document, MOST)
@@ -60,7 +60,7 @@ def hold_against_forgetless(document: Json, most: int) -> None:
     assert lengths[0] == lengths[1]
 
 
-@settings(lenient, max_examples=6)
+@settings(lenient, max_examples=3)
 @given(mission_documents())
 def test_what_is_told_again_is_what_happens_again(document: Json) -> None:
     hold_against_patient(document, MOST)
