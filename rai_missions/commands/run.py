@@ -133,7 +133,7 @@ def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setti
     """What the words of the command line make a run of."""
     from rai_missions.agents.mission import Setting
 
-    record = _fresh(Path(given.record), is_ours=_is_recording) if given.record else None
+    record = _fresh(Path(given.record), _recording_aside) if given.record else None
     if given.resume:
         if given.set or given.journal:
             word = "--set" if given.set else "--journal"
@@ -193,23 +193,23 @@ def _lines(mission: Mission, given: argparse.Namespace) -> Lines:
     return Lines(mission, sys.stdout, verbose=given.verbose)
 
 
-def _is_journal(path: Path) -> None:
-    from rai_missions.journal import read
+def _aside(path: Path, to: Path) -> None:
+    from rai_missions.journal import set_aside
 
-    read(path).close()
+    set_aside(path, to)
 
 
-def _is_recording(path: Path) -> None:
+def _recording_aside(path: Path, to: Path) -> None:
     if not is_mcap(path):
         raise UsageError(f"{path} is there already, and is no recording; name another file")
+    path.rename(to)
 
 
-def _fresh(path: Path, is_ours: Callable[[Path], None] = _is_journal) -> Path:
+def _fresh(path: Path, move: Callable[[Path, Path], None] = _aside) -> Path:
     """What a run has written is never written over: an older file of the same name is moved aside."""
     if path.exists() and path.is_file():
-        is_ours(path)  # what no run has written is not ours to move
         number = next(n for n in range(1, 10_000) if not path.with_suffix(f".{n}{path.suffix}").exists())
-        path.rename(path.with_suffix(f".{number}{path.suffix}"))
+        move(path, path.with_suffix(f".{number}{path.suffix}"))  # which looks whether it is ours to move
     return path
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault
+from rai_missions.journal.database import Unbegun
 from rai_missions.journal.record import Record
 from rai_missions.journal.rows import GENESIS, Raw, Row, StepRow, chained
 
@@ -28,8 +29,9 @@ def read(path: Path | str) -> Record:
     record = Record(path)
     faults = _collected(_chain_faults(record))
     if faults:
+        is_empty = next(record.raw(), None) is None
         record.close()
-        raise DefinitionError(faults, str(path))
+        raise (Unbegun if is_empty else DefinitionError)(faults, str(path))
     return record
 
 
@@ -45,7 +47,7 @@ def opened(path: Path | str) -> Record:
     if first is None or first[0] != 0 or _altered(first, GENESIS):
         faults = _collected(_chain_faults(record))
         record.close()
-        raise DefinitionError(faults, str(path))
+        raise (Unbegun if first is None else DefinitionError)(faults, str(path))
     return record
 
 
@@ -102,7 +104,7 @@ def _chain_faults(record: Record) -> Iterator[Fault]:
             yield from _header_faults(record)
         expected, before = number + 1, str(raw[3])
     if expected == 0:
-        yield Fault("row 0", "missing: the journal is empty; give a file that a run has written")
+        yield Fault("row 0", "missing: the journal is empty, as of a process that died making it; start a new run")
 
 
 def _altered(raw: Raw, before: str) -> str:

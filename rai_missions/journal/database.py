@@ -15,7 +15,10 @@ from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 
-__all__ = ("BLOB", "FORMAT", "LONGEST_BYTES", "ROW", "Lock", "Reading", "SqliteError", "open_to_read", "open_to_write")
+__all__ = (
+    "BLOB", "FORMAT", "LONGEST_BYTES", "ROW", "Lock", "Reading", "SqliteError", "Unbegun", "log_of",
+    "open_to_read", "open_to_write",
+)  # fmt: skip
 
 SqliteError = sqlite3.Error
 
@@ -43,6 +46,10 @@ WAL_HEADER, WAL_FRAME = 32, 24
 DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
+
+
+class Unbegun(DefinitionError):
+    """A file without a row, as whoever dies while it makes a journal leaves it."""
 
 
 class Lock:
@@ -157,6 +164,10 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
         found = connection.execute("SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema").fetchall()
     except (sqlite3.Error, UnicodeDecodeError) as error:
         raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
+    if not found and application in (0, APPLICATION):
+        sentence = "no journal of a run: its process died making it, and a new one is to be started; "
+        sentence += f"or its rows are in '{log_of(path).name}', which was not brought along: give both files"
+        raise Unbegun([Fault("", sentence)], str(path))
     if application != APPLICATION:
         sentence = "a SQLite file, but no journal; give a file that a run has written"
     elif version != FORMAT:
@@ -190,8 +201,13 @@ def _cut(log: Path, frames: int) -> int:
     return max(0, log.stat().st_size - end) if salts.startswith(frame[8:16]) else 0
 
 
+def log_of(path: Path) -> Path:
+    """Where SQLite writes what is not yet in a journal's file itself."""
+    return path.with_name(f"{path.name}-wal")
+
+
 def _opened(path: Path) -> Reading:
-    log = Path(f"{path}-wal")
+    log = log_of(path)
     if not (log.is_file() and log.stat().st_size and log.resolve().parent == path.parent):  # a link leads elsewhere
         return sqlite3.connect(
             _uri(path, "ro") + "&immutable=1", uri=True, isolation_level=None, check_same_thread=False, factory=Reading
