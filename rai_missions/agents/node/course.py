@@ -156,10 +156,11 @@ class Course:
 
     def _is_overdue(self, event: Event) -> bool:
         """An order that the run takes too late is dropped, and that is told."""
-        waiting = self._waiting.get(event.data.get("request", "")) if self._waiting else None
+        request = _request(event) if self._waiting else ""
+        waiting = self._waiting.get(request)
         if waiting is None or not waiting.drops():
             return False
-        del self._waiting[event.data["request"]]
+        self._waiting.pop(request, None)
         return True
 
     def _event(self, order: Order, request: str) -> Event:
@@ -223,7 +224,7 @@ class Course:
 
     def receive(self, step: Step) -> None:
         """Tell whoever has ordered what this step did."""
-        waiting = self._waiting.pop(step.event.data.get("request", ""), None) if self._waiting else None
+        waiting = self._waiting.pop(_request(step.event), None) if self._waiting else None
         if waiting is not None:
             waiting.told(_receipt(waiting.order, step))
 
@@ -241,6 +242,12 @@ class Course:
             left, self._waiting = tuple(self._waiting.values()), {}
         for each in left:
             each.told(Receipt(False, OVER, each.order.id))
+
+
+def _request(event: Event) -> str:
+    """Which order an event comes of; a robot, too, may call something so, and mean anything by it."""
+    request = event.data.get("request")
+    return request if isinstance(request, str) else ""
 
 
 def _controller(by: str) -> str:

@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.agents.node.course import Course
+from rai_missions.agents.node.order import Order, Receipt
 from rai_missions.clock import Mailbox
 from rai_missions.event import Event
 from rai_missions.runner import Runner
@@ -85,3 +89,15 @@ def test_a_run_that_goes_on_shows_what_was_asked_before_with_the_time_left() -> 
     assert (question.state, question.asked, left_s) == ("asking", "operator", 590.0)
     resumed.step(stood.runner.chart.send(Event("resume", 99.0, {}, "command")))
     assert resumed.questions()[0].left_s == 590.0
+
+
+@pytest.mark.parametrize("said", [{"id": 1}, [1], None, 7, "another"])
+def test_what_a_robot_calls_a_request_is_none_of_the_orders(said: Any) -> None:
+    """An order waits; a robot's event comes first, in which something has the name of what tells orders apart."""
+    stood, receipts = Stood(), list[Receipt]()
+    stood.course.submit(Order("pause"), receipts.append)
+    event = Event("robot_says", 0.0, {"request": said})
+    stood.runner.mailbox.put_back([event])
+    assert stood.runner.mailbox.take() == event
+    stood.course.receive(stood.runner.chart.send(event))
+    assert receipts == []
