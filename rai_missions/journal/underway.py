@@ -93,9 +93,20 @@ class Underway:
             accepted = event.data.get("accepted")
             self.accepted |= {number for number in self.open if isinstance(accepted, list) and number in accepted}
             self.is_held_for_mission = event.data.get("is_held_for_mission") is True
-        if not (event.kind == "command" and event.name == "kill"):  # one is written after it was carried out
+        if event.kind == "command" and event.name == "kill":
+            self._stop()
+        else:
             weighs = tuple(effect for effect in step.effects if isinstance(effect, WEIGHTY))
             self.unsure |= {step.seq: weighs} if weighs else {}
+
+    def _stop(self) -> None:
+        """An emergency stop, which is written after it was carried out: only goals still have an end to come.
+
+        What waited for the disk when it came was not begun; and nobody begins anything again after one.
+        """
+        self.open = {number: effect for number, effect in self.open.items() if isinstance(effect, StartGoal)}
+        self.unsure.clear()
+        self.handover = None
 
     def _settle(self, is_settled: Callable[[Effect], bool]) -> None:
         """What came back since says that they were carried out, or the mission has heard of the doubt."""
