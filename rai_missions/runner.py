@@ -22,7 +22,7 @@ from rai_missions.clock import Clock, Mailbox, WallClock
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event, Tick
-from rai_missions.journal.scribe import Book, Scribe
+from rai_missions.journal.scribe import Book, Scribe, raised_by
 from rai_missions.lifecycle import Lifecycle, Status
 from rai_missions.mission import Mission
 from rai_missions.performer import Performer
@@ -100,6 +100,7 @@ class Runner(Steered):
         self._later: list[tuple[float, int, Callable[[], None]]] = []
         self._order = itertools.count()
         self._requests: deque[Callable[[], None]] = deque()
+        self._notes: deque[str] = deque()
         self._decisions = resumed.decisions if resumed is not None else 0
 
     def later(self, at: float, do: Callable[[], None]) -> None:
@@ -130,6 +131,7 @@ class Runner(Steered):
                 self._step(lambda: self.chart.start(self.clock.now()))
             self._loop(lambda: self.chart.outcome is not None)
             self._loop(lambda: not self.chart.open_goals and not self.performer.handovers.letting_go)
+            self._write_notes()
             self._write_carried()
             return self._result(began)
         except BaseException as error:
@@ -252,17 +254,10 @@ class Runner(Steered):
             self._tell(step)
             return
         self.performer.perform(step.effects)
-        lost = self._confirm(step)
+        lost = raised_by(lambda: self._scribe.confirm(step))
         self._tell(step)
         if lost is not None:
             self._lose_journal(lost)
-
-    def _confirm(self, step: Step) -> Exception | None:
-        try:
-            self._scribe.confirm(step)
-        except Exception as error:  # noqa: BLE001 - as in `_write`
-            return error
-        return None
 
     def _kill(self, event: Event) -> None:
         """The emergency stop: the actuators first, the journal after."""
@@ -317,12 +312,10 @@ class Runner(Steered):
     # -- the journal ----------------------------------------------------------------------------------------------
 
     def _write(self, step: Step, since: float) -> bool:
-        try:
-            self._scribe.write(step, since)
-        except Exception as error:  # noqa: BLE001 - whatever the reason, what is not written down may not be done
-            self._lose_journal(error)
-            return False
-        return True
+        lost = raised_by(lambda: self._scribe.write(step, since))
+        if lost is not None:
+            self._lose_journal(lost)
+        return lost is None
 
     @property
     def _due(self) -> float:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.clock import Clock, Mailbox
 from rai_missions.event import Event
+from rai_missions.journal.scribe import Scribe, raised_by
 from rai_missions.lifecycle import Lifecycle
 
 if TYPE_CHECKING:
@@ -29,6 +30,10 @@ class Steered:
     performer: Performer
     _requests: deque[Callable[[], None]]
     """What is to be done on the run's thread before its next event."""
+    _notes: deque[str]
+    """What is to be written down then."""
+    _scribe: Scribe
+    _lose_journal: Callable[[Exception], None]
 
     def pause(self, by: str = "operator") -> None:
         self._command("pause", by)
@@ -65,6 +70,17 @@ class Steered:
         """Have something done on the run's thread, before its next event."""
         self._requests.append(do)
         self.mailbox.wake()
+
+    def note(self, text: str) -> None:
+        """Have a sentence written into the journal, in its turn; whoever says so waits for no disk."""
+        self._notes.append(text)
+        self.soon(self._write_notes)
+
+    def _write_notes(self) -> None:
+        while self._notes:
+            text = self._notes.popleft()
+            if lost := raised_by(lambda text=text: self._scribe.note(text)):  # type: ignore[misc]
+                self._lose_journal(lost)
 
     def _command(self, name: str, by: str) -> None:
         self.post(Event(name, self.clock.now(), {"by": by}, "command"))

@@ -109,7 +109,7 @@ class Watch:
 
         runner, journal = prepared.runner, prepared.journal
         self._course = Course(runner, prepared.robot)
-        desk = PageDesk(self._course, answers=self._operator, note=journal.note if journal else _unheard)
+        desk = PageDesk(self._course, answers=self._operator, note=runner.note)
         closed = Closed(prepared.mission)
         self._feed = RunFeed(
             self._look, runner.clock.now, lambda: closed.now(self._asked(), runner.chart, runner.clock.now())
@@ -189,7 +189,3 @@ def _door() -> None:
 
     if find_spec("starlette") is None or find_spec("uvicorn") is None:
         raise UsageError(LACKS)
-
-
-def _unheard(_text: str) -> None:
-    """There is no journal."""

@@ -16,7 +16,7 @@ from rai_missions.journal.clerk import Clerk
 from rai_missions.journal.underway import weighty
 from rai_missions.step import Step
 
-__all__ = ("Book", "Scribe")
+__all__ = ("Book", "Scribe", "raised_by")
 
 QUIET_S = 1.0
 """How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
@@ -107,3 +107,12 @@ class Scribe:
     def _clear(self) -> None:
         self._carried.clear()
         self._since = math.inf
+
+
+def raised_by(write: Callable[[], None]) -> Exception | None:
+    """What writing raises: whatever the reason, what is not written down may not be done."""
+    try:
+        write()
+    except Exception as error:  # noqa: BLE001 - see above
+        return error
+    return None

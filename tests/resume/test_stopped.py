@@ -60,7 +60,8 @@ def stopped(tmp_path: Path) -> Path:
     path = tmp_path / "run.journal"
     with Held.create(path, Header(dump(LIT), dump_profile(PROFILE))) as journal:
         journal.hangs, journal.answers = threading.Event(), threading.Event()
-        rig = Performed({1.0: lambda: rig.post("go")}, journal=journal)
+        rig = Performed(journal=journal)
+        rig.stage.play({1.0: lambda: rig.post("go")})
         runs = threading.Thread(target=rig.run)
         runs.start()
         assert journal.hangs.wait(PATIENCE_S)
