@@ -275,7 +275,7 @@ class Performer:
             answer({"absent": f"nobody called '{question.asked}' is here"})
             return
         try:
-            answerer.ask(question, answer)
+            answerer.ask(question.apart(), answer)
         except Exception as error:  # whoever answers is not trusted to behave
             log.exception("'%s' failed to take question %d", question.asked, question.number)
             answer({"failed": f"{type(error).__name__}: {error}"})

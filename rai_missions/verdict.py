@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
+from rai_missions.apart import apart
 from rai_missions.event import Image
 from rai_missions.guards.guard import Test, Truth, View
 from rai_missions.parameters import misfits
@@ -81,6 +82,12 @@ class Question(NamedTuple):
     def state(self) -> str:
         """The state that asks."""
         return self.owner.partition("#")[0]
+
+    def apart(self) -> Question:
+        """The same question with values of its own, for whoever is asked."""
+        options = tuple(offer._replace(parameters=apart(offer.parameters)) for offer in self.options)
+        evidence = tuple(each._replace(value=apart(each.value)) for each in self.evidence)
+        return self._replace(options=options, evidence=evidence)
 
 
 class Proposal(NamedTuple):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a chat model can do, found out without asking it: structured output, calls of tools, pictures.
 
-Rule: what a model's class and profile say is believed until a call shows otherwise; then the next mode is tried.
+Rule: what a model's class and profile say is believed until a call shows otherwise; then the next mode is tried. A
+provider's package is given schemas of its own, for it may cut out of them what its server does not know; never a tool.
 """
 
 from __future__ import annotations
@@ -13,8 +14,10 @@ from typing import Any, Literal
 from langchain_core.language_models import BaseChatModel
 from langchain_core.runnables import Runnable, RunnableSequence
 from langchain_core.tools import BaseTool
+from langchain_core.utils.function_calling import convert_to_openai_tool
 
 from rai_missions.agents.reading import callable_name
+from rai_missions.apart import apart
 from rai_missions.verdict import Offer, Question
 
 __all__ = (
@@ -71,13 +74,13 @@ def _profile(model: BaseChatModel) -> Mapping[str, Any]:
 def bound(model: BaseChatModel, mode: Mode, question: Question, tools: Mapping[str, BaseTool]) -> Bound:
     """The model, set up to answer a question in a mode; its answers are messages, to be read by ourselves."""
     if mode == "json_schema":
-        return _unparsed(model.with_structured_output(wish_schema(question.options), method="json_schema"))
+        return _unparsed(model.with_structured_output(apart(wish_schema(question.options)), method="json_schema"))
     if mode == "tools":
-        offered: list[Any] = [*tools.values(), *tool_specifications(question.options)]
+        offered = [*map(convert_to_openai_tool, tools.values()), *tool_specifications(question.options)]
         try:
-            return model.bind_tools(offered, tool_choice="any")
+            return model.bind_tools(apart(offered), tool_choice="any")
         except (NotImplementedError, TypeError, ValueError):
-            return model.bind_tools(offered)
+            return model.bind_tools(apart(offered))
     return model
 
 

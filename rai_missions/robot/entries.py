@@ -7,10 +7,11 @@ Rule: a template is data. `{"from": "pose"}` takes a field of what the mission g
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self, cast
 
 from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
 
+from rai_missions.apart import apart
 from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
 from rai_missions.robot.convert import at_path, plain, pose_message
@@ -180,14 +181,14 @@ def references(template: Any) -> Iterator[str]:
 
 
 def given_to(template: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """What the robot is given: a template filled, or, without references, the mission's fields over the profile's.
+    """What the robot is given, as values of its own: a template filled, or the mission's fields over the profile's.
 
     Raises:
         ConnectorError: A field that the template wants is not given, or cannot be written as it says.
     """
     if not any(True for _ in references(template)):
-        return _over(template, given)
-    return {name: _filled(item, given) for name, item in template.items()}
+        return cast("dict[str, Any]", apart(_over(template, given)))
+    return {name: apart(_filled(item, given)) for name, item in template.items()}
 
 
 def _over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
