@@ -42,8 +42,10 @@ def plain(value: Any, depth: int = 0) -> Any:
     Raises:
         ConnectorError: Bytes that are no picture, a name that is no text, nesting deeper than 60, another type.
     """
-    if value is None or isinstance(value, str | bool | Image):
+    if value is None or isinstance(value, bool | Image):
         return value
+    if isinstance(value, str):
+        return str.__str__(value)  # a word of an enumeration, or of numpy, is text of another type
     if isinstance(value, int | float):
         kind = int if isinstance(value, int) else float
         return kind(value) if is_number(value) else None
@@ -52,7 +54,7 @@ def plain(value: Any, depth: int = 0) -> Any:
     if isinstance(value, Mapping):
         if not all(isinstance(name, str) for name in value):
             raise ConnectorError(f"the fields of a message have names of text, not {sorted(map(repr, value))[0]:.60}")
-        return {name: plain(item, depth + 1) for name, item in value.items()}
+        return {str.__str__(name): plain(item, depth + 1) for name, item in value.items()}
     if isinstance(value, list | tuple):
         return [plain(item, depth + 1) for item in value]
     if hasattr(value, "tolist"):  # numpy's arrays and numbers, without knowing numpy

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import enum
 import math
 from typing import Any
 
@@ -154,6 +155,14 @@ def test_numbers_of_numpy_become_plain() -> None:
 
 def test_an_integer_beyond_all_floating_point_numbers_is_no_number_to_reckon_with() -> None:
     assert plain({"a": [10**400, -(10**5000), 10**300]}) == {"a": [None, None, 10**300]}
+
+
+def test_words_of_enumerations_and_of_numpy_become_text() -> None:
+    numpy = pytest.importorskip("numpy")
+    way = enum.Enum("Way", {"LEFT": "left"}, type=str)
+    made = plain({way.LEFT: [way.LEFT, numpy.str_("right")]})
+    assert made == {"left": ["left", "right"]}
+    assert {type(text) for text in (*made, *made["left"])} == {str}
 
 
 def test_bytes_are_no_plain_data() -> None:

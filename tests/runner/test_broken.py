@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import copy
+import enum
 import logging
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,6 +16,7 @@ from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Reply
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.journal import Header, Journal
 from rai_missions.step import StartGoal
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer
 from tests.runner.stages import KEYS, Book, Rig, mission, robot
@@ -314,6 +317,14 @@ def test_what_is_no_answer_does_not_count(saying: Any) -> None:
     result = rig.run()
     assert rig.entered[-1] == "lost" and result.outcome == "failed", "the fallback"
     assert len([step for step in rig.book.steps if step.question]) == 3, "each attempt was asked"
+
+
+def test_a_word_of_an_enumeration_is_an_answer_like_any_other(tmp_path: Path) -> None:
+    way = enum.Enum("Way", {"LEFT": "left"}, type=str)
+    with Journal.create(tmp_path / "run.journal", Header("")) as journal:
+        rig = Rig(ASKING, answerers={"agent": ChatteringAnswerer([{"option": way.LEFT}])}, journal=journal)
+        assert rig.run().outcome == "aborted"
+    assert rig.entered[-1] == "over"
 
 
 def test_of_two_answers_to_one_question_the_first_counts_and_the_second_is_stale() -> None:
