@@ -20,6 +20,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.journal import MIGRATED, Header, Journal, Record, opened, read
+from rai_missions.journal.database import log_of
 from rai_missions.load import dump
 from rai_missions.migration.board import board
 from rai_missions.migration.carry import carry
@@ -63,8 +64,13 @@ def migrate(
 
     Raises:
         DefinitionError: The map does not say enough, or what is not so.
-        UsageError: The run has ended, has not begun, or goes on elsewhere; or the new journal is there already.
+        UsageError: The run has ended, has not begun, or goes on elsewhere; or the new journal cannot be where it is to.
     """
+    if Path(to).parent.resolve() != Path(journal).parent.resolve():  # `follow` looks nowhere else
+        sentence = (
+            f"{to} is in another folder than {journal}, and a run's journals know each other by their names alone"
+        )
+        raise UsageError(f"{sentence}: name a file beside it, and move both together afterwards")
     with opened(journal) as record:
         was = mission_of(record)
         resumed = resumption(record, was, named=named)
@@ -184,15 +190,21 @@ def _write(path: Path, header: Header, step: Step) -> None:
     """A journal with its first rows, or none."""
     if path.exists():
         raise UsageError(f"{path} is there already, and a journal is never overwritten; name another file")
-    path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.part")
-    for left in (part, part.with_name(f"{part.name}-wal")):
-        left.unlink(missing_ok=True)  # of somebody who died here
     try:
-        with Journal.create(part, header) as new:
-            new.write(step, since=step.at)
-        part.rename(path)
-    except BaseException:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for left in (part, log_of(part), log_of(path)):
+            left.unlink(missing_ok=True)  # of somebody who died here, or whose journal was taken away without its log
+        try:
+            with Journal.create(part, header) as new:
+                new.write(step, since=step.at)
+            if log_of(part).exists():  # what could not be moved from it into the file would not get the file's name
+                raise UsageError(f"{path} cannot be written: the disk is full; make room, and migrate again")
+            part.rename(path)
+        except BaseException:
+            for left in (part, log_of(part)):
+                with suppress(OSError):
+                    left.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise UsageError(f"a journal cannot be written at {path}: {error.strerror}; name another file") from None

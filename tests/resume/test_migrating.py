@@ -5,16 +5,18 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rai_missions.agents.resuming import take_up
-from rai_missions.errors import UsageError
-from rai_missions.journal import verify
+from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.journal import Journal, verify
 from rai_missions.migration import Map, migrate
 from rai_missions.replay import replay
 from tests.resume.mortal import Choosing, Fate, live
@@ -85,6 +87,50 @@ def test_one_run_never_goes_on_in_two_journals(tmp_path: Path) -> None:
         migrate(path, ERRAND, Map(), to=tmp_path / "third.journal")
 
 
+def test_no_journal_is_begun_where_nobody_would_look_whether_its_run_went_on_otherwise(tmp_path: Path) -> None:
+    path = died(tmp_path / "run.journal", land())
+    with pytest.raises(UsageError, match=r"in another folder than .*run\.journal.*: name a file beside it"):
+        migrate(path, ERRAND, Map(), to=tmp_path / "elsewhere" / "new.journal")
+    assert [each.name for each in tmp_path.iterdir()] == ["run.journal"]
+    link = tmp_path / "linked"
+    link.symlink_to(tmp_path)
+    take_up(migrate(link / "run.journal", ERRAND, Map(), to=tmp_path / "new.journal").journal).record.close()
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Iterator[Callable[[int], Path]]:
+    """Makes disks of so many KiB."""
+    made: list[Path] = []
+
+    def make(kib: int) -> Path:
+        disk = tmp_path / f"disk{kib}"
+        disk.mkdir()
+        mount = ["mount", "-t", "tmpfs", "-o", f"size={kib}k", "tmpfs", str(disk)]
+        if shutil.which("mount") is None or subprocess.run(mount, check=False, capture_output=True).returncode:
+            pytest.skip("only root may make a small disk")
+        made.append(disk)
+        return disk
+
+    yield make
+    for disk in made:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_a_disk_that_is_full_leaves_the_run_where_it_was(tmp_path: Path, small: Callable[[int], Path]) -> None:
+    """At some sizes the log fits beside the journals, and what is in it does not fit into the new one."""
+    path, found = died(tmp_path / "run.journal", land()), set()
+    for kib in range(52, 96, 8):
+        disk = small(kib)
+        shutil.copy(path, disk / "run.journal")
+        with suppress(UsageError, ConnectorError):
+            migrate(disk / "run.journal", ERRAND, Map(), to=disk / "new.journal")
+        goes_on = "new.journal" if (disk / "new.journal").exists() else "run.journal"
+        take_up(disk / goes_on).record.close()
+        assert {each.name for each in disk.iterdir()} == {"run.journal", goes_on}
+        found.add(goes_on)
+    assert found == {"new.journal", "run.journal"}
+
+
 def took_up(path: Path) -> None:
     """A process has gone on with a run, and died."""
     live(path, land(), ERRAND, ROBOT, {"someone": Choosing("on")}, Fate(1, what="write"))
@@ -101,3 +147,23 @@ def test_a_journal_is_never_overwritten_and_a_folder_may_be_moved(tmp_path: Path
     assert went_on(tmp_path / "there" / "new.journal", there, ERRAND).outcome == "canceled"
     with pytest.raises(UsageError, match=r"there/new\.journal"):
         take_up(tmp_path / "there" / "run.journal")
+
+
+def test_a_log_whose_journal_was_taken_away_is_not_read_into_the_one_that_is_made(tmp_path: Path) -> None:
+    path = died(tmp_path / "run.journal", land())
+    shutil.copy(path, tmp_path / "new.journal")
+    with Journal.open(tmp_path / "new.journal") as other:
+        other.note("of another run")
+        log = (tmp_path / "new.journal-wal").read_bytes()
+    (tmp_path / "new.journal").unlink()
+    (tmp_path / "new.journal-wal").write_bytes(log)
+    migrate(path, ERRAND, Map(), to=tmp_path / "new.journal")
+    assert verify(tmp_path / "new.journal") == ()
+    take_up(tmp_path / "new.journal").record.close()
+
+
+def test_a_place_where_no_journal_can_be_made_is_told_in_a_sentence(tmp_path: Path) -> None:
+    path = died(tmp_path / "run.journal", land())
+    with pytest.raises(UsageError, match=r"a journal cannot be written at .*: File name too long; name another file"):
+        migrate(path, ERRAND, Map(), to=tmp_path / ("n" * 250))
+    take_up(path).record.close()
