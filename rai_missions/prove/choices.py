@@ -48,17 +48,12 @@ class Choices:
         """What was chosen since `begin`."""
         return tuple(self._trail[: self._at])
 
-    def another(self) -> bool:
-        """Whether there is a way that was not gone yet; it is the next one."""
-        del self._trail[self._at :], self._sizes[self._at :]
-        while self._trail:
-            if self._trail[-1] + 1 < self._sizes[-1]:
-                self._trail[-1] += 1
-                self._at = 0
-                return True
-            self._trail.pop()
-            self._sizes.pop()
-        return False
+    def next(self) -> tuple[int, ...] | None:
+        """What to `begin` with to go the next way; None where each was gone."""
+        for at in range(self._at - 1, -1, -1):
+            if self._trail[at] + 1 < self._sizes[at]:
+                return (*self._trail[:at], self._trail[at] + 1)
+        return None
 
 
 class OpenFields(dict[str, Any]):

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from rai_missions.prove.courses import Arrival, Course, Courses, Made, fits, value_of
 from rai_missions.prove.explored import Own, State
 from rai_missions.prove.free import RESUME, Free
 from rai_missions.prove.happening import Happening, HappeningKind
@@ -34,39 +35,6 @@ class Flaw(NamedTuple):
     """What happens in that state; None where the state itself is at fault."""
 
 
-class Arrival(NamedTuple):
-    """What one step came to, but for those of the mission's own keys that it left alone."""
-
-    way: Way
-    kind: HappeningKind
-    has_moved: bool
-    ended: tuple[str, str] | None
-    """Outcome and why; None where the mission goes on."""
-    core: bytes = b""
-    state: State = ()
-    written: Own | None = None
-    telling: tuple[str, ...] = ()
-    mode: str = ""
-
-
-class Course(NamedTuple):
-    """All that one happening can come to."""
-
-    arrivals: list[Arrival]
-    steps: int
-    needs: tuple[tuple[str, Any], ...]
-    """Those of the mission's own keys that were looked at, each with its value: with these, all happens again."""
-
-    def fits(self, own: Own) -> bool:
-        """Whether all this happens where so much stands under the mission's own keys."""
-        return all(_value(own, key) == value for key, value in self.needs)
-
-
-def _value(own: Own, key: str) -> Any:
-    entry = own.get(key)
-    return None if entry is None else entry.value
-
-
 class Space(Reached):
     """What was explored of a mission.
 
@@ -82,7 +50,7 @@ class Space(Reached):
         self.fresh = (chart.save(), chart.own())
         """Before the start."""
         self._frontier: deque[tuple[int, bytes, State, Own]] = deque()
-        self._courses: dict[bytes, list[list[Course]]] = {}
+        self._courses: dict[bytes, list[Courses]] = {}
         self.ends: dict[int, str] = {}
         """Number of a state → the outcome with which the run has ended in it."""
         self.canceling: set[int] = set()
@@ -110,7 +78,7 @@ class Space(Reached):
     def explore(self) -> None:
         """Find every state, or as many as there is room for."""
         start = Happening(START, "start", self.chart.begin)
-        self._each_way(start, -1, self.fresh, -1)
+        self._each_way(start, -1, self.fresh, -1, Courses())
         while self._frontier:
             number, core, state, own = self._frontier.popleft()
             self._leave(number, core, (state, own))
@@ -124,7 +92,7 @@ class Space(Reached):
         own, room = place[1], self._courses.get(core)
         if room is None:
             self._stop(number, place)
-        fitting = [next((course for course in each if course.fits(own)), None) for each in room or ()]
+        fitting = [next((course for course in each.whole if fits(course.needs, own)), None) for each in room or ()]
         found = self._happenings(number, place) if room is None or None in fitting else []
         if room is None:
             room, fitting = self._room(core, len(found), place), [None] * len(found)
@@ -133,7 +101,7 @@ class Space(Reached):
                 self._again(course, number, own)
             else:
                 place_of = at if found[at].words != CANCEL else -1
-                room[at].append(self._each_way(found[at], place_of, place, number))
+                self._each_way(found[at], place_of, place, number, room[at])
 
     def _happenings(self, number: int, place: tuple[State, Own]) -> list[Happening]:
         """Everything that can happen there but an emergency stop."""
@@ -144,10 +112,10 @@ class Space(Reached):
             found.append(Happening(CANCEL, "command", chart.ordering("cancel")))
         return found
 
-    def _room(self, core: bytes, many: int, place: tuple[State, Own]) -> list[list[Course]]:
+    def _room(self, core: bytes, many: int, place: tuple[State, Own]) -> list[Courses]:
         """Room for what comes of so many happenings; kept where the mission's own keys can differ."""
         chart = self.chart
-        room: list[list[Course]] = [[] for _ in range(many)]
+        room = [Courses() for _ in range(many)]
         chart.load(*place)
         if chart.telling() and not chart.own_fade:
             if len(self._courses) >= MOST_COURSES:
@@ -161,29 +129,44 @@ class Space(Reached):
         for arrival in course.arrivals:
             self._arrive(source, arrival, own)
 
-    def _each_way(self, happening: Happening, at: int, place: tuple[State, Own], source: int) -> Course:
-        """Let it happen in each way in which it can."""
-        chart, arrivals, steps = self.chart, [], 0
-        looked, own_keys, read = chart.board.looked, chart.own_keys, set[str]()
-        chart.choices.begin()
-        while True:
-            chart.load(*place)
-            looked.clear()
-            chart.make(happening.do)
+    def _each_way(self, happening: Happening, at: int, place: tuple[State, Own], source: int, before: Courses) -> None:
+        """Let it happen in each way in which it can; those that went so before are not gone again."""
+        own, arrivals, steps, needs = place[1], [], 0, dict[str, Any]()
+        chosen: tuple[int, ...] | None = ()
+        while chosen is not None:
+            known = before.ways.setdefault(chosen, [])
+            made = next((each for each in known if fits(each.needs, own)), None)
+            if made is None:
+                made = self._make(happening, at, place, source, chosen)
+                known.append(made)
             steps += 1
-            if chart.is_possible:
-                read |= looked & own_keys
-                chart.settle()
-                read |= (looked | chart.asked_at_the_end) & own_keys
-                way = Way(happening.words, at, chart.choices.trail)
-                self._learn(source, way, is_paused=place[0][1] == "paused" and happening.words != RESUME)
-                arrival = self._arrival(way, happening.kind, place[1])
-                self._arrive(source, arrival, place[1])
-                arrivals.append(arrival)
-            if not chart.choices.another():
-                break
+            needs.update(made.needs)
+            if made.arrival is not None:
+                self._arrive(source, made.arrival, own)
+                arrivals.append(made.arrival)
+            chosen = made.after
         self.steps += steps
-        return Course(arrivals, steps, tuple((key, _value(place[1], key)) for key in sorted(read)))
+        before.whole.append(Course(arrivals, steps, tuple(sorted(needs.items()))))
+
+    def _make(
+        self, happening: Happening, at: int, place: tuple[State, Own], source: int, chosen: tuple[int, ...]
+    ) -> Made:
+        """Let it happen in one way."""
+        chart, arrival = self.chart, None
+        looked, own_keys = chart.board.looked, chart.own_keys
+        chart.choices.begin(chosen)
+        chart.load(*place)
+        looked.clear()
+        chart.make(happening.do)
+        is_possible = chart.is_possible
+        read = looked & own_keys
+        if is_possible:
+            chart.settle()
+            read |= (looked | chart.asked_at_the_end) & own_keys
+            way = Way(happening.words, at, chart.choices.trail)
+            self._learn(source, way, is_paused=place[0][1] == "paused" and happening.words != RESUME)
+            arrival = self._arrival(way, happening.kind, place[1])
+        return Made(arrival, tuple((key, value_of(place[1], key)) for key in sorted(read)), chart.choices.next())
 
     def _arrival(self, way: Way, kind: HappeningKind, before: Own) -> Arrival:
         chart, has_moved = self.chart, bool(self.chart.moves)

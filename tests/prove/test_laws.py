@@ -66,6 +66,23 @@ def test_what_is_told_again_is_what_happens_again(document: Json) -> None:
     hold_against_patient(document, MOST)
 
 
+def test_a_way_that_looks_at_what_differs_is_gone_anew() -> None:
+    """Of the same happening, one way looks at the counter and another does not."""
+    counted: Json = {"on": "more", "do": [{"set": "tries", "add": 1}]}
+    guard: Json = {"any": [{"key": "event.kind", "==": "sure"}, {"key": "tries", ">": 2}]}
+    hold_against_patient({
+        "format": 1, "name": "counted", "version": "1.0.0", "initial": "here",
+        "blackboard": {"tries": {"type": "integer", "initial": 0}},
+        "events": {"go": {"fields": {"kind": "string"}}, "more": {}},
+        "states": {
+            "here": {"transitions": [counted, {"on": "go", "when": guard, "to": "there"}]},
+            "there": {"transitions": [{"on": "more", "when": {"key": "tries", "<": 2}, "to": "here"}]},
+            "over": {"final": "aborted"},
+        },
+        "transitions": [{"on": "go", "when": {"key": "event.kind", "==": "stop"}, "to": "over"}],
+    }, MOST)  # fmt: skip
+
+
 def hold_against_patient(document: Json, most: int) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
