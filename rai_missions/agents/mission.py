@@ -144,7 +144,7 @@ class Prepared:
         where = ", ".join(sorted(chart.active)) or "before its start"
         world = "; the simulated world starts anew, and what was under way in it is begun again" if self.world else ""
         cut = self._taken.record.cut
-        lost = f"; {cut} bytes at the journal's end are of a row that was not written whole, and count as not written"
+        lost = f"; {cut} bytes at the journal's end, behind its last whole row, count as not written"
         paused = "; it is paused: resume it on the live page (--watch) or through its node (--node)"
         return (
             f"the run goes on at {chart.at:.2f} s in: {where}{paused if chart.mode == 'paused' else ''}"

@@ -22,7 +22,7 @@ from rai_missions.commands.live import sort_out, watched
 from rai_missions.commands.migrate import migrated
 from rai_missions.commands.node import beside, managed, refuse_words_of_one_run
 from rai_missions.commands.signals import on_signals
-from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
 from rai_missions.progress import Lines
@@ -176,11 +176,9 @@ def _mission(given: argparse.Namespace) -> Mission:
     if now is not None and now != was:
         from visualize import difference
 
-        faults = [Fault("", line) for line in difference(was, now).lines()]
-        remedy = (
-            "the run goes on with its own mission, or in this one by a map of what has become of what: --migrate MAP"
-        )
-        raise DefinitionError([*faults, Fault("", remedy)], given.mission)
+        changed = "\n".join(difference(was, now).lines())
+        remedy = "go on without naming a mission, or in this one by a map of what has become of what: --migrate MAP"
+        raise UsageError(f"{given.mission} is not the mission of {given.resume}:\n{changed}\n{remedy}")
     return was
 
 

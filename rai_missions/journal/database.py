@@ -133,8 +133,12 @@ def open_to_read(path: Path) -> Reading:
             raise UsageError(f"the journal {path} cannot be read: permission denied")
         connection = _opened(path.resolve())
     except OSError as error:
-        raise UsageError(f"the journal {path} cannot be read: {error.strerror}") from None
+        place = error.filename2 or error.filename or path  # its log, or the copy that is made of both
+        raise UsageError(f"the journal {path} cannot be read: {error.strerror}: {place}") from None
     except sqlite3.Error as error:
+        if _code(error) in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+            where = f"the disk of it, or of its copy in {tempfile.gettempdir()}, is full or at fault"
+            raise UsageError(f"the journal {path} cannot be read: {error}: {where}") from None
         raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
     try:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
@@ -146,8 +150,13 @@ def open_to_read(path: Path) -> Reading:
     return connection
 
 
+def _code(error: Exception) -> int:
+    """SQLite's primary code; 0 where it gives none."""
+    return int(getattr(error, "sqlite_errorcode", 0)) & 0xFF
+
+
 def _no_journal(error: Exception) -> str:
-    if getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_CORRUPT:
+    if _code(error) == sqlite3.SQLITE_CORRUPT:
         return DAMAGED
     return f"no journal: {error}; give a file that a run has written"
 
@@ -212,6 +221,8 @@ def _opened(path: Path) -> Reading:
         return sqlite3.connect(
             _uri(path, "ro") + "&immutable=1", uri=True, isolation_level=None, check_same_thread=False, factory=Reading
         )
+    if not path.stat().st_size:  # SQLite would throw the log away
+        raise DefinitionError([Fault("", DAMAGED)], str(path))
     with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
         copy = Path(folder) / "journal"
         _copy(path, log, copy)

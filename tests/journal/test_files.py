@@ -351,3 +351,15 @@ def test_a_path_without_a_file_is_refused(tmp_path: Path) -> None:
         read(tmp_path / "none")
     with pytest.raises(UsageError, match="that is no file"):
         read(tmp_path)
+
+
+def test_a_file_that_was_emptied_beside_its_log_is_damaged(path: Path, tmp_path: Path) -> None:
+    with Journal.open(path) as journal:
+        journal.note("in the log")
+        for suffix in ("", "-wal"):
+            shutil.copyfile(f"{path}{suffix}", f"{tmp_path / 'left'}{suffix}")
+    (tmp_path / "left").write_bytes(b"")
+    log = (tmp_path / "left-wal").read_bytes()
+    with pytest.raises(DefinitionError, match="the journal is damaged"):
+        Journal.open(tmp_path / "left")
+    assert (tmp_path / "left-wal").read_bytes() == log
