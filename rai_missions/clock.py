@@ -12,6 +12,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, NamedTuple, Protocol
 
 from rai_missions.event import Event, Image
@@ -20,9 +21,8 @@ __all__ = ("Clock", "ContinuedClock", "HeardClock", "Mailbox", "SimulatedClock",
 
 LONGEST_WAIT_S = 86_400.0
 """A wait for longer ends early and begins again: threads cannot wait for centuries."""
-
 MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE = 200, 100_000
-"""So many events may wait before one of the robot's pictures, or another fact, that is taken in all the same."""
+"""So many events may wait before one of the robot's pictures, or another fact, that is taken in in its turn."""
 
 
 class Mailbox:
@@ -37,15 +37,24 @@ class Mailbox:
         self._queue: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
         self._urgent: deque[Event] = deque()
         self._front: deque[Event] = deque()
+        self._late: dict[str, Event] = {}
+        """Key → the newest of what the robot said of it while far too much waited; taken once nothing else waits."""
         self.alarm: Callable[[], None] = lambda: None
         """Told of each urgent event, once it is here, on the thread that brings it."""
         self.overdue: Callable[[Event], bool] | None = None
         """Whether an event that comes to be taken has waited too long and is dropped; whoever says so has told why."""
 
     def post(self, event: Event) -> None:
-        """Put it behind what waits; what the robot says is lost when far too much does, and so grows old."""
-        if event.kind != "write" or self._queue.qsize() < _most(event):
+        """Put it behind what waits; of what the robot says of a key while far too much does, the newest is kept."""
+        if event.kind != "write":
             self._queue.put(event)
+        elif self._queue.qsize() < _most(event):
+            self._late.pop(event.name, None)
+            self._queue.put(event)
+        else:
+            self._late[event.name] = event
+            if self._queue.empty():
+                self.wake()  # all was taken meanwhile, and whoever waits knows nothing of it
 
     def post_urgent(self, event: Event) -> None:
         """It is taken next, whatever waits."""
@@ -73,11 +82,16 @@ class Mailbox:
             try:
                 event = self._queue.get_nowait()
             except queue.Empty:
-                return None
+                return self._next_late()
             if event is not None:
                 return event
             if self._urgent:
                 return self._urgent.popleft()
+
+    def _next_late(self) -> Event | None:
+        with suppress(KeyError):  # it was overtaken just now
+            return self._late.pop(next(iter(tuple(self._late)), ""))
+        return None
 
     @property
     def urgent(self) -> bool:
@@ -87,7 +101,7 @@ class Mailbox:
     @property
     def waiting(self) -> int:
         """About how many events are to be taken."""
-        return len(self._urgent) + len(self._front) + self._queue.qsize()
+        return len(self._urgent) + len(self._front) + self._queue.qsize() + len(self._late)
 
     def put_back(self, events: list[Event]) -> None:
         """They are taken before all others but the urgent ones, in this order."""
@@ -95,11 +109,11 @@ class Mailbox:
 
     @property
     def empty(self) -> bool:
-        return not self._urgent and not self._front and self._queue.empty()
+        return not self._urgent and not self._front and self._queue.empty() and not self._late
 
     def wait(self, timeout_s: float | None) -> None:
         """Return when something has come, or after so many seconds of wall time; None waits for ever."""
-        if self._urgent or self._front:
+        if self._urgent or self._front or self._late:
             return
         if timeout_s is not None:
             timeout_s = min(timeout_s, LONGEST_WAIT_S)

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from rai_missions import clock
 from rai_missions.clock import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox, WallClock
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Image
@@ -152,14 +153,14 @@ def test_a_deadline_that_passed_while_the_disk_hung_has_passed_and_what_came_bef
     running: Running, after_due_s: float, outcome: str
 ) -> None:
     """The run's time goes on; each thing has the time at which it came."""
-    book, clock, asked = Hanging("again"), WallClock(), threading.Event()
-    rig = Rig(ASKING, journal=book, clock=clock, answerers={"operator": Silent(asked)})
+    book, wall, asked = Hanging("again"), WallClock(), threading.Event()
+    rig = Rig(ASKING, journal=book, clock=wall, answerers={"operator": Silent(asked)})
     results = running(rig)
     assert asked.wait(PATIENCE_S)
     rig.post("again")
     assert book.hangs.wait(PATIENCE_S)
     (question,) = [step.question for step in book.steps if step.question is not None]
-    wait_for(lambda: clock.now() > question.at + DEADLINE_S + 0.1)
+    wait_for(lambda: wall.now() > question.at + DEADLINE_S + 0.1)
     at = question.at + DEADLINE_S + after_due_s
     rig.runner.post(Event("operator", at, {"option": "left"}, "proposal", question.number))
     book.answers.set()
@@ -188,12 +189,51 @@ def test_what_a_robot_says_to_a_run_that_takes_nothing_does_not_fill_its_memory(
     mailbox, picture = Mailbox(), Image("camera@1", 640, 480, "rgb8", bytes)
     for number in range(MOST_BEFORE_PICTURE + 50):
         mailbox.post(Event("camera", float(number), {"value": picture}, "write"))
-    assert mailbox.waiting == MOST_BEFORE_PICTURE
+    assert mailbox.waiting == MOST_BEFORE_PICTURE + 1, "and the newest"
     for number in range(MOST_BEFORE_WRITE):
         mailbox.post(Event("battery", float(number), {"value": 0.5}, "write"))
-    assert mailbox.waiting == MOST_BEFORE_WRITE
+    assert mailbox.waiting == MOST_BEFORE_WRITE + 2
     mailbox.post(Event("stop_now"))
-    assert mailbox.waiting == MOST_BEFORE_WRITE + 1, "what happens is never lost"
+    assert mailbox.waiting == MOST_BEFORE_WRITE + 3, "what happens is never lost"
+    last = {event.name: event.at for event in iter(mailbox.take, None)}
+    assert last == {"camera": MOST_BEFORE_PICTURE + 49.0, "battery": MOST_BEFORE_WRITE - 1.0, "stop_now": 0.0}
+    assert mailbox.empty and not mailbox.waiting
+
+
+def test_what_a_robot_says_once_while_far_too_much_waits_is_heard(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its key never grows old: the run would believe what was so before, for ever."""
+    monkeypatch.setattr(clock, "MOST_BEFORE_WRITE", 50)
+    states = {"moving": {"action": "move", "timeout_s": 500, "transitions": [
+                  {"on": "again", "do": [{"set": "count", "add": 1}]},
+                  {"when": {"key": "there", "==": True}, "to": "over"}]},
+              "over": {"final": "aborted"}}  # fmt: skip
+    rig = Rig(states)
+
+    def flood() -> None:
+        rig.publish("/there", data=False)
+        for _ in range(100):
+            rig.post("again")
+        rig.publish("/there", data=False)
+        rig.publish("/there", data=True)
+
+    rig.stage.play({1.0: flood, 20.0: rig.runner.kill})
+    assert rig.run().why == "'over' was reached"
+
+
+def test_whoever_waits_is_woken_by_what_was_kept_for_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The last of too much is taken just as another fact finds no room behind it."""
+    monkeypatch.setattr(clock, "MOST_BEFORE_WRITE", 0)
+    mailbox, taken = Mailbox(), list[Event | None]()
+
+    def wait() -> None:
+        mailbox.wait(PATIENCE_S)
+        taken.append(mailbox.take())
+
+    waits = threading.Thread(target=wait)
+    waits.start()
+    mailbox.post(Event("there", 1.0, {"value": True}, "write"))
+    waits.join(PATIENCE_S / 2)
+    assert [event.name for event in taken if event is not None] == ["there"]
 
 
 def test_a_disk_that_becomes_read_only_stops_the_robot(tmp_path: Path) -> None:
