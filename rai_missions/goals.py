@@ -14,16 +14,18 @@ from contextlib import suppress
 from typing import Any
 
 from rai_missions.connectors.connector import Connector, Reply, Report
-from rai_missions.robot import ActionEntry, Robot, plain
+from rai_missions.robot import ActionEntry, Robot, ServiceEntry, plain
 from rai_missions.step import CancelGoal, StartGoal
+from rai_missions.wording import in_words
 
-__all__ = ("Goals", "told")
+__all__ = ("Goals", "outcome_of", "told")
 
 log = logging.getLogger(__name__)
 
 CANCELED_S = 5.0
 """How long other calls wait for the reply of the service that ends a composed action."""
-ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
+ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
+BAD_REPLIES = ("failed", "timed_out", "unavailable")
 
 
 class Goals:
@@ -118,7 +120,7 @@ class Goals:
         try:
             self._send(entry, effect)
         except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
-            self.give_up(effect.number, str(error))
+            self.give_up(effect.number, in_words(error))
 
     def cancel(self, effect: CancelGoal) -> None:
         """Ask for a goal's end; raises what the connector raises."""
@@ -192,18 +194,18 @@ class Goals:
         self._composed[effect.action] = CancelGoal(effect.number, effect.action)
 
         def answered(reply: Reply) -> None:
-            if start.succeeded(reply.outcome, reply.data):
+            outcome, why = outcome_of(start, reply)
+            if outcome == "succeeded":
                 self._tell("accepted", "accepted", effect.number, {})
             else:
-                why = reply.why or str(reply.data.get("message", "")) or reply.outcome
-                self._end(effect.number, "rejected", {"why": why})
+                self._end(effect.number, "rejected", {"why": why or outcome})
 
         self._connector.call(start.service, start.type, start.request_of(effect.goal), answered=answered)
 
     def _canceled(self, entry: ActionEntry, number: int, reply: Reply) -> None:
         assert entry.cancel is not None
         try:
-            if entry.cancel.succeeded(reply.outcome, reply.data):
+            if outcome_of(entry.cancel, reply)[0] == "succeeded":
                 self._end(number, "canceled", {})
         finally:
             self._let_others_call(number)
@@ -213,7 +215,7 @@ class Goals:
             self._tell(report.said, report.said, number, told(report.data))
         elif report.said in ENDS:
             outcome = "failed" if report.said == "lost" else report.said
-            why = {"why": str(report.why)} if report.why else {}
+            why = {"why": in_words(report.why)} if report.why else {}
             self._end(number, outcome, {**self._result_of(number, report), **why})
         elif report.said != "cancel_rejected":
             log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.said)
@@ -223,7 +225,7 @@ class Goals:
         try:
             return entry.result_of(report.data) if entry is not None else {}
         except Exception as error:  # noqa: BLE001 - whatever a server tells, its goal has ended
-            return {"why": f"its result was not understood: {error}"[:300]}
+            return {"why": f"its result was not understood: {in_words(error)}"[:300]}
 
     def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
         self._ids.pop(number, None)
@@ -234,9 +236,19 @@ class Goals:
         self._tell("result", outcome, number, data)
 
 
+def outcome_of(entry: ServiceEntry, reply: Reply) -> tuple[str, str]:
+    """How a call ended by what its service says of replies, and why it did not succeed; another word is a failure."""
+    try:
+        good, why = entry.succeeded(reply.outcome, reply.data), reply.why or reply.data.get("message", "")
+        outcome = "succeeded" if good else reply.outcome if reply.outcome in BAD_REPLIES else "failed"
+    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
+        return "failed", f"its reply was not understood: {in_words(error)}"[:300]
+    return outcome, in_words(reply.why if good else why)
+
+
 def told(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """What came back, as a journal can hold it; what it cannot is named instead."""
     try:
         return dict(plain(data))
     except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
-        return {"why": f"what it said was not understood: {error}"[:300]}
+        return {"why": f"what it said was not understood: {in_words(error)}"[:300]}

@@ -16,7 +16,7 @@ from rai_missions.behaviours import Behaviours
 from rai_missions.connectors.connector import Connector, Foresight, Reply
 from rai_missions.errors import MissionError
 from rai_missions.event import Event
-from rai_missions.goals import Goals, told
+from rai_missions.goals import Goals, outcome_of, told
 from rai_missions.handovers import Handovers
 from rai_missions.journal.underway import Underway
 from rai_missions.robot import Robot, plain
@@ -38,6 +38,7 @@ from rai_missions.step import (
     Withdraw,
 )
 from rai_missions.verdict import Answerer
+from rai_missions.wording import in_words
 
 __all__ = ("Performer",)
 
@@ -134,7 +135,7 @@ class Performer:
         try:
             do()
         except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
-            why = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
+            why = in_words(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {in_words(error)}"
             log.warning("not carried out: %.200s: %s", effect, why)
             self._failed(effect, why)
 
@@ -237,9 +238,7 @@ class Performer:
             return
 
         def answered(reply: Reply) -> None:
-            good = entry.succeeded(reply.outcome, reply.data)
-            outcome = "succeeded" if good else ("failed" if reply.outcome == "succeeded" else reply.outcome)
-            why = reply.why or ("" if good else str(reply.data.get("message", "")))
+            outcome, why = outcome_of(entry, reply)
             self._event("result", outcome, effect.number, {**told(reply.data), **({"why": why} if why else {})})
 
         request = entry.request_of(effect.request)
@@ -278,7 +277,7 @@ class Performer:
             answerer.ask(question.apart(), answer)
         except Exception as error:  # whoever answers is not trusted to behave
             log.exception("'%s' failed to take question %d", question.asked, question.number)
-            answer({"failed": f"{type(error).__name__}: {error}"})
+            answer({"failed": f"{type(error).__name__}: {in_words(error)}"})
 
     def _withdraw(self, effect: Withdraw) -> None:
         asked = self._open.pop(effect.number, None)
@@ -304,5 +303,5 @@ def _said(data: Any) -> Mapping[str, Any]:
             return said
         why = "it is too long" if isinstance(said, Mapping) else f"{data!r:.60} is no answer"
     except Exception as error:  # noqa: BLE001 - whoever answers is not trusted to behave
-        why = str(error)[:300]
+        why = in_words(error)[:300]
     return {"failed": f"said what is no answer: {why}"}

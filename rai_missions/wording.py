@@ -8,7 +8,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-__all__ = ("pointer", "shown", "suggestion")
+__all__ = ("in_words", "pointer", "shown", "suggestion")
 
 
 def suggestion(given: str, known: Iterable[str]) -> str:
@@ -36,6 +36,15 @@ def shown(value: Any, length: int = 60) -> str:
         text = repr(value)
     text = text.encode("utf-8", "backslashreplace").decode()
     return text if len(text) <= length else text[: length - 1] + "…"
+
+
+def in_words(what: object) -> str:
+    """What an exception says, or whatever somebody gave as a reason; one that cannot be told in words says its type."""
+    try:
+        text = str(what)
+    except Exception:  # noqa: BLE001 - it may be anybody's, and raise anything
+        text = f"a {type(what).__name__} that cannot be told in words"
+    return str.__str__(text)
 
 
 def pointer(steps: Iterable[str | int]) -> str:

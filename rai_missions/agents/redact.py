@@ -177,7 +177,11 @@ class _Hush(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         redaction = Redaction()
-        said = record.getMessage()
+        try:
+            said = record.getMessage()
+        except Exception:  # noqa: BLE001 - what is logged may be anybody's, and raise anything
+            record.msg, record.args = f"{record.msg} (what stands here cannot be told in words)", None
+            said = record.getMessage()
         if (clean := redaction.text(said)) != said:
             record.msg, record.args = clean, None
         if record.exc_info and record.exc_info[0] is not None:

@@ -25,6 +25,7 @@ from rai_missions.states.goals import Ledger
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import CancelGoal, Move
+from rai_missions.wording import in_words
 
 __all__ = ("Core", "Look", "Named", "Timer", "Trigger")
 
@@ -242,7 +243,7 @@ class Core:
         try:
             value = predicate(known, **arguments)
         except Exception as error:  # noqa: BLE001 - the user's code; what it raises makes the guard unknown
-            self.notes.append(f"guard '{name}' raised {type(error).__name__}: {error}")
+            self.notes.append(f"guard '{name}' raised {type(error).__name__}: {in_words(error)}")
             value = None
         value = value if isinstance(value, bool) else None
         self.looked.append((f"named:{name}", value))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import copy
 import enum
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.agents.redact import hush
 from rai_missions.connectors.connector import Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.journal import Header, Journal
@@ -128,6 +129,38 @@ def test_a_connector_that_raises_is_a_rejected_start() -> None:
     assert rig.run().why == "moving: rejected (RuntimeError: the wire is cut)"
 
 
+class Unspeakable(Exception):
+    """One that cannot say what it is."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("not even that")
+
+
+class Unspoken(RaisingAnswerer):
+    """Raises that when it is asked."""
+
+    def ask(self, question: Any, answer: Any) -> None:
+        raise Unspeakable
+
+
+def unspeakable(*_: Any, **__: Any) -> None:
+    raise Unspeakable
+
+
+def test_an_exception_that_cannot_be_told_in_words_is_one_like_any_other() -> None:
+    hush()
+    asking = Rig(ASKING, answerers={"agent": Unspoken()})
+    assert asking.run().outcome == "failed" and asking.entered[-1] == "lost"
+    calling = Rig(CALLING, connector=Connector(call=unspeakable))
+    calling.run()
+    assert calling.entered == ["calling", "nobody"]
+    source = {"service": "/state", "type": "t", "every_s": 0.5}
+    profile = robot(events={"go": source, "again": {"posted": True}, "stop_now": {"posted": True}})
+    polling = Rig(MOVING, connector=Connector(call=unspeakable), robot=profile)
+    polling.stage.play({2.0: polling.runner.kill})
+    assert polling.run().duration_s == 2.0
+
+
 def test_a_connector_that_raises_is_a_rejected_call() -> None:
     rig = Rig(CALLING, connector=Connector(call=fails))
     rig.run()
@@ -159,15 +192,21 @@ def test_a_connector_that_raises_at_a_poll_is_a_robot_not_heard(caplog: pytest.L
         ([("unavailable", {})], "nobody"),
         ([("no_such_word", {})], "lost"),
         ([("succeeded", {"data": b"\xff", "nan": float("nan")})], "over"),
+        ([([], {})], "lost"),
+        ([(None, None)], "lost"),
+        ([("succeeded", None)], "lost"),
+        ([("failed", {"message": "no"}, 10**5000)], "lost"),
+        ([("failed", {"message": object()}, [])], "lost"),
+        ([("succeeded", {"success": True}, object())], "over"),
         ([], "late"),
     ],
 )
-def test_a_call_that_is_answered_twice_wrongly_or_never(answers: list[tuple[Any, Mapping[str, Any]]], end: str) -> None:
+def test_a_call_that_is_answered_twice_wrongly_or_never(answers: list[tuple[Any, ...]], end: str) -> None:
     def call(
         service: str, kind: str, request: Any, *, answered: Callable[[Reply], None], timeout_s: Any = None
     ) -> None:
-        for outcome, data in answers:
-            answered(Reply(outcome, data))
+        for said in answers:
+            answered(Reply(*said))
 
     rig = Rig(
         {
