@@ -154,6 +154,9 @@ class Runner(Steered):
         if resumed.last is not None:
             self._tell_status(resumed.last)
         self.lifecycle.control.kept = self.chart.holder == "operator" and not resumed.under.is_held_for_mission
+        self._scribe.go_on(resumed.at)
+        if self.mailbox.urgent:
+            resumed.under.stop()
         carry_on(resumed, self.performer, self._scribe)
         if self.chart.outcome is None:
             self._hear_again()
@@ -167,7 +170,7 @@ class Runner(Steered):
             event = self.mailbox.take()
             if event is None:
                 due = min(hearing.until, self._later[0][0] if self._later else math.inf)
-                self.clock.wait(self.mailbox, due, paced=False)
+                self.clock.wait(self.mailbox, due if not self._requests else -math.inf, paced=False)  # as in `_loop`
             elif event.kind == "command" and event.name == "kill":
                 self._kill(event)
                 break

@@ -22,7 +22,6 @@ __all__ = ("Hearing", "carry_on")
 def carry_on(resumed: Resumption, performer: Performer, scribe: Scribe) -> None:
     """Go on with what was under way, and write down what was done again; raises what the journal raises."""
     chart, under = resumed.chart, resumed.under
-    scribe.go_on(resumed.at)
     performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.anew)
     for seq, effects in under.unsure.items():
         if resumed.anew or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):

@@ -65,6 +65,16 @@ class Underway:
         elif isinstance(row, StepRow):
             self._step(row.step)
 
+    def stop(self) -> None:
+        """An emergency stop, which is carried out before it is written: only goals still have an end to come.
+
+        What waited for the disk when it came was not begun; and nobody begins anything again after one.
+        """
+        self.open = {number: effect for number, effect in self.open.items() if isinstance(effect, StartGoal)}
+        self.canceled |= self.open.keys()
+        self.unsure.clear()
+        self.handover = None
+
     @property
     def unconfirmed(self) -> tuple[Effect, ...]:
         """All effects of which nothing says that they were carried out."""
@@ -94,19 +104,10 @@ class Underway:
             self.accepted |= {number for number in self.open if isinstance(accepted, list) and number in accepted}
             self.is_held_for_mission = event.data.get("is_held_for_mission") is True
         if event.kind == "command" and event.name == "kill":
-            self._stop()
+            self.stop()
         else:
             weighs = tuple(effect for effect in step.effects if isinstance(effect, WEIGHTY))
             self.unsure |= {step.seq: weighs} if weighs else {}
-
-    def _stop(self) -> None:
-        """An emergency stop, which is written after it was carried out: only goals still have an end to come.
-
-        What waited for the disk when it came was not begun; and nobody begins anything again after one.
-        """
-        self.open = {number: effect for number, effect in self.open.items() if isinstance(effect, StartGoal)}
-        self.unsure.clear()
-        self.handover = None
 
     def _settle(self, is_settled: Callable[[Effect], bool]) -> None:
         """What came back since says that they were carried out, or the mission has heard of the doubt."""

@@ -7,14 +7,20 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rai_missions.journal import read
+from rai_missions.agents.resuming import take_up
+from rai_missions.chart import Chart
+from rai_missions.event import Event
+from rai_missions.journal import Header, Journal, read
+from rai_missions.load import dump
 from rai_missions.mission import Mission
+from rai_missions.robot import dump_profile
 from rai_missions.step import Ask
 from rai_missions.verdict import Question
 from tests.resume.farm import FARMER, Farm
 from tests.resume.mortal import Fate, live
 from tests.resume.test_kills import Ended, has_ended, holds
 from tests.resume.test_kinds import ALWAYS, KEYS
+from tests.runner.stages import Rig, mission, robot
 
 KNOWN = {**KEYS, "obstacle": {"type": "object", "source": "robot", "max_age_s": 3,
                               "fields": {"living": "boolean"}}}  # fmt: skip
@@ -112,3 +118,27 @@ def test_the_question_is_asked_again_under_its_number_and_counted_once(tmp_path:
     assert [each.number for each in slow.asked[-2:]] == [slow.asked[-1].number] * 2
     with read(path) as record:
         assert sum(isinstance(each, Ask) for step in record.steps() for each in step.effects) == 1
+
+
+def test_what_is_asked_of_a_run_that_waits_to_hear_the_robot_again_is_done_at_once(tmp_path: Path) -> None:
+    """It is asked right before the run looks for what has come, and finds nothing."""
+    path, idle = tmp_path / "run.journal", mission({"idle": {}})
+    chart, done = Chart(idle), list[float]()
+    with Journal.create(path, Header(dump(idle), dump_profile(robot()))) as journal:
+        journal.write(chart.start(), since=0.0)
+        journal.write(chart.write("battery", 0.5), since=0.0)
+    taken = take_up(path)
+    with Journal.open(path) as journal:
+        rig = Rig(idle, journal=journal, resumed=taken.resumption)
+        looks = rig.runner.mailbox.take
+
+        def take() -> Event | None:
+            if not done:
+                rig.runner.soon(lambda: done.append(rig.clock.now()))
+            return looks()
+
+        rig.runner.mailbox.take = take  # type: ignore[method-assign]
+        rig.stage.play({5.0: rig.runner.kill})
+        assert rig.run().outcome == "aborted"
+    taken.record.close()
+    assert done[0] == 0.0, "not once the battery has not been heard for too long"

@@ -77,15 +77,33 @@ def test_a_stopped_run_has_ended(stopped: Path) -> None:
         take_up(stopped)
 
 
-def test_whoever_takes_up_a_run_that_died_with_its_stop_written_begins_nothing(stopped: Path, tmp_path: Path) -> None:
-    path = tmp_path / "died.journal"
+def died(stopped: Path, after: str) -> Path:
+    """The journal of a process that died once this event was written."""
+    path = stopped.with_name("died.journal")
     with read(stopped) as record:
         rows = list(record.raw())
-        kill = next(row.row for row in record.rows() if isinstance(row, StepRow) and row.step.event.name == "kill")
-    copied(path, rows[: kill + 1], "the run")
+        last = next(row.row for row in record.rows() if isinstance(row, StepRow) and row.step.event.name == after)
+    copied(path, rows[: last + 1], "the run")
+    return path
+
+
+def test_whoever_takes_up_a_run_that_died_with_its_stop_written_begins_nothing(stopped: Path) -> None:
+    path = died(stopped, "kill")
     taken = take_up(path)
     with Journal.open(path) as journal:
         rig = Performed(journal=journal, resumed=taken.resumption)
         assert rig.run().outcome == "aborted"
     taken.record.close()
+    assert rig.done == []
+
+
+def test_a_run_that_is_stopped_before_it_goes_on_begins_nothing_anew(stopped: Path) -> None:
+    path = died(stopped, "go")
+    taken = take_up(path)
+    with Journal.open(path) as journal:
+        rig = Performed(journal=journal, resumed=taken.resumption)
+        rig.runner.kill()
+        result = rig.run()
+    taken.record.close()
+    assert (result.outcome, result.why) == ("aborted", "killed by operator")
     assert rig.done == []
