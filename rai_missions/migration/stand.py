@@ -55,7 +55,8 @@ def stand(naming: Naming, was: Mapping[str, Any], active: frozenset[str], chart:
     origins = {new: old for old in naming.states_then if old in active and (new := naming.state(old)) in found.active}
     order = tuple(name for name in naming.states_now if name in found.active)
     stands = Stand(tuple(node.name for node in found.atomic), origins, order)
-    return stands, [*clash, *_inside_lists(naming, stands), *_completed(naming, origins, stands, active)]
+    faults = [*clash, *_unreached(naming, stands, active), *_inside_lists(naming, stands, active)]
+    return stands, [*faults, *_completed(naming, origins, stands, active)]
 
 
 def _gone(naming: Naming, name: str) -> Iterator[Fault]:
@@ -84,15 +85,27 @@ def _unfit(naming: Naming, old: str, new: str) -> Iterator[Fault]:
         yield Fault(place, f"'{new}' goes through a list; name a state inside it")
 
 
-def _inside_lists(naming: Naming, found: Stand) -> Iterator[Fault]:
+def _unreached(naming: Naming, found: Stand, was_active: frozenset[str]) -> Iterator[Fault]:
+    """What the map names and the innermost states do not lead to."""
+    for old, new in naming.map.states.items():
+        if old in was_active and new in naming.states_now and new not in found.active:
+            sentence = f"'{new}' would not be active, for what was active inside '{old}' is not inside '{new}' now"
+            yield Fault(f"/states/{old}", f"{sentence}; name that too, or leave '{old}' out")
+
+
+def _inside_lists(naming: Naming, found: Stand, was_active: frozenset[str]) -> Iterator[Fault]:
     """A list of which nothing says how far the run has come."""
     for name in found.active:
-        old = found.origins.get(name)
-        if isinstance(naming.states_now[name][1], Each) and not (
-            old is not None and isinstance(naming.states_then[old][1], Each)
-        ):
+        state, old = naming.states_now[name][1], found.origins.get(name)
+        was = naming.states_then[old][1] if old is not None else None
+        if not isinstance(state, Each):
+            continue
+        if not isinstance(was, Each):
             sentence = f"'{name}' goes through a list, and no active state says where in it the run stands"
             yield Fault("/states", f"{sentence}; name one that did so, or a state outside")
+        elif was.children().keys() & was_active and not state.children().keys() & set(found.active):
+            sentence = f"'{name}' goes through a list, and nothing inside it would be active"
+            yield Fault("/states", f"{sentence}; name a state inside it, or one outside")
 
 
 def _completed(naming: Naming, origins: Mapping[str, str], found: Stand, was_active: frozenset[str]) -> Iterator[Fault]:

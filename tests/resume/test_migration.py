@@ -203,6 +203,10 @@ REFUSED: Mapping[str, tuple[Mission, dict[str, Any], str]] = {
         changed((("states", "aside"), {"transitions": [{"on": "go", "to": "work"}]})),
         {"states": {"moving": "aside"}},
         "/states: 'work' and 'aside' would be active together, and cannot be; name one of them"),
+    "a state that nothing inside leads to": (
+        ERRAND, {"states": {"work": "asking"}},
+        "/states/work: 'asking' would not be active, for what was active inside 'work' is not inside 'asking' now; "
+        "name that too, or leave 'work' out"),
     "nowhere": (
         ERRAND, {"states": {"moving": None, "waiting": None}},
         "/states: none of the active states has a place in the mission now; name one for each"),

@@ -34,6 +34,23 @@ sys.exit(main(["run", "--resume", "run.journal"]))
 """
 
 
+ROUND = {
+    "name": "round",
+    "blackboard": {"stops": {"type": "list", "initial": ["a", "b"]}, "stop": {"type": "string"}},
+    "initial": "out",
+    "states": {
+        "out": {
+            "parallel": {
+                "tour": {"each": "stops", "as": "stop", "initial": "at", "states": {"at": {}}},
+                "watch": {"initial": "looking", "states": {"looking": {}}},
+            },
+            "transitions": [{"after_s": 5, "to": "home"}],
+        },
+        "home": {"final": "aborted"},
+    },
+}
+
+
 @pytest.fixture
 def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A run that died after its first step, as its files are left; and its mission beside it."""
@@ -88,3 +105,18 @@ def test_a_file_that_could_not_be_read_is_named(
     assert main(["run", "--resume", "run.journal"]) == 2
     said = capsys.readouterr().err
     assert "the journal run.journal cannot be read: No space left on device: /somewhere/journal" in said
+
+
+def test_a_list_in_which_nothing_would_be_active_is_no_place_to_go_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("round.json").write_text(json.dumps(ROUND))
+    Path("map.json").write_text('{"states": {"at": null}}')
+    with Journal.create("run.journal", Header(dump(load("round.json")))) as journal:
+        journal.write(Chart(load("round.json")).start(), since=0.0)
+    assert main(["run", "--resume", "run.journal", "round.json", "--migrate", "map.json"]) == 2
+    assert capsys.readouterr().err == (
+        "map.json: /states: 'tour' goes through a list, and nothing inside it would be active; name a state inside it, "
+        "or one outside\n"
+    )
