@@ -50,7 +50,7 @@ class Activities(Core):
         """Start the activities of the states that are still active; first those whose control is where it belongs."""
         nodes, self._starting = sorted(self._starting, key=lambda node: node.index), []
         for node in nodes:
-            if node not in self._config.nodes:
+            if node not in self._config.atomic:  # left meanwhile, or an `each` in whose round another stands
                 continue
             if node.control is not None and node.control != self.holder:
                 self._request_control(node)
@@ -63,6 +63,13 @@ class Activities(Core):
         if request not in self.effects:
             self.effects.append(request)
         self._pending[node.name] = self.view.at + node.state.handover_s if until is None else until
+
+    def _take_back(self) -> None:
+        """Ask for control where it is: what asked for it elsewhere was left before it came, and nobody else waits."""
+        if self.outcome is None and self.holder not in ("operator", "nobody"):
+            wanted = {self._graph.nodes[name].control for name in self._pending}
+            if self._given_up - wanted - {self.holder}:
+                self.effects.append(Handover(self.holder))
 
     def _begin(self, node: Node) -> None:
         machine = self._machine(node) if node.activity else None

@@ -237,6 +237,8 @@ class Chart(Saving):
         return self._close(event)
 
     def _close(self, event: Event) -> Step:
+        if self._given_up:
+            self._take_back()
         self.seq += 1
         self._look_ahead()
         is_over = self.outcome is not None and self.mode == "ended"

@@ -155,6 +155,8 @@ class Core:
         self.notes: list[str] = []
         self._internal: deque[Trigger] = deque()
         self._starting: list[Node] = []
+        self._given_up: set[str | None] = set()
+        """Who was to be given control for something that was left before it came."""
         self._refused = ""
         self._ended = False
         """The mission has ended in this step."""

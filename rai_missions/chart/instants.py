@@ -61,6 +61,7 @@ class Instants(Modes):
                 continue  # the one before led out of it, or anew into it
             del self._pending[name]
             node = self._graph.nodes[name]
+            self._given_up.add(node.control)
             self._heard(
                 self._outcome_of(node, Outcome("rejected", why=f"{node.control} was not given control in time"))
             )

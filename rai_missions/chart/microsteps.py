@@ -6,6 +6,7 @@ Source: W3C SCXML (REC-scxml-20150901), appendix D, `mainEventLoop`, `selectTran
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from rai_missions.chart.configuration import Leap
@@ -124,7 +125,8 @@ class Microsteps(Endings):
                 self._timers.pop(("after", row.place), None)
         if node.name in self._running:
             self._leave_activity(node)
-        self._pending.pop(node.name, None)
+        if self._pending.pop(node.name, math.inf) < math.inf:
+            self._given_up.add(node.control)
         self._settling.pop(node.name, None)
         if self._rounds.pop(node.name, None) is not None:
             for trigger in [each for each in self._internal if each.name == "round" and each.source is node]:

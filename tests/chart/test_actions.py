@@ -8,7 +8,7 @@ from typing import Any
 from rai_missions.chart import Chart
 from rai_missions.event import Event
 from rai_missions.states.terms import Terms
-from rai_missions.step import CancelGoal, StartGoal, Step
+from rai_missions.step import CancelGoal, Handover, StartGoal, Step
 from tests.chart.charts import mission, row, sent, ticked
 
 BOARD = {"there": {"type": "boolean", "source": "robot", "max_age_s": 5}}
@@ -240,6 +240,49 @@ def test_a_handover_that_takes_too_long_rejects_the_start() -> None:
     made = Chart(mission(driving(control="agent", handover_s=2)))
     made.start(0.0)
     assert ticked(made, 2.0).why == "drive: rejected (agent was not given control in time)"
+
+
+def test_control_that_was_asked_for_in_vain_is_asked_back() -> None:
+    states = driving(control="agent", handover_s=20)
+    states["other"] |= {"control": "autonomy"}
+    made = Chart(mission(states))
+    made.start(0.0)
+    left = made.send(Event("e", 1.0))
+    assert starts(left) and [each.to for each in left.effects if isinstance(each, Handover)] == ["autonomy"]
+    made.send(Event("agent", 1.5, {}, "control"))  # it was on its way
+    assert made.waiting == {"other": "autonomy"}
+    number = next(iter(made.awaited))
+    says(made, "canceled", number)
+    assert starts(made.send(Event("autonomy", 2.0, {}, "control")))
+
+
+def test_control_that_comes_too_late_is_asked_back() -> None:
+    states = driving(control="agent", handover_s=2)
+    states["drive"]["transitions"].append(row("rejected", "other"))
+    made = Chart(mission(states))
+    made.start(0.0)
+    assert [each.to for each in ticked(made, 2.0).effects if isinstance(each, Handover)] == ["autonomy"]
+
+
+def test_control_that_another_state_still_waits_for_is_not_asked_back() -> None:
+    states = driving(control="agent", handover_s=20)
+    states["other"] |= {"control": "agent"}
+    made = Chart(mission(states))
+    made.start(0.0)
+    assert [each.to for each in made.send(Event("e", 1.0)).effects if isinstance(each, Handover)] == ["agent"]
+
+
+def test_a_round_in_which_another_has_control_asks_for_nobody_elses() -> None:
+    states = {
+        "tour": {
+            "each": "stops", "as": "stop", "control": "agent", "initial": "inside",
+            "states": {"inside": {"action": "go", "timeout_s": 60, "control": "autonomy"}},
+        },
+        "done": {"final": "succeeded"},
+    }  # fmt: skip
+    keys = {"stops": {"type": "list", "source": "argument", "initial": ["a"]}, "stop": {"type": "string"}}
+    step = Chart(mission(states, blackboard=keys)).start(0.0)
+    assert starts(step) and not [each for each in step.effects if isinstance(each, Handover)]
 
 
 def test_control_taken_away_ends_the_goal_and_control_given_back_starts_it_again() -> None:
