@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from typing import TextIO, cast
 
-__all__ = ("MOST", "Aside", "printed_aside")
+__all__ = ("MOST", "Aside", "printed_aside", "settled")
 
 MOST = 2_000
 """So many pieces of text wait to be taken; what is printed beyond is left out."""
@@ -43,18 +43,22 @@ class Aside(io.TextIOBase):
         if not self._thread.is_alive():
             return self._out.write(text)
         if self._texts.qsize() < MOST:
-            self._texts.put(text)
+            self._texts.put(f"{self._left_out()}{text}" if self._lost else text)
         else:
             self._lost += 1
         return len(text)
 
     def flush(self) -> None:
         """It goes out as soon as it is taken."""
+        if not self._thread.is_alive():
+            self._out.flush()
 
     def settle(self) -> None:
         """Wait until all of it is out; what is printed later is waited for."""
         self._texts.put(None)
         self._thread.join()
+        if self._lost and self.fault is None:
+            self._out.write(self._left_out())
 
     def isatty(self) -> bool:
         return self._out.isatty()
@@ -83,10 +87,20 @@ class Aside(io.TextIOBase):
     def _put(self, text: str) -> None:
         if self.fault is not None:
             return
-        lost, self._lost = self._lost, 0
-        self._out.write(f"\n… {lost} pieces of text are left out, since nobody took them\n{text}" if lost else text)
+        self._out.write(text)
         if self._texts.empty():
             self._out.flush()
+
+    def _left_out(self) -> str:
+        lost, self._lost = self._lost, 0
+        return f"\n… {lost} pieces of text are left out, since nobody took them\n"
+
+
+def settled() -> None:
+    """Nothing is under way any more that printing could hold up: from now on all that is printed is waited for."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, Aside):
+            stream.settle()
 
 
 @contextmanager

@@ -10,13 +10,13 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.check import check
-from rai_missions.commands.aside import printed_aside
+from rai_missions.commands.aside import printed_aside, settled
 from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.commands.live import sort_out, watched
 from rai_missions.commands.migrate import migrated
@@ -73,6 +73,7 @@ def run(given: argparse.Namespace) -> int:
                 result = watch.run(prepared, stand.run) if watch else stand.run(prepared.runner)
     finally:
         lines.close()
+    settled()  # how it ended is not to be left out
     if given.picture:
         from visualize import draw as draw_picture
 
@@ -243,8 +244,9 @@ def _interruptible(runner: Any) -> Iterator[None]:
     def interrupt(number: int, frame: Any) -> None:
         pressed.append(number)
         if len(pressed) == 1:
-            print("\ncanceling; once more for an emergency stop", file=sys.stderr)
             runner.cancel("operator (interrupt)")
+            with suppress(OSError):  # the terminal may be gone, which is why somebody interrupts
+                print("\ncanceling; once more for an emergency stop", file=sys.stderr)
         else:
             runner.kill("operator (interrupt)")
 

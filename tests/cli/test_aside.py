@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import signal
 import sys
 import threading
 from collections.abc import Iterator
@@ -11,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from rai_missions.commands.aside import MOST, Aside, printed_aside
+from rai_missions.commands.aside import MOST, Aside, printed_aside, settled
+from rai_missions.commands.run import _interruptible
 from rai_missions.progress import Lines
 from tests.runner.stages import Rig, mission
 
@@ -68,7 +70,24 @@ def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_co
     kept = [int(line) for line in lines if line.isdigit()]
     assert kept == list(range(len(kept))) and MOST <= len(kept) <= MOST + 1, "one was on its way"
     (left_out,) = [line for line in lines if "left out" in line]
+    assert lines[-5:-1] == [str(kept[-1]), "", left_out, "and on"], "where it was left out"
     assert left_out.startswith(f"… {MOST + 500 - len(kept)} pieces")
+
+
+def test_what_is_left_out_last_is_counted_as_well_and_what_is_said_at_the_end_is_not_left_out(
+    stalled: Stalled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stdout", stalled)
+    with printed_aside():
+        for number in range(MOST + 500):
+            sys.stdout.write(f"{number}\n")
+        threading.Timer(0.1, stalled.goes_on.set).start()
+        settled()
+        sys.stdout.write("the mission succeeded\n")
+    before, _, after = stalled.getvalue().partition(" pieces of text are left out")
+    kept = sum(line.isdigit() for line in before.splitlines())
+    assert before.splitlines()[-1] == f"… {MOST + 500 - kept}"
+    assert after.splitlines()[-1] == "the mission succeeded"
 
 
 def test_at_the_end_all_of_it_is_out_and_the_streams_are_as_before(capsys: pytest.CaptureFixture[str]) -> None:
@@ -83,11 +102,22 @@ def test_at_the_end_all_of_it_is_out_and_the_streams_are_as_before(capsys: pytes
     assert capsys.readouterr().err == "later\n"
 
 
-def test_a_reader_that_has_gone_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Gone(io.StringIO):
-        def write(self, text: str) -> int:
-            raise BrokenPipeError
+class Gone(io.StringIO):
+    """A terminal that nobody has any more."""
 
+    def write(self, text: str) -> int:
+        raise BrokenPipeError
+
+
+def test_an_interrupt_cancels_the_run_although_nobody_can_be_told_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = Rig(mission(ROUND))
+    rig.stage.play({1.0: lambda: signal.raise_signal(signal.SIGTERM)})
+    monkeypatch.setattr(sys, "stderr", Gone())
+    with _interruptible(rig.runner):
+        assert rig.run().outcome == "canceled"
+
+
+def test_a_reader_that_has_gone_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", Gone())
     with pytest.raises(BrokenPipeError), printed_aside():
         sys.stdout.write("to nobody")
