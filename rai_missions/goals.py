@@ -185,7 +185,7 @@ class Goals:
         """A goal's id, and whom its server tells."""
         self._entries[effect.number] = entry
         goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
-        return goal_id, lambda report: self._reported(effect.number, report)
+        return goal_id, lambda report: self._reported(effect.number, goal_id, report)
 
     def _compose(self, entry: ActionEntry, effect: StartGoal) -> None:
         """An action made of services: its `start` accepts, its guards end it, its `cancel` confirms."""
@@ -210,8 +210,10 @@ class Goals:
         finally:
             self._let_others_call(number)
 
-    def _reported(self, number: int, report: Report) -> None:
-        if report.said in ("accepted", "feedback"):
+    def _reported(self, number: int, goal_id: str, report: Report) -> None:
+        if report.goal_id != goal_id:
+            log.warning("goal %d: what was said of the goal '%s' is not said of it", number, report.goal_id)
+        elif report.said in ("accepted", "feedback"):
             self._tell(report.said, report.said, number, told(report.data))
         elif report.said in ENDS:
             outcome = "failed" if report.said == "lost" else report.said

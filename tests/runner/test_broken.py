@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.agents.redact import hush
-from rai_missions.connectors.connector import Reply
+from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.journal import Header, Journal
 from rai_missions.step import StartGoal
@@ -251,6 +251,23 @@ def test_whatever_servers_say_a_goal_is_never_another_goals_and_the_run_ends(
     assert result.outcome in ("aborted", "failed") and rig.runner.chart.open_goals == 0
     ends = [step for step in rig.book.steps if step.event.kind == "result" and not step.why.startswith("stale")]
     assert len({step.event.number for step in ends}) == len(ends), "a goal ends once"
+
+
+def test_what_is_said_of_another_goal_ends_none() -> None:
+    told: list[Callable[[Report], None]] = []
+
+    def send_goal(action: str, kind: str, goal: Any, *, goal_id: str, report: Callable[[Report], None]) -> None:
+        told.append(report)
+        report(Report(goal_id, "accepted", {}))
+
+    rig = Rig(MOVING, connector=Connector(send_goal=send_goal, cancel_goal=lambda goal_id: canceled.append(goal_id)))
+    canceled: list[str] = []
+    rig.stage.play(
+        {1.0: lambda: rig.post("go"), 2.0: lambda: told[0](Report("0" * 32, "succeeded", {})), 3.0: rig.runner.kill}
+    )
+    rig.run()
+    assert "over" not in rig.entered
+    assert canceled, "it still ran"
 
 
 @pytest.mark.parametrize(
