@@ -6,6 +6,7 @@ Rule: an order is an event in the run's mailbox like any other, and its receipt 
 
 from __future__ import annotations
 
+import logging
 import math
 import threading
 import time
@@ -27,6 +28,8 @@ from rai_missions.wording import suggestion
 __all__ = ("Course",)
 
 MOST_WAITING = 256
+log = logging.getLogger(__name__)
+
 COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": "kill"}
 """Order → the engine's command."""
 OVER = "the mission has ended"
@@ -125,7 +128,7 @@ class Course:
 
     def submit(self, order: Order, told: Told) -> None:
         """Give the run an order; `told` hears once what became of it, from any thread."""
-        why = self._refuses(order)
+        why, told = self._refuses(order), _harmless(told)
         if why:
             told(Receipt(False, why, order.id))
         else:
@@ -242,6 +245,18 @@ class Course:
             left, self._waiting = tuple(self._waiting.values()), {}
         for each in left:
             each.told(Receipt(False, OVER, each.order.id))
+
+
+def _harmless(told: Told) -> Told:
+    """Whoever cannot be told any more, by a connection that is gone, does no harm to the run."""
+
+    def tell(receipt: Receipt) -> None:
+        try:
+            told(receipt)
+        except Exception:
+            log.exception("what became of order '%s' could not be told", receipt.id)
+
+    return tell
 
 
 def _request(event: Event) -> str:

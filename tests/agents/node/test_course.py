@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.order import Order, Receipt
 from rai_missions.clock import Mailbox
+from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.runner import Runner
 from tests.agents.node.scenes import mission, robot
+from tests.runner.stages import Rig
 
 SPANS = st.lists(st.floats(0.001, 100.0), max_size=6)
 
@@ -101,3 +103,20 @@ def test_what_a_robot_calls_a_request_is_none_of_the_orders(said: Any) -> None:
     assert stood.runner.mailbox.take() == event
     stood.course.receive(stood.runner.chart.send(event))
     assert receipts == []
+
+
+def test_whoever_cannot_be_told_what_became_of_an_order_ends_no_run() -> None:
+    rig = Rig({"idle": {}})
+    course, asked = Course(rig.runner, None), list[Receipt]()
+
+    def gone(receipt: Receipt) -> None:
+        asked.append(receipt)
+        raise ConnectorError("the broker is gone")
+
+    rig.stage.play({
+        1.0: lambda: course.submit(Order("control", to="operator"), gone),
+        2.0: rig.runner.kill,
+        2.1: lambda: course.submit(Order("pause"), gone),
+    })  # fmt: skip
+    assert course.run().outcome == "aborted"
+    assert asked[0].success
