@@ -146,7 +146,7 @@ else:
 class Written(Model):
     """A frozen model with the format's words as aliases; in Python its main words may be given by position."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     positional: ClassVar[tuple[str, ...]] = ()
     """The fields that Python authors may give by position, in this order."""
@@ -169,6 +169,19 @@ class Written(Model):
 
     # Else pydantic takes whatever stands inside another model through here too, and JSON could use Python's names.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        """The texts below the fields explain them; pydantic would read them with every import."""
+        from rai_missions.docstrings import attribute_docs
+
+        schema: dict[str, Any] = handler(core_schema)
+        properties, docs = handler.resolve_ref_schema(schema).get("properties", {}), attribute_docs(cls)
+        for name, field in cls.model_fields.items():
+            place = field.alias or name
+            if name in docs and place in properties:
+                properties[place] = {"description": docs[name]} | properties[place]
+        return schema
 
     def written(self) -> dict[str, Any]:
         """As JSON has it: aliases, and no word that says what would be so anyway."""
