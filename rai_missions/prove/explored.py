@@ -53,7 +53,7 @@ class Explored(Resting):
 
     def _thresholds(self) -> dict[str, tuple[float, ...]]:
         """State → the ages that guards ask for, ascending; empty for the mission itself."""
-        found = {"": _ages(self.mission.transitions)}
+        found = {"": _ages([self.mission.transitions, self.mission.invariants])}
         for _, name, state in self.mission.walk():
             inner = set(type(state).model_fields) & {"states", "parallel"}
             own = [getattr(state, field) for field in type(state).model_fields if field not in inner]
