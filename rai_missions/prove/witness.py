@@ -133,8 +133,9 @@ class Player:
         return self._is_as_told(last)
 
     def _is_as_told(self, scene: Scene) -> bool:
-        same = self._chart.outcome == scene.outcome
-        return same and (scene.outcome is not None or self._chart.active == scene.active)
+        if scene.outcome is None:
+            return self._chart.outcome is None and self._chart.active == scene.active
+        return (self._chart.outcome, self._chart.why) == (scene.outcome, scene.why)
 
     def _predicate(self, name: str) -> Callable[..., Truth]:
         return lambda known, **arguments: self._said.get(name)
