@@ -37,8 +37,11 @@ class Learned:
 
     def __init__(self, mission: Mission, terms: Terms) -> None:
         self.keys: Mapping[str, Key] = mission.blackboard
-        self.declared = {name: kind for event in mission.events.values() for name, kind in event.fields.items()}
-        """Field of an event → its type."""
+        self.declared: dict[str, list[str]] = {}
+        """Field of events → its types; each event may have another."""
+        for event in mission.events.values():
+            for name, kind in event.fields.items():
+                self.declared.setdefault(name, []).append(kind)
         self.atoms: dict[str, list[tuple[str, Any]]] = {}
         """Path → operator and constant of each comparison."""
         self.kin: dict[str, set[str]] = {}
@@ -47,8 +50,12 @@ class Learned:
         """Path of a pose → the distances that guards ask for."""
         self.fresh: set[str] = set()
         """Paths that guards ask for, whatever stands there."""
-        self.items = {each.each: each.item for each in parts(mission, Each)}
-        """Key of a list → the key that holds its current item."""
+        self.items: dict[str, list[str]] = {}
+        """Path of a list → the keys that hold its current item, one for each state that goes over it."""
+        for each in parts(mission, Each):
+            self.items.setdefault(each.each, []).append(each.item)
+            if "." in each.each:
+                self.atoms.setdefault(each.each, [])
         self.steps: dict[str, set[float]] = {}
         """Key → what is added to it."""
         self._copied: set[str] = set()
@@ -134,6 +141,11 @@ class Learned:
         return frozenset(path.split(".")[0] for path in (*self.atoms, *self.near, *self.kin, *self.fresh))
 
     @property
+    def gone_over(self) -> frozenset[str]:
+        """The keys of lists that some state goes over."""
+        return frozenset(path.split(".")[0] for path in self.items)
+
+    @property
     def sampled(self) -> tuple[str, ...]:
         """The paths that a few values are tried of, though guards can tell more apart."""
         return tuple(sorted({*self._odd, *self._reckoned(), *self._far()}))
@@ -163,12 +175,20 @@ class Learned:
                 return self.keys[kin].type
         if root in self.keys and (kind := (self.keys[root].fields or {}).get(rest)):
             return kind
+        if path in self.items:
+            return "list"
         if root == "event" and rest in self.declared:
-            return self.declared[rest]
+            return self.declared[rest][0]
         operands = self.operands(path)
         if operands and all(isinstance(each, bool) for each in operands):
             return "boolean"
         return "number" if any(isinstance(each, int | float) for each in operands) else "string"
+
+    def kinds_of(self, path: str) -> list[str]:
+        """Its types, where events of several bring it."""
+        root, _, rest = path.partition(".")
+        several = self.declared.get(rest, []) if root == "event" else []
+        return list(dict.fromkeys([self.kind_of(path), *several]))
 
     def operands(self, path: str) -> list[Any]:
         """The constants that it or its kin is compared with."""

@@ -21,6 +21,7 @@ from rai_missions.mission import Mission
 from rai_missions.prove.choices import OpenFields
 from rai_missions.prove.handed import Handed
 from rai_missions.prove.live import Later, Live
+from rai_missions.prove.parts import writes_in
 from rai_missions.prove.remembered import SOON, rested, told_timer
 from rai_missions.prove.watched import NOW
 from rai_missions.states.compound import Each
@@ -47,7 +48,11 @@ class Resting(Handed):
         idle = frozenset(mission.blackboard) - self.values.learned.compared - self._fleeting
         self._reopened = idle & self.open_keys
         """Keys that any value does for, and that no guard looks at."""
-        self._idle = idle - self.open_keys
+        self._idle = idle - self.open_keys - self.values.learned.gone_over
+        copies = {each.set for each in writes_in(mission) if each.source is not None}
+        answers = {name for name, key in mission.blackboard.items() if key.source == "answer"}
+        self._given = self.open_keys | self.facts | copies | answers
+        """Keys under which a list may stand that the mission has not written itself."""
         self._full = self.values.saturating()
         self._waiting: dict[tuple[int, ...], tuple[Condition, ...]] = {}
         rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
@@ -250,9 +255,10 @@ class Resting(Handed):
         """A list that the surroundings gave may be longer than was thought, where it has two items or more."""
         items, index = self._rounds[node.name]
         assert isinstance(node.state, Each)
-        key = node.state.each.split(".")[0]
-        if 0 < index == len(items) - 1 and key in self.open_keys and self.choices.choose(2):
-            self._rounds[node.name] = ((*items, self.choices.pick(self.values.item(key))), index)
+        path = node.state.each
+        is_given = path.split(".")[0] in self._given
+        if 0 < index == len(items) - 1 and is_given and self.choices.choose(2):
+            self._rounds[node.name] = ((*items, self.choices.pick(self.values.item(path))), index)
         super()._next_round(node)
 
 

@@ -7,11 +7,12 @@ Rule: whoever is asked can say anything or nothing, and a server ends a goal in 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rai_missions.event import Event
 from rai_missions.mission import Mission
+from rai_missions.prove.answered import Answered
 from rai_missions.prove.choices import Payload
 from rai_missions.prove.explored import Explored
 from rai_missions.prove.happening import Happening
@@ -36,6 +37,7 @@ class Told(Explored):
 
     def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
         super().__init__(mission, ticker, terms=terms)
+        self._brought = Answered(mission.blackboard, self.values)
         self.said: Event | None = None
         """What it was last told."""
 
@@ -66,11 +68,15 @@ class Told(Explored):
             if plan is None:
                 plan = self._config.plan(name, declared=True)
             if plan:
-                event = Event(name, NOW, Payload(fields, self._field))
-                yield Happening(f"event '{name}'", "event", self._hear(event))
+                yield Happening(f"event '{name}'", "event", self._bringing(name, "event", fields))
         if self.hears_of_doubt:
-            event = Event("uncertain", NOW, Payload(fields, self._field), "doubt")
-            yield Happening("nobody can tell whether it was done", "event", self._hear(event))
+            yield Happening(
+                "nobody can tell whether it was done", "event", self._bringing("uncertain", "doubt", fields)
+            )
+
+    def _bringing(self, name: str, kind: str, fields: Sequence[str]) -> Callable[[], None]:
+        """An event whose payload is chosen anew each time it happens."""
+        return lambda: self._handle(Event(name, NOW, Payload(fields, self._field), kind))
 
     def _field(self, field: str) -> Any:
         return self.choices.pick(self.values.field(f"event.{field}"))
@@ -133,7 +139,8 @@ class Told(Explored):
     def _kept(self, key: str) -> Any:
         """What a result has for a key; it may lack it."""
         known = [value for value in self.values.of(key) if value is not None]
-        return self.choices.pick((None, *(known if key in self.values.learned.compared else known[:1])))
+        learned = self.values.learned
+        return self.choices.pick((None, *(known if key in learned.compared | learned.gone_over else known[:1])))
 
     def _wanted(self, owner: str) -> Mapping[str, str]:
         """Key → the field of the result that goes there."""
@@ -168,7 +175,7 @@ class Told(Explored):
         who, number = question.asked, question.number
         for offer in question.options:
             words = f"{who} answers '{owner}': {offer.name}"
-            yield Happening(words, "answer", self._option(number, who, offer), number)
+            yield Happening(words, "answer", self._option(number, who, owner, offer), number)
         empty: tuple[tuple[str, dict[str, Any]], ...] = (("nonsense", {"option": "?"}),)
         if not is_bounded:  # else nonsense, absence and silence all have it asked again; see `remembered.rested`
             empty += (("nothing, being absent", {"absent": "not here"}),)
@@ -176,40 +183,25 @@ class Told(Explored):
             event = Event(who, NOW, data, "proposal", number)
             yield Happening(f"{who} answers '{owner}': {said}", "answer", self._hear(event), number)
 
-    def _option(self, number: int, who: str, offer: Offer) -> Callable[[], None]:
+    def _option(self, number: int, who: str, owner: str, offer: Offer) -> Callable[[], None]:
+        schema = self.schemas.get((owner, offer.name))
+
         def happen() -> None:
-            parameters = self._parameters(offer.parameters)
+            parameters = self._parameters(schema) if schema is not None else {}
             data = {"option": offer.name, **({"parameters": parameters} if parameters else {})}
             self._handle(Event(who, NOW, data, "proposal", number))
 
         return happen
 
-    def _parameters(self, schema: Mapping[str, Any] | None) -> dict[str, Any]:
+    def _parameters(self, schema: Mapping[str, Any]) -> dict[str, Any]:
         """What a schema allows, in each way that guards can tell apart."""
         made: dict[str, Any] = {}
-        required = (schema or {}).get("required", ())
-        for name, each in ((schema or {}).get("properties") or {}).items():
-            choices = self._parameter(name, each if isinstance(each, Mapping) else {})
-            looked = f"answer.{name}" in self.values.learned.atoms or name in self.mission.blackboard
-            value = self.choices.pick(choices if name in required or not looked else (None, *choices))
+        for name, can_lack in self._brought.names(schema).items():
+            choices = self._brought.of(schema, name)
+            value = self.choices.pick((None, *choices) if can_lack and self._brought.is_looked_at(name) else choices)
             if value is not None:
                 made[name] = value
         return made
-
-    def _parameter(self, name: str, schema: Mapping[str, Any]) -> list[Any]:
-        kind = str(schema.get("type", ""))
-        if choices := list(schema.get("enum", ())):
-            return choices
-        if kind in ("array", "object"):
-            return [[] if kind == "array" else {}]
-        path = name if name in self.mission.blackboard and name in self.values.learned.compared else f"answer.{name}"
-        choices = [value for value in self.values.field(path, kind) if value is not None]
-        low, high = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
-        numbers = [each for each in choices if isinstance(each, int | float) and not isinstance(each, bool)]
-        if not numbers:
-            return choices
-        bounds = [each for each in (low, high) if math.isfinite(each)]
-        return sorted({*bounds, *(each for each in numbers if low <= each <= high)})
 
 
 def owned(name: str, path: str | None) -> str:

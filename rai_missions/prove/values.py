@@ -46,7 +46,7 @@ class Values:
         if key not in self._known:
             written = self._keys[key]
             robot = written.source == "robot" and not written.optional
-            given = written.source == "argument" and written.initial is not None
+            given = written.source == "argument" and (written.initial is not None or not written.optional)
             known = tuple(self._made(key, written.type))
             self._known[key] = known if written.max_age_s is None and (robot or given) else (None, *known)
         return self._known[key]
@@ -60,7 +60,8 @@ class Values:
         place = f"?{kind}{path}"
         if place not in self._known:
             deep = "object" if self.learned.within(path) else ""
-            self._known[place] = (None, *self._made(path, deep or kind or self.learned.kind_of(path)))
+            kinds = [deep or kind] if deep or kind else self.learned.kinds_of(path)
+            self._known[place] = (None, *(value for each in kinds for value in self._made(path, each)))
         return self._known[place]
 
     def fields(self, root: str) -> tuple[str, ...]:
@@ -79,11 +80,13 @@ class Values:
         """The values of an object's field; None first: it may be left out."""
         return self.field(f"{key}.{field}", (self._keys[key].fields or {}).get(field, ""))
 
-    def item(self, key: str) -> tuple[Any, ...]:
-        """The values of an item of a list."""
-        item = self.learned.items.get(key, "")
-        written = self._keys.get(item)
-        return tuple(self._made(item, written.type)) if written is not None else (0,)
+    def item(self, path: str) -> tuple[Any, ...]:
+        """The values of an item of a list, for all who go over it or a copy of it."""
+        learned, found = self.learned, list[Any]()
+        for kin in sorted(learned.kin.get(path, {path})):
+            for item in learned.items.get(kin, ()):
+                found += [value for value in self._made(item, self._keys[item].type) if value not in found]
+        return tuple(found) or (0,)
 
     def saturating(self) -> Mapping[str, tuple[float, float]]:
         """Counters that only grow, or only shrink → the bounds past which no guard tells their values apart."""
@@ -112,11 +115,18 @@ class Values:
         elif kind == "pose":
             yield from self._poses(path, key)
         elif kind == "list":
-            yield from ([], [self.item(path)[0]])
+            yield from self._lists(path)
         elif kind == "object":
             yield from self._objects(path, key)
         else:
             yield from self._scalars(path, kind)
+
+    def _lists(self, path: str) -> Iterator[list[Any]]:
+        """Of no, one or two items; of one that nobody goes over, two for all."""
+        learned = self.learned
+        most = 2 if any(kin in learned.items for kin in learned.kin.get(path, {path})) else 1
+        for many in range(most + 1):
+            yield from (list(mixture) for mixture in product(self.item(path), repeat=many))
 
     def _poses(self, path: str, key: Key | None) -> Iterator[Any]:
         """One in each ring that guards tell apart around what it may be compared with, and one far from all."""

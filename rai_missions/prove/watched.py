@@ -57,6 +57,8 @@ class Watched(Chart):
         """The place of a guard that makes something possible → what it has said."""
         self.answered: set[tuple[str, str]] = set()
         """Who asks, and an option that was taken there."""
+        self.schemas: dict[tuple[str, str], Mapping[str, Any]] = {}
+        """Who asks, and an option → what its parameters must be."""
         keys = mission.blackboard
         self._fleeting = frozenset(name for name, key in keys.items() if key.source == "robot")
         self.open_keys = self._fleeting | {name for name, key in keys.items() if key.source == "argument"}
@@ -217,8 +219,18 @@ class Watched(Chart):
         machine.begin = self._taking(machine.owner, machine.begin)  # type: ignore[method-assign]
         machine.hear = self._taking(machine.owner, machine.hear)  # type: ignore[method-assign]
         machine.shown = []  # what a question shows makes no difference to what becomes of it
+        machine.asked = self._without_schemas(machine.owner, machine.asked)
         where = f"{place}/decision/options"
         machine.tests = {name: self._watched(f"{where}/{name}/when", test) for name, test in machine.tests.items()}
+
+    def _without_schemas(self, owner: str, asked: Any) -> Any:
+        """A question that takes whatever parameters are made for it."""
+        options = {}
+        for name, option in asked.options.items():
+            if option.parameters is not None:
+                self.schemas[owner, name] = option.parameters
+            options[name] = option.model_copy(update={"parameters": None if option.parameters is None else {}})
+        return asked.model_copy(update={"options": options})
 
     def _taking(self, owner: str, make: Callable[..., Any]) -> Callable[..., Any]:
         def made(*given: Any, **words: Any) -> Any:
