@@ -155,14 +155,12 @@ class Thought:
 
     def usage(self) -> dict[str, Any]:
         """What was used so far."""
-        model = self.manner.model
-        name = self.model_name or getattr(model, "model_name", None) or getattr(model, "model", None)
         return {
             "calls": self.calls,
             "tokens_in": self.tokens_in,
             "tokens_out": self.tokens_out,
             "seconds": round(self.pending.taken_s, 3),
-            "model": str(name or type(model).__name__)[:100],
+            "model": (self.model_name or _name_of(self.manner.model))[:100],
         }
 
     def _look_up(self, call: Mapping[str, Any]) -> Looked:
@@ -173,6 +171,14 @@ class Thought:
         looked = look_up(self.tools, call, self.manner.clean)
         self.looked.append(looked.note)
         return looked
+
+
+def _name_of(model: BaseChatModel) -> str:
+    """What a model is called; its class's name where it has none, or none that can be told."""
+    try:
+        return str(getattr(model, "model_name", None) or getattr(model, "model", None) or type(model).__name__)
+    except Exception:  # noqa: BLE001 - a question must be given up in time, whatever a model's package does
+        return type(model).__name__
 
 
 def _is_unfit(error: Exception) -> bool:

@@ -288,6 +288,32 @@ def test_a_model_that_comes_back_is_asked_again(hanging: HangingModel) -> None:
     assert second.wait()["option"] == "abort"
 
 
+class Unspeakable:
+    """What cannot be told in words."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("not even that")
+
+
+class Nameless(HangingModel):
+    """Hangs, and cannot say what it is called."""
+
+    model: Any = Unspeakable()
+
+
+def test_a_model_that_cannot_say_its_name_is_given_up_in_time_all_the_same() -> None:
+    model, told = Nameless(), Told()
+    agent = DecisionAgent(model, mode="text", longest_s=0.05)
+    try:
+        agent.ask(QUESTION._replace(until=QUESTION.at), told)
+        said = told.wait()
+    finally:
+        model.release()
+        agent.stop()
+    assert said["failed"].startswith("no answer within")
+    assert said["usage"]["model"] == "Nameless"
+
+
 # ── Tools ───────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
