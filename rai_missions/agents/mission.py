@@ -98,13 +98,13 @@ class Prepared:
         self.mission = given
         findings = [each.fault for each in check(self.mission) if each.severity == "error"]
         if findings:
-            raise DefinitionError(findings, str(setting.mission) if not isinstance(setting.mission, Mission) else "")
+            raise DefinitionError(findings, _file(setting.mission, setting.resume))
         if self._taken is not None:
             self.robot = self.robot or self._taken.robot
         else:
             accepted(self.mission, setting.arguments)
         if self.robot is not None and (faults := missing(self.mission, self.robot)):
-            raise DefinitionError(faults, str(setting.robot))
+            raise DefinitionError(faults, _file(setting.robot, setting.resume))
         self._runner: Runner | None = None
         self.journal: Journal | None = None
         try:
@@ -169,7 +169,7 @@ class Prepared:
                     *misnamed(self.mission, self.robot, room.fields_of),
                 )
                 if faults:
-                    raise DefinitionError(faults, str(setting.robot))
+                    raise DefinitionError(faults, _file(setting.robot, setting.resume))
             if heard is not None:
                 self._follow(heard, opened)
             return None, opened, clock
@@ -286,6 +286,11 @@ class Prepared:
 def _seconds(stamp: Mapping[str, int]) -> float:
     """A builtin_interfaces/msg/Time."""
     return stamp["sec"] + stamp["nanosec"] / 1e9
+
+
+def _file(*given: object) -> str:
+    """The first that is named by a path: where a fault is to be mended."""
+    return str(next((each for each in given if isinstance(each, str | Path)), ""))
 
 
 def _profile(given: Robot | str | Path | None) -> tuple[Robot | None, Path | None]:

@@ -13,10 +13,13 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.mission import Setting, prepare
 from rai_missions.chart import Chart
 from rai_missions.cli import main
+from rai_missions.errors import DefinitionError
 from rai_missions.journal import Header, Journal, verify
 from rai_missions.load import dump, load
+from rai_missions.mission import Mission
 
 LAMP = {
     "name": "lamp",
@@ -120,3 +123,12 @@ def test_a_list_in_which_nothing_would_be_active_is_no_place_to_go_on(
         "map.json: /states: 'tour' goes through a list, and nothing inside it would be active; name a state inside it, "
         "or one outside\n"
     )
+
+
+def test_a_fault_of_the_mission_that_a_journal_holds_is_told_with_the_journal_s_name(tmp_path: Path) -> None:
+    trap = Mission.model_validate({"name": "trap", "initial": "shut", "states": {"shut": {}}})
+    with Journal.create(tmp_path / "run.journal", Header(dump(trap))) as journal:
+        journal.write(Chart(trap).start(), since=0.0)
+    with pytest.raises(DefinitionError, match="nothing can leave 'shut'") as refused:
+        prepare(Setting(None, resume=tmp_path / "run.journal"))
+    assert refused.value.source == str(tmp_path / "run.journal")
