@@ -23,6 +23,7 @@ __all__ = ("Redaction", "held_by", "hush")
 HIDDEN = "[hidden]"
 SHORTEST = 6
 """A shorter value is no secret, and hiding it would garble the text."""
+NUMBERS = frozenset({int, float, bool})
 DEEPEST_DATA = 100
 """Objects and lists inside each other; the same is the bound of what is read as JSON."""
 DEEPEST = 4
@@ -94,7 +95,7 @@ class Redaction:
         if isinstance(value, Mapping):
             return {self.known(name): self.known(item, depth + 1) for name, item in value.items()}
         if isinstance(value, list) or type(value) is tuple:
-            if value and isinstance(value[0], int | float):  # a scan or a map, and many of them a second
+            if NUMBERS.issuperset(map(type, value)):  # a scan or a map, and many of them a second
                 return value
             return type(value)(self.known(item, depth + 1) for item in value)
         return value

@@ -356,6 +356,12 @@ def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPa
     assert Message("/scan", clean, 0.0).data == scan
 
 
+@pytest.mark.parametrize("before", [0, 0.5, True])
+def test_a_secret_after_a_number_is_hidden_too(monkeypatch: pytest.MonkeyPatch, before: object) -> None:
+    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
+    assert "canary" not in repr(Redaction().known({"said": [before, "canary-key-4b1d"]}))
+
+
 def test_data_that_is_deeper_than_any_message_ends_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
     deep: Any = "canary-key-4b1d"
