@@ -12,7 +12,7 @@ import logging
 import os
 import re
 import traceback
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 from urllib.parse import quote, unquote, urlsplit
 
@@ -50,7 +50,7 @@ SHAPES = re.compile(
 )
 """What keys look like, by the prefixes that their issuers give them, or by the words before them."""
 PACKAGES = ("rai_missions", "visualize")
-"""Whose loggers are hushed."""
+"""Whose loggers are hushed, those too that are made later."""
 TOLD: set[str] = set()
 """What was told of once, by `hush`, is a secret in the whole process: whoever prints it may know no model."""
 
@@ -173,26 +173,36 @@ def _held_inside(thing: Any, depth: int) -> Iterator[str]:
         yield from held_by(item, depth, str(name))
 
 
-class _Hush(logging.Filter):
-    """Takes secrets out of what is logged, tracebacks included; what holds none is left as it is."""
+class _Hush:
+    """Makes records of what is logged, this project's without secrets, tracebacks included.
 
-    def filter(self, record: logging.LogRecord) -> bool:
-        redaction = Redaction()
-        try:
-            said = record.getMessage()
-        except Exception:  # noqa: BLE001 - what is logged may be anybody's, and raise anything
-            record.msg, record.args = f"{record.msg} (what stands here cannot be told in words)", None
-            said = record.getMessage()
-        if (clean := redaction.text(said)) != said:
-            record.msg, record.args = clean, None
-        if record.exc_info and record.exc_info[0] is not None:
-            trace = "".join(traceback.format_exception(*record.exc_info)).rstrip()
-            if (clean := redaction.text(trace)) != trace:
-                record.exc_info, record.exc_text = None, clean
-        return True
+    Args:
+        before: What made them until now.
+    """
+
+    def __init__(self, before: Callable[..., logging.LogRecord]) -> None:
+        self._before = before
+
+    def __call__(self, *given: Any, **words: Any) -> logging.LogRecord:
+        record = self._before(*given, **words)
+        if record.name.split(".")[0] in PACKAGES:
+            _clean(record, Redaction())
+        return record
 
 
-HUSH = _Hush()
+def _clean(record: logging.LogRecord, redaction: Redaction) -> None:
+    """Take the secrets out of a record; one that holds none is left as it is."""
+    try:
+        said = record.getMessage()
+    except Exception:  # noqa: BLE001 - what is logged may be anybody's, and raise anything
+        record.msg, record.args = f"{record.msg} (what stands here cannot be told in words)", None
+        said = record.getMessage()
+    if (clean := redaction.text(said)) != said:
+        record.msg, record.args = clean, None
+    if record.exc_info and record.exc_info[0] is not None:
+        trace = "".join(traceback.format_exception(*record.exc_info)).rstrip()
+        if (clean := redaction.text(trace)) != trace:
+            record.exc_info, record.exc_text = None, clean
 
 
 def hush(secrets: Iterable[str] = ()) -> Redaction:
@@ -205,7 +215,6 @@ def hush(secrets: Iterable[str] = ()) -> Redaction:
         What hides elsewhere whatever was ever told here.
     """
     TOLD.update(secrets)
-    for name, logger in list(logging.Logger.manager.loggerDict.items()):
-        if name.split(".")[0] in PACKAGES and isinstance(logger, logging.Logger):
-            logger.addFilter(HUSH)
+    if not isinstance(before := logging.getLogRecordFactory(), _Hush):
+        logging.setLogRecordFactory(_Hush(before))
     return Redaction()

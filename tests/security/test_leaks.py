@@ -28,7 +28,7 @@ from rai_missions.agents.doubles import DoubleModel, call
 from rai_missions.agents.mission import Setting, prepare
 from rai_missions.agents.node import MissionNode
 from rai_missions.agents.node.carrier import Carrier
-from rai_missions.agents.redact import Redaction
+from rai_missions.agents.redact import Redaction, hush
 from rai_missions.cli import main
 from rai_missions.commands.discreet import discreet
 from rai_missions.commands.live import Watch
@@ -354,6 +354,20 @@ def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPa
     clean = Redaction().known(scan)
     assert clean == scan and clean["ranges"] is scan["ranges"]
     assert Message("/scan", clean, 0.0).data == scan
+
+
+def test_a_logger_that_is_made_later_tells_no_secret_either(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
+    hush()
+    hush()
+    logger = logging.getLogger(f"rai_missions.made_later_{id(caplog)}")
+    try:
+        raise ValueError("canary-key-4b1d")
+    except ValueError:
+        logger.exception("it said %s", "canary-key-4b1d")
+    assert "made_later" in caplog.text and "canary" not in caplog.text
 
 
 @pytest.mark.parametrize("before", [0, 0.5, True])
