@@ -12,7 +12,7 @@ from rai_missions.prove.explored import Own, State
 from rai_missions.prove.happening import HappeningKind
 from rai_missions.prove.reached import Way
 
-__all__ = ("Arrival", "Course", "Courses", "Made", "Needs", "fits", "value_of")
+__all__ = ("Arrival", "Course", "Courses", "Made", "Needs", "value_of")
 
 Needs = tuple[tuple[str, Any], ...]
 """Those of the mission's own keys that were looked at, each with its value: with these, it happens again."""
@@ -61,8 +61,22 @@ class Courses:
         self.ways: dict[tuple[int, ...], list[Made]] = {}
         """What is chosen before the first alternative always is → the ways that went so."""
 
+    def course(self, own: Own) -> Course | None:
+        """All that it comes to where so much stands under the mission's own keys, if it is known whole."""
+        for each in self.whole:
+            if _fits(each.needs, own):
+                return each
+        return None
 
-def fits(needs: Needs, own: Own) -> bool:
+    def known(self, chosen: tuple[int, ...], own: Own) -> Made | None:
+        """The way that it goes there, when so much is chosen, if it is known."""
+        for each in self.ways.get(chosen, ()):
+            if _fits(each.needs, own):
+                return each
+        return None
+
+
+def _fits(needs: Needs, own: Own) -> bool:
     """Whether all this happens where so much stands under the mission's own keys."""
     for key, value in needs:
         entry = own.get(key)

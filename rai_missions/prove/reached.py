@@ -15,7 +15,8 @@ from rai_missions.prove.happening import KINDS, HappeningKind
 
 __all__ = ("Reached", "Way")
 
-TIME, COMMAND = KINDS.index("time"), KINDS.index("command")
+NUMBERS = {kind: number for number, kind in enumerate(KINDS)}
+TIME, COMMAND = NUMBERS["time"], NUMBERS["command"]
 DEEPEST = 65_535
 
 
@@ -61,7 +62,7 @@ class Reached:
         """Note a step from one to another."""
         self._sources.append(source)
         self._targets.append(target)
-        self._kinds.append(KINDS.index(kind))
+        self._kinds.append(NUMBERS[kind])
 
     def path(self, number: int) -> list[Way]:
         """What happens, from the start, to be in a state."""

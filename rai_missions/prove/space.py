@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from rai_missions.prove.courses import Arrival, Course, Courses, Made, fits, value_of
+from rai_missions.prove.courses import Arrival, Course, Courses, Made, value_of
 from rai_missions.prove.explored import Own, State
 from rai_missions.prove.free import RESUME, Free
 from rai_missions.prove.happening import Happening, HappeningKind
@@ -78,7 +78,7 @@ class Space(Reached):
     def explore(self) -> None:
         """Find every state, or as many as there is room for."""
         start = Happening(START, "start", self.chart.begin)
-        self._each_way(start, -1, self.fresh, -1, Courses())
+        self._each_way(start, -1, self.fresh, -1, None)
         while self._frontier:
             number, core, state, own = self._frontier.popleft()
             self._leave(number, core, (state, own))
@@ -89,19 +89,19 @@ class Space(Reached):
 
     def _leave(self, number: int, core: bytes, place: tuple[State, Own]) -> None:
         """Everything that can happen in a state."""
-        own, room = place[1], self._courses.get(core)
-        if room is None:
+        own, known = place[1], self._courses.get(core)
+        if known is None:
             self._stop(number, place)
-        fitting = [next((course for course in each.whole if fits(course.needs, own)), None) for each in room or ()]
-        found = self._happenings(number, place) if room is None or None in fitting else []
-        if room is None:
-            room, fitting = self._room(core, len(found), place), [None] * len(found)
+        fitting = [each.course(own) for each in known or ()]
+        found = self._happenings(number, place) if known is None or None in fitting else []
+        if known is None:
+            known, fitting = self._room(core, len(found), place), [None] * len(found)
         for at, course in enumerate(fitting):
             if course is not None:
                 self._again(course, number, own)
             else:
                 place_of = at if found[at].words != CANCEL else -1
-                self._each_way(found[at], place_of, place, number, room[at])
+                self._each_way(found[at], place_of, place, number, known[at] if known else None)
 
     def _happenings(self, number: int, place: tuple[State, Own]) -> list[Happening]:
         """Everything that can happen there but an emergency stop."""
@@ -112,15 +112,15 @@ class Space(Reached):
             found.append(Happening(CANCEL, "command", chart.ordering("cancel")))
         return found
 
-    def _room(self, core: bytes, many: int, place: tuple[State, Own]) -> list[Courses]:
-        """Room for what comes of so many happenings; kept where the mission's own keys can differ."""
+    def _room(self, core: bytes, many: int, place: tuple[State, Own]) -> list[Courses] | None:
+        """Room for what comes of so many happenings; none where the mission's own keys cannot differ."""
         chart = self.chart
-        room = [Courses() for _ in range(many)]
         chart.load(*place)
-        if chart.telling() and not chart.own_fade:
-            if len(self._courses) >= MOST_COURSES:
-                self._courses.clear()
-            self._courses[core] = room
+        if not chart.telling() or chart.own_fade:
+            return None
+        if len(self._courses) >= MOST_COURSES:
+            self._courses.clear()
+        room = self._courses[core] = [Courses() for _ in range(many)]
         return room
 
     def _again(self, course: Course, source: int, own: Own) -> None:
@@ -129,16 +129,18 @@ class Space(Reached):
         for arrival in course.arrivals:
             self._arrive(source, arrival, own)
 
-    def _each_way(self, happening: Happening, at: int, place: tuple[State, Own], source: int, before: Courses) -> None:
+    def _each_way(
+        self, happening: Happening, at: int, place: tuple[State, Own], source: int, before: Courses | None
+    ) -> None:
         """Let it happen in each way in which it can; those that went so before are not gone again."""
         own, arrivals, steps, needs = place[1], [], 0, dict[str, Any]()
         chosen: tuple[int, ...] | None = ()
         while chosen is not None:
-            known = before.ways.setdefault(chosen, [])
-            made = next((each for each in known if fits(each.needs, own)), None)
+            made = before.known(chosen, own) if before is not None else None
             if made is None:
                 made = self._make(happening, at, place, source, chosen)
-                known.append(made)
+                if before is not None:
+                    before.ways.setdefault(chosen, []).append(made)
             steps += 1
             needs.update(made.needs)
             if made.arrival is not None:
@@ -146,7 +148,8 @@ class Space(Reached):
                 arrivals.append(made.arrival)
             chosen = made.after
         self.steps += steps
-        before.whole.append(Course(arrivals, steps, tuple(sorted(needs.items()))))
+        if before is not None:
+            before.whole.append(Course(arrivals, steps, tuple(sorted(needs.items()))))
 
     def _make(
         self, happening: Happening, at: int, place: tuple[State, Own], source: int, chosen: tuple[int, ...]
@@ -166,7 +169,8 @@ class Space(Reached):
             way = Way(happening.words, at, chart.choices.trail)
             self._learn(source, way, is_paused=place[0][1] == "paused" and happening.words != RESUME)
             arrival = self._arrival(way, happening.kind, place[1])
-        return Made(arrival, tuple((key, value_of(place[1], key)) for key in sorted(read)), chart.choices.next())
+        needs = tuple([(key, value_of(place[1], key)) for key in sorted(read)]) if read else ()
+        return Made(arrival, needs, chart.choices.next())
 
     def _arrival(self, way: Way, kind: HappeningKind, before: Own) -> Arrival:
         chart, has_moved = self.chart, bool(self.chart.moves)
