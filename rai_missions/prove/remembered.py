@@ -20,8 +20,10 @@ SOON = NOW + 1.0
 DIGITS = 6
 
 
-def rested(state: Any, machine: Any) -> Any:
+def rested(state: Any, machine: Any, longest_s: float) -> Any:
     """A machine's state with its timers at the same distance as ever.
+
+    What a tree remembers to have begun, or to have been true since, is no longer ago than any guard asks for.
 
     A question that has a deadline is put as if it had just begun to be asked: whoever is asked last can do no more than
     whoever is asked first, and the deadline does what comes of asking them all.
@@ -33,12 +35,20 @@ def rested(state: Any, machine: Any) -> Any:
     if isinstance(state, Tending):
         leaves = {
             path: Tended(
-                rested(tended.state, machine.limbs[path].machine), SOON if tended.deadline != math.inf else math.inf
+                rested(tended.state, machine.limbs[path].machine, longest_s),
+                SOON if tended.deadline != math.inf else math.inf,
             )
             for path, tended in state.leaves.items()
         }
-        return state._replace(leaves=leaves)
+        nodes = {path: _no_older(memory, NOW - longest_s) for path, memory in state.tree.nodes.items()}
+        return state._replace(leaves=leaves, tree=state.tree._replace(nodes=nodes))
     return state
+
+
+def _no_older(memory: Mapping[str, Any], least: float) -> Mapping[str, Any]:
+    late = {"began": max(memory["began"], least)} if "began" in memory else {}
+    held = {name: max(since, least) for name, since in memory.get("held", {}).items()}
+    return {**memory, **late, **({"held": held} if held else {})} if late or held else memory
 
 
 def _asked_anew(state: Asking, machine: Any) -> Asking:
@@ -65,9 +75,14 @@ def told(state: Any) -> Any:
 
 def _told_tree(state: Tending) -> Any:
     leaves = [(path, told(each.state), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
-    nodes = [(path, repr(_rounded(memory))) for path, memory in sorted(state.tree.nodes.items())]
+    nodes = [(path, repr(_rounded(_unnumbered(memory)))) for path, memory in sorted(state.tree.nodes.items())]
     ends = sorted((path, leaf.outcome) for path, leaf in state.tree.leaves.items())
     return ("tending", leaves, nodes, ends, _rounded(state.wake))
+
+
+def _unnumbered(memory: Mapping[str, Any]) -> Mapping[str, Any]:
+    """How often a leaf has begun tells its runs apart, and nothing of what it does."""
+    return {word: value for word, value in memory.items() if word != "run"}
 
 
 def _rounded(value: Any) -> Any:

@@ -16,12 +16,14 @@ from rai_missions.blackboard import Stamped
 from rai_missions.chart.configuration import Configuration
 from rai_missions.chart.core import Timer
 from rai_missions.chart.node import Condition, Node
+from rai_missions.guards.elapsed import Elapsed
 from rai_missions.guards.guard import View
+from rai_missions.guards.held import Held
 from rai_missions.mission import Mission
 from rai_missions.prove.choices import OpenFields
 from rai_missions.prove.handed import Handed
 from rai_missions.prove.live import Later, Live
-from rai_missions.prove.parts import writes_in
+from rai_missions.prove.parts import guards_in, writes_in
 from rai_missions.prove.remembered import SOON, rested, told_timer
 from rai_missions.prove.watched import NOW
 from rai_missions.states.compound import Each
@@ -53,6 +55,11 @@ class Resting(Handed):
         answers = {name for name, key in mission.blackboard.items() if key.source == "answer"}
         self._given = self.open_keys | self.facts | copies | answers
         """Keys under which a list may stand that the mission has not written itself."""
+        timed = [*guards_in(mission), *guards_in(self.terms.succeeded), *guards_in(self.terms.failed)]
+        ages = [each.elapsed_s if isinstance(each, Elapsed) else each.for_s if isinstance(each, Held) else 0.0
+                for each in timed]  # fmt: skip
+        self._longest_s = max(ages, default=0.0)
+        """The longest that any guard looks back."""
         self._full = self.values.saturating()
         self._waiting: dict[tuple[int, ...], tuple[Condition, ...]] = {}
         rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
@@ -164,7 +171,7 @@ class Resting(Handed):
             if goal.until != math.inf:
                 goals[number] = goal._replace(until=SOON)
         for name, state in self._running.items():
-            self._running[name] = rested(state, self._machines[name])
+            self._running[name] = rested(state, self._machines[name], self._longest_s)
         for name, (items, index) in self._rounds.items():
             if index:
                 self._rounds[name] = (items[index:], 0)

@@ -12,6 +12,7 @@ from rai_missions.journal import Header
 from rai_missions.load import dump
 from rai_missions.mission import Mission
 from rai_missions.prove import Proof, prove, record
+from rai_missions.rebuild import default_ticker
 from tests.prove.test_flaws import ABORTED, DONE, DRIVING, ENDS, asking
 
 Json = dict[str, Any]
@@ -173,6 +174,32 @@ def test_no_run_starts_without_an_argument_that_it_needs(optional: bool, claims:
     rows = [{"when": {"key": "alleys", ">": 0}, "to": "driving"}, {"when": {"key": "alleys", "<=": 0}, "to": "aborted"}]
     keys = {"alleys": {"type": "integer", "source": "argument", "optional": optional}}
     assert set(refuted(proof_of({"choosing": {"transitions": rows}, "driving": DRIVING}, keys))) == claims
+
+
+# -- trees -----------------------------------------------------------------------------------------------------------
+
+CLEAR: Json = {"check": {"key": "clear", "==": True}}
+TREES: dict[str, Json] = {
+    "a check that is waited for": {"condition": "success", "child": CLEAR},
+    "a guard that is watched": {"eternal_guard": CLEAR["check"], "child": {"action": "lift", "timeout_s": 5}},
+    "branches that take over from each other": {
+        "selector": [{"sequence": [CLEAR, {"call": "horn", "timeout_s": 2}]}, {"action": "lift", "timeout_s": 5}],
+        "memory": False,
+    },
+}
+
+
+@pytest.mark.parametrize("tree", TREES.values(), ids=TREES)
+def test_a_tree_that_goes_on_for_long_has_few_states(tree: Json) -> None:
+    rows = [{"on": "succeeded", "to": "driving"}, {"on": ["failed", "timed_out"], "to": "aborted"}]
+    lifting = {"tree": tree, "timeout_s": 30, "transitions": rows}
+    mission = Mission.model_validate({
+        "format": 1, "name": "lifting", "initial": "lifting",
+        "blackboard": {"at_home": AT_HOME, "clear": {"type": "boolean", "source": "robot", "max_age_s": 2}},
+        "states": {"lifting": lifting, "driving": DRIVING, "done": DONE, "aborted": ABORTED},
+    })  # fmt: skip
+    proof = prove(mission, default_ticker(mission), most=200)
+    assert proof.is_whole and proof.verdict == "proved"
 
 
 # -- time ------------------------------------------------------------------------------------------------------------
