@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.blackboard import Key
-from rai_missions.effects import Set
+from rai_missions.effects import Raise, Set, references
 from rai_missions.guards.compare import Compare
 from rai_missions.guards.fresh import Fresh
 from rai_missions.guards.guard import Guard
@@ -65,6 +65,7 @@ class Learned:
             self._learn(guard)
         for effect in writes_in(mission):
             self._learn_write(effect)
+        self._learn_raises(mission)
         for name, key in self.keys.items():
             if key.initial is not None and key.source == "mission":
                 self._constant(name, key.initial)
@@ -107,6 +108,13 @@ class Learned:
         """It can be this by the mission's own doing; what it is compared with can be so too."""
         if path in self.kin:
             self.atoms.setdefault(path, []).append(("==", value))
+
+    def _learn_raises(self, mission: Mission) -> None:
+        """What a raised event brings is compared for the key that it was taken from."""
+        for raised in parts(mission, Raise):
+            for field, value in raised.data.items():
+                for path in references(value) if f"event.{field}" in self.atoms else ():
+                    self._join(f"event.{field}", path)
 
     def _learn_results(self, mission: Mission) -> None:
         """A result's field may be read as `event.field` and kept under a key as well."""

@@ -25,7 +25,7 @@ def proof_of(states: Json, keys: Json | None = None, **words: Any) -> Proof:
     return prove(Mission.model_validate({
         "format": 1, "name": "surroundings", "initial": next(iter(states)), **words,
         "blackboard": {"at_home": AT_HOME, **(keys or {})}, "states": {**states, "done": DONE, "aborted": ABORTED},
-    }))  # fmt: skip
+    }), most=2000)  # fmt: skip
 
 
 def refuted(proof: Proof) -> dict[str, list[str]]:
@@ -54,6 +54,21 @@ def test_events_whose_fields_share_a_name_each_bring_their_own_type() -> None:
     for given in (events, dict(reversed(events.items()))):
         proof = proof_of({"waiting": {"transitions": rows}, "driving": DRIVING, "wrong": WRONG}, events=given)
         assert refuted(proof) == {} and proof.never == ()
+
+
+def test_what_a_raised_event_takes_from_a_key_is_told_apart() -> None:
+    counting = {"entry": [{"set": "many", "add": 1}],
+                "transitions": [{"on": "next", "to": "saying"}, {"on": "stop", "to": "aborted"}]}  # fmt: skip
+    saying = {
+        "entry": [{"raise": "counted", "data": {"many": {"from": "many"}}}],
+        "transitions": [{"on": "counted", "when": {"key": "event.many", ">=": 3}, "to": "wrong"},
+                        {"on": "counted", "to": "counting"}],
+    }  # fmt: skip
+    proof = proof_of(
+        {"counting": counting, "saying": saying, "wrong": WRONG}, {"many": {"type": "integer", "initial": 0}},
+        events={"next": {}, "stop": {}, "counted": {"fields": {"many": "integer"}}}, invariants=NEVER,
+    )  # fmt: skip
+    assert refuted(proof)["invariants"] == ["the mission starts", *["event 'next'"] * 3]
 
 
 # -- answers ---------------------------------------------------------------------------------------------------------
