@@ -53,5 +53,5 @@ function said(value, places = 3) {
   if (typeof value === "boolean" || typeof value === "string") return String(value);
   if (Array.isArray(value)) return "[" + value.map((each) => said(each, places)).join(", ") + "]";
   if (value.picture !== undefined) return `picture ${value.picture}`;
-  return Object.entries(value).map(([name, each]) => `${name} ${said(each, places)}`).join(", ");
+  return Object.entries(value).map(([name, each]) => `${name} ${said(each, places) || "none"}`).join(", ");
 }
