@@ -56,7 +56,7 @@ class Configuration:
         self.plans: dict[str, tuple[tuple[Row, ...], ...]] = {}
         self.leaps: dict[Any, Leap] = {}
         self.eventless = self._candidates(lambda row: row.transition.eventless)
-        rows = [row for node in self.nodes for row in node.rows]
+        rows = [row for node in sorted(self.nodes, key=lambda node: node.index) for row in node.rows]
         waiting = [row.condition for row in rows if row.condition and row.transition.eventless]
         self.holds = {memory: test for row in rows if row.condition for memory, test in row.condition.holds.items()}
         self.reads = frozenset[str]().union(*(condition.reads for condition in waiting), *(

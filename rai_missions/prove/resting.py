@@ -272,7 +272,8 @@ class Resting(Handed):
 def _waiting(config: Configuration) -> Iterator[Condition]:
     """The guards of rows that need no event, and those that count for how long they have been true."""
     yield from (row.condition for chain in config.eventless for row in chain if row.condition is not None)
-    conditions = (row.condition for node in config.nodes for row in node.rows)
+    nodes = sorted(config.nodes, key=lambda node: node.index)
+    conditions = (row.condition for node in nodes for row in node.rows)
     yield from (condition for condition in conditions if condition is not None and condition.holds)
 
 
