@@ -97,7 +97,7 @@ def misplaced_states(survey: Survey) -> Found:
 
 
 def misused_internal(survey: Survey) -> Found:
-    """`internal` leads from a compound state to itself or to a state inside it."""
+    """`internal` leads from a compound state to a state inside it."""
     for row in survey.rows:
         if not row.transition.internal:
             continue
@@ -107,7 +107,12 @@ def misused_internal(survey: Survey) -> Found:
             yield place, f"'internal' is for rows of a compound state, which {name} is not; take it away"
             continue
         for target in survey.found(row.transition.to):
-            if target is not owner and not target.inside(owner):
+            if target is owner:
+                yield (
+                    place,
+                    f"a row to '{owner.name}' itself leaves and enters it; lead inside it, or take 'internal' away",
+                )
+            elif not target.inside(owner):
                 yield place, f"'{target.name}' is not inside '{owner.name}', so the row leaves it; take 'internal' away"
 
 
