@@ -6,13 +6,13 @@ Rule: a way is told again where those of the mission's own keys that it looked a
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from rai_missions.prove.explored import Own, State
 from rai_missions.prove.happening import HappeningKind
 from rai_missions.prove.reached import Way
 
-__all__ = ("Arrival", "Course", "Courses", "Made", "Needs", "value_of")
+__all__ = ("Arrival", "Course", "Courses", "Known", "Made", "Needs", "value_of")
 
 Needs = tuple[tuple[str, Any], ...]
 """Those of the mission's own keys that were looked at, each with its value: with these, it happens again."""
@@ -51,38 +51,69 @@ class Course(NamedTuple):
     needs: Needs
 
 
+Kind = TypeVar("Kind")
+
+MOST_KNOWN = 1_000
+"""What is remembered of one happening, or of one way of it; a counter without end would fill the memory."""
+
+
+class Known(Generic[Kind]):
+    """What happens where certain keys have certain values: found by them, however many there are."""
+
+    __slots__ = ("_by_keys", "_many")
+
+    def __init__(self) -> None:
+        self._by_keys: dict[tuple[str, ...], dict[tuple[Any, ...], Kind]] = {}
+        self._many = 0
+
+    def add(self, needs: Needs, what: Kind) -> None:
+        """Remember it, unless a value is a list or an object, or much is known already."""
+        if self._many >= MOST_KNOWN:
+            return
+        try:
+            self._by_keys.setdefault(tuple([key for key, _ in needs]), {})[tuple([each for _, each in needs])] = what
+        except TypeError:
+            return
+        self._many += 1
+
+    def find(self, own: Own) -> Kind | None:
+        """What happens where so much stands under the mission's own keys, if it is known."""
+        for keys, found in self._by_keys.items():
+            try:
+                what = found.get(tuple([value_of(own, key) for key in keys]))
+            except TypeError:
+                continue
+            if what is not None:
+                return what
+        return None
+
+
 class Courses:
     """What has come of one happening, of the mission's own keys whatever there was."""
 
-    __slots__ = ("ways", "whole")
+    __slots__ = ("_ways", "_whole")
 
     def __init__(self) -> None:
-        self.whole: list[Course] = []
-        self.ways: dict[tuple[int, ...], list[Made]] = {}
+        self._whole = Known[Course]()
+        self._ways: dict[tuple[int, ...], Known[Made]] = {}
         """What is chosen before the first alternative always is → the ways that went so."""
+
+    def remember(self, course: Course) -> None:
+        """All that it came to."""
+        self._whole.add(course.needs, course)
 
     def course(self, own: Own) -> Course | None:
         """All that it comes to where so much stands under the mission's own keys, if it is known whole."""
-        for each in self.whole:
-            if _fits(each.needs, own):
-                return each
-        return None
+        return self._whole.find(own)
+
+    def remember_way(self, chosen: tuple[int, ...], made: Made) -> None:
+        """The way that it went when so much was chosen."""
+        self._ways.setdefault(chosen, Known()).add(made.needs, made)
 
     def known(self, chosen: tuple[int, ...], own: Own) -> Made | None:
         """The way that it goes there, when so much is chosen, if it is known."""
-        for each in self.ways.get(chosen, ()):
-            if _fits(each.needs, own):
-                return each
-        return None
-
-
-def _fits(needs: Needs, own: Own) -> bool:
-    """Whether all this happens where so much stands under the mission's own keys."""
-    for key, value in needs:
-        entry = own.get(key)
-        if (None if entry is None else entry.value) != value:
-            return False
-    return True
+        ways = self._ways.get(chosen)
+        return ways.find(own) if ways is not None else None
 
 
 def value_of(own: Own, key: str) -> Any:

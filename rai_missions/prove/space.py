@@ -140,7 +140,7 @@ class Space(Reached):
             if made is None:
                 made = self._make(happening, at, place, source, chosen)
                 if before is not None:
-                    before.ways.setdefault(chosen, []).append(made)
+                    before.remember_way(chosen, made)
             steps += 1
             needs.update(made.needs)
             if made.arrival is not None:
@@ -149,7 +149,7 @@ class Space(Reached):
             chosen = made.after
         self.steps += steps
         if before is not None:
-            before.whole.append(Course(arrivals, steps, tuple(sorted(needs.items()))))
+            before.remember(Course(arrivals, steps, tuple(sorted(needs.items()))))
 
     def _make(
         self, happening: Happening, at: int, place: tuple[State, Own], source: int, chosen: tuple[int, ...]
