@@ -8,10 +8,11 @@ from collections.abc import Iterator
 
 from rai_missions.check.outcomes import together
 from rai_missions.check.survey import Row, Spot, Survey
+from rai_missions.guards import Held
 from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never
 from rai_missions.states.state import ANY_EVENT
 
-__all__ = ("impossible_guards", "overlapping_rows")
+__all__ = ("impossible_guards", "overlapping_rows", "unwatched_holds")
 
 Found = Iterator[tuple[str, str]]
 NEAR = 64
@@ -85,6 +86,18 @@ def impossible_guards(survey: Survey) -> Found:
         if not never(written) and scope.owner is not None:
             remedy = f"a state that it asks for is never active together with '{scope.owner.name}'; ask for another"
         yield place, f"this can never be true: {guard.words():.200}; {remedy}"
+
+
+def unwatched_holds(survey: Survey) -> Found:
+    """`held` stands in a row, an invariant or a tree: it is watched there, and nowhere else."""
+    for guard, place, role, _ in survey.guards:
+        held = next((part for part in guard.walk() if isinstance(part, Held) and part.for_s > 0), None)
+        if held is not None and role in ("achieved", "option", "requires"):
+            yield (
+                place,
+                f"'held' is watched in rows, invariants and trees, and is never true here: {held.words():.200}; "
+                "ask here for what is so now, and wait for how long in a row",
+            )
 
 
 def _there(survey: Survey, this: Form, owner: Spot | None) -> Form:

@@ -60,6 +60,7 @@ RULES: tuple[Rule, ...] = (
     Rule("unhandled-success", "error", outcomes.unhandled_success),
     Rule("overlapping-row", "error", rows.overlapping_rows),
     Rule("impossible-guard", "error", rows.impossible_guards),
+    Rule("unwatched-held", "error", rows.unwatched_holds),
     Rule("endless-cycle", "error", cycles.endless_cycles),
     Rule("missing-requires", "error", facts.missing_requires),
     Rule("unfounded-success", "error", facts.unfounded_success),
