@@ -18,7 +18,7 @@ from rai_missions.agents.resuming import TakenUp, take_up
 from rai_missions.arguments import accepted
 from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Named
-from rai_missions.check import check
+from rai_missions.check import check, faults_of
 from rai_missions.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.local import LocalConnector
@@ -96,15 +96,14 @@ class Prepared:
         if given is None:
             raise UsageError("no mission was named, and no run to go on with")
         self.mission = given
-        findings = [each.fault for each in check(self.mission) if each.severity == "error"]
-        if findings:
-            raise DefinitionError(findings, _file(setting.mission, setting.resume))
+        if faults := faults_of(check(self.mission)):
+            raise DefinitionError(faults, _file(setting.mission, setting.resume))
         if self._taken is not None:
             self.robot = self.robot or self._taken.robot
         else:
             accepted(self.mission, setting.arguments)
-        if self.robot is not None and (faults := missing(self.mission, self.robot)):
-            raise DefinitionError(faults, _file(setting.robot, setting.resume))
+        if self.robot is not None and (lacks := missing(self.mission, self.robot)):
+            raise DefinitionError(lacks, _file(setting.robot, setting.resume))
         self._runner: Runner | None = None
         self.journal: Journal | None = None
         try:

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from rai_missions.errors import Fault
 
-__all__ = ("Finding", "Severity", "exit_status")
+__all__ = ("Finding", "Severity", "exit_status", "faults_of")
 
 Severity = Literal["error", "warning"]
 """A mission with an error is not run; a warning is for the reader."""
@@ -41,3 +41,8 @@ def exit_status(findings: Iterable[Finding], *, strict: bool = False) -> int:
     if "error" in severities:
         return 2
     return 1 if strict and severities else 0
+
+
+def faults_of(findings: Iterable[Finding]) -> list[Fault]:
+    """The errors among them, as `DefinitionError` carries them: with one a mission is not run."""
+    return [each.fault for each in findings if each.severity == "error"]

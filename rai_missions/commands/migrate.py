@@ -8,7 +8,7 @@ import itertools
 from pathlib import Path
 
 from rai_missions.chart import Named
-from rai_missions.check import check
+from rai_missions.check import check, faults_of
 from rai_missions.commands.given import warn
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.load import load
@@ -29,7 +29,7 @@ def migrated(given: argparse.Namespace, named: Named | None) -> None:
     if not (given.resume and given.mission):
         raise UsageError("--migrate MAP goes with --resume JOURNAL and the mission as it is now: MISSION")
     mission = load(given.mission, python=not given.no_python)
-    if faults := [each.fault for each in check(mission, named=set(named or ())) if each.severity == "error"]:
+    if faults := faults_of(check(mission, named=set(named or ()))):
         raise DefinitionError(faults, given.mission)
     to = Path(given.journal) if given.journal else _beside(Path(given.resume))
     robot = load_profile(given.robot) if given.robot else None

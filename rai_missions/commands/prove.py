@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from rai_missions.check import check
+from rai_missions.check import check, faults_of
 from rai_missions.commands.given import named_in, warn
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.load import dump, load
@@ -52,8 +52,7 @@ def prove(given: argparse.Namespace) -> int:
 
 def _faults(mission: Mission, given: argparse.Namespace) -> list[Fault]:
     named = named_in(given.guards, python=not given.no_python)
-    found = check(mission, named=set(named)) if named is not None else check(mission)
-    return [Fault(each.place, each.sentence) for each in found if each.severity == "error"]
+    return faults_of(check(mission, named=set(named)) if named is not None else check(mission))
 
 
 def _progress() -> Callable[[int, int], None]:

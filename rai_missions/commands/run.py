@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.check import check
+from rai_missions.check import check, faults_of
 from rai_missions.commands.aside import printed_aside, settled
 from rai_missions.commands.given import named_in, steps_of, warn
 from rai_missions.commands.live import sort_out, watched
@@ -49,8 +49,7 @@ def run(given: argparse.Namespace) -> int:
     if given.migrate:
         migrated(given, named)
     mission = _mission(given)
-    faults = [each.fault for each in check(mission, named=set(named or ())) if each.severity == "error"]
-    if faults:
+    if faults := faults_of(check(mission, named=set(named or ()))):
         raise DefinitionError(faults, given.mission or given.resume)
     heard = [name for name, key in mission.blackboard.items() if key.source == "robot" and not key.optional]
     if heard and not given.robot and not given.resume:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import Setting
-from rai_missions.check import check
+from rai_missions.check import check, faults_of
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
@@ -69,8 +69,7 @@ def readied(setting: Setting) -> tuple[Mission, Robot | None]:
         raise UsageError("a node needs to know its mission; name its file")
     mission = given if isinstance(given, Mission) else load(given)
     source = "" if isinstance(given, Mission) else str(given)
-    findings = check(mission, named=set(setting.named or ()))
-    if faults := [each.fault for each in findings if each.severity == "error"]:
+    if faults := faults_of(check(mission, named=set(setting.named or ()))):
         raise DefinitionError(faults, source)
     robot = robot_of(setting)
     if robot is not None and (lacks := missing(mission, robot)):
