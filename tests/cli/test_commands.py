@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import json
 import os
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -135,15 +137,17 @@ def test_python_is_executed_only_where_it_may_be(folder: Path, capsys: pytest.Ca
     assert "executed" not in capsys.readouterr().err.replace("to be executed", "")
 
 
-def test_a_journal_that_was_altered_is_not_replayed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    import sqlite3
-
-    main(["run", "lamp.json", "--journal", "a.journal"])
-    connection = sqlite3.connect(folder / "a.journal")
-    connection.execute("UPDATE rows SET content = replace(content, 'off', 'oof') WHERE number = 2")
-    connection.commit()
-    connection.close()
+def ran_and_altered(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Run the lamp, and write something else into a row of its journal."""
+    main(["run", "lamp.json", "--journal", journal.name])
+    with closing(sqlite3.connect(journal)) as connection:
+        connection.execute("UPDATE rows SET content = replace(content, 'off', 'oof') WHERE number = 2")
+        connection.commit()
     capsys.readouterr()
+
+
+def test_a_journal_that_was_altered_is_not_replayed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ran_and_altered(folder / "a.journal", capsys)
     assert main(["replay", "a.journal"]) == 2
     assert "row 2" in capsys.readouterr().err
 
@@ -151,14 +155,7 @@ def test_a_journal_that_was_altered_is_not_replayed(folder: Path, capsys: pytest
 def test_a_picture_of_an_altered_journal_is_refused_and_the_page_is_named_that_shows_it(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    import sqlite3
-
-    main(["run", "lamp.json", "--journal", "a.journal"])
-    connection = sqlite3.connect(folder / "a.journal")
-    connection.execute("UPDATE rows SET content = replace(content, 'off', 'oof') WHERE number = 2")
-    connection.commit()
-    connection.close()
-    capsys.readouterr()
+    ran_and_altered(folder / "a.journal", capsys)
     assert main(["draw", "lamp.json", "--journal", "a.journal", "-o", "x.dot"]) == 2
     told = capsys.readouterr().err
     assert "row 2" in told and "a page (-o review.html) shows what can be read of it" in told

@@ -368,13 +368,19 @@ def test_keys_that_are_not_fresh_are_told_in_the_diagnostics(open_scene: Callabl
     heard.wait(lambda all_: all_[-1] == "not fresh: there", "the key is stale")
 
 
-def test_an_order_that_the_run_does_not_take_in_time_is_not_told_as_done(scene: Scene) -> None:
+def kept_busy(scene: Scene) -> threading.Event:
+    """A run that takes no order until this is set."""
     scene.client.activate()
     scene.client.start()
     is_busy, is_free = threading.Event(), threading.Event()
     scene.robot.obey = lambda _word: is_busy.set() or is_free.wait(30)  # on the run's own thread, in this process
     scene.node.ask(Order("post", event="go"), within_s=0.0)
     assert is_busy.wait(30)
+    return is_free
+
+
+def test_an_order_that_the_run_does_not_take_in_time_is_not_told_as_done(scene: Scene) -> None:
+    is_free = kept_busy(scene)
     told = scene.node.ask(Order("pause"), within_s=0.0)
     is_free.set()
     assert not told.success and "has not taken it yet" in told.why
@@ -384,12 +390,7 @@ def test_an_order_that_the_run_does_not_take_in_time_is_not_told_as_done(scene: 
 def test_orders_that_a_busy_run_takes_too_late_are_dropped_but_those_that_end_it(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene.client.activate()
-    scene.client.start()
-    is_busy, is_free = threading.Event(), threading.Event()
-    scene.robot.obey = lambda _word: is_busy.set() or is_free.wait(30)  # on the run's own thread, in this process
-    scene.node.ask(Order("post", event="go"), within_s=0.0)
-    assert is_busy.wait(30)
+    is_free = kept_busy(scene)
     monkeypatch.setattr("rai_missions.agents.node.course.GOOD_FOR_S", -1.0)  # as if it had been busy for longer
     course, told = scene.node.course, Heard[Receipt]()
     assert course is not None
