@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles drill fuzz audit lock bench pictures weights clean
+.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles fresh drill fuzz audit lock bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -17,6 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 RECIPE := pyproject.toml scripts/setup.sh
 TESTS ?= tests
 WORKERS ?= auto
+SEED := $(or $(SEED),$(shell od -An -N4 -tu4 /dev/urandom | tr -d ' '))
 
 help: ## Say what can be made
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/\1\t\2/' | expand -t 16
@@ -59,8 +60,14 @@ ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 
 oracles: ## Install what ours is compared with, a chart engine and Mermaid in JavaScript; needs npm
 	cd tests/oracles && npm install --no-audit --no-fund --silent
 
-drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions
-	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "" --timeout 3600 $(TESTS)
+# `make test` draws the same examples everywhere and every time; these two draw others, by a seed that repeats them.
+fresh: .venv/.ready-dev ## The tests of `make test` with fresh examples: SEED=… draws those of an earlier run again
+	@echo "seed $(SEED); to repeat: make fresh SEED=$(SEED)"
+	HYPOTHESIS_PROFILE=fresh $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --hypothesis-seed=$(SEED) $(TESTS)
+
+drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions; SEED=… as for fresh
+	@echo "seed $(SEED); to repeat: make drill SEED=$(SEED)"
+	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest --hypothesis-seed=$(SEED) -n $(WORKERS) --dist loadgroup -m "" --timeout 3600 $(TESTS)
 
 fuzz: .venv/.ready-fuzz ## Fuzz what opens missions, profiles, journals and recordings: SECONDS_EACH=600, TARGET=mission
 	@found=0; for each in $(or $(TARGET),mission profile rows journal recording identity); do \

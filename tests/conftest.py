@@ -15,7 +15,9 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-QUICK, DEEP = "quick", "deep"
+pytest_plugins = ("tests.limits",)
+
+QUICK, FRESH, DEEP = "quick", "fresh", "deep"
 settings.register_profile(
     QUICK,
     max_examples=25,
@@ -23,6 +25,7 @@ settings.register_profile(
     derandomize=True,  # the same examples everywhere and every time; `make drill` draws fresh ones
     suppress_health_check=[HealthCheck.too_slow],
 )
+settings.register_profile(FRESH, settings.get_profile(QUICK), derandomize=False)
 settings.register_profile(DEEP, max_examples=2000, deadline=None, suppress_health_check=list(HealthCheck))
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", QUICK))
 

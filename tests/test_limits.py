@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each test ends by its limit, whatever it runs in."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+DRAWN = """
+from hypothesis import given, strategies as st
+
+@given(st.integers())
+def test_it(number):
+    while True:
+        pass
+"""
+HELD_BACK = """
+def test_it():
+    while True:
+        try:
+            while True:
+                pass
+        except BaseException:
+            pass
+"""
+IN_C = """
+import collections, itertools
+
+def test_it():
+    collections.deque(itertools.repeat(0), maxlen=0)
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [(DRAWN, "OutOfTime"), (HELD_BACK, "Timeout (0:00:"), (IN_C, "Timeout (0:00:")],
+    ids=["hypothesis draws", "every exception is caught", "the interpreter's lock is held"],
+)
+def test_a_test_ends_by_its_limit(tmp_path: Path, source: str, sentence: str) -> None:
+    (tmp_path / "test_endless.py").write_text(source)
+    (tmp_path / "conftest.py").write_text("import tests.limits\ntests.limits.GRACE_S = 0.4\n")
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "tests.limits", "-p", "no:cacheprovider", "--timeout", "0.3", tmp_path],
+        cwd=ROOT, env={"PYTHONPATH": str(ROOT), "PATH": ""}, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert run.returncode != 0
+    assert sentence in run.stdout + run.stderr
