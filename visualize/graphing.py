@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture as DOT: states that hold others are clusters, options are fields that rows leave from, trees hang inside.
+"""A picture as DOT: states that hold others are clusters, options are fields that rows leave from.
 
-Rule: the text is the same for the same picture, to the byte; every row of the picture is in it once for each target.
+Rule: the text is the same for the same picture, to the byte; every row of the picture is in it once for each target. A
+behaviour tree is one node: Graphviz keeps no order among the nodes of a cluster, and a tree's order is its meaning.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from collections.abc import Iterator, Mapping
 
 from visualize.labels import (
     anywhere_table,
-    branch_table,
     cluster_table,
     decision_table,
     edge_table,
@@ -20,19 +20,19 @@ from visualize.labels import (
     state_table,
     tab_table,
     title_table,
-    twig_table,
+    tree_table,
 )
-from visualize.shapes import Edge, Initial, Node, Path, Picture, Twig
-from visualize.style import FONT, INK, LOOKS, MARKS, MUTED, clean
+from visualize.shapes import Edge, Initial, Node, Path, Picture
+from visualize.style import FONT, INK, MARKS, MUTED, clean
 
 __all__ = ("dot_text", "quoted")
 
 ANYWHERE, START = "#anywhere", "#start"
 """No state has such a name."""
 SMALL = 60
-"""Up to so many edges the layout may take its time: rows lead down the page even out of trees and clusters. The time
+"""Up to so many edges the layout may take its time: rows lead down the page even out of clusters. The time
 grows with the cube of the size, so larger missions are laid out cluster by cluster, with fewer passes."""
-HOLDERS = ("states", "parallel", "each", "tree")
+HOLDERS = ("states", "parallel", "each")
 
 
 def quoted(given: str) -> str:
@@ -115,11 +115,10 @@ class _Sheet:
 
     def _cluster(self, node: Node, indent: str) -> Iterator[str]:
         look = look_of(node)
-        style = "rounded,filled" if node.kind != "tree" else "filled"
         line = MARKS[node.mark][1] if node.mark else "dashed" if node.region else ""
         given = attributes(
             label=cluster_table(node, self.staying[node.name]), labeljust="l", labelloc="t", margin=10,
-            fillcolor=look.fill, style=f"{style},{line}" if line else style,
+            fillcolor=look.fill, style=f"rounded,filled,{line}" if line else "rounded,filled",
             color=MARKS[node.mark][0] if node.mark else look.pen,
             penwidth=self._pen(node.entered, node.mark, 1.2), id=node.place, tooltip=_tip(node),
         )  # fmt: skip
@@ -133,15 +132,14 @@ class _Sheet:
         for child in self.children[node.name]:
             if child.kind == "history" and self.initials[node.name]:
                 yield f"{indent}  {quoted(node.name + '#begin')} -> {quoted(child.name)} {attributes(style='invis')};"
-        for twig in node.twigs:
-            yield from self._twig(node, twig, f"{indent}  ")
         yield from self._states(node.name, f"{indent}  ")
         yield f"{indent}}}"
 
     def _state(self, node: Node) -> str:
         look, staying = look_of(node), self.staying[node.name]
-        if node.kind == "decision":
-            label = decision_table(node, staying, bold=bool(node.entered.times))
+        if node.kind in ("decision", "tree"):
+            table = decision_table if node.kind == "decision" else tree_table
+            label = table(node, staying, bold=bool(node.entered.times))
             return attributes(shape="plain", label=label, id=node.place, tooltip=_tip(node))
         style = "filled,rounded" if look.rounded and look.shape == "box" else "filled"
         return attributes(
@@ -150,20 +148,6 @@ class _Sheet:
             peripheries=2 if node.kind == "final" else None, label=state_table(node, staying), id=node.place,
             tooltip=_tip(node), margin="0.02" if node.kind in ("history", "final") else None,
         )  # fmt: skip
-
-    def _twig(self, node: Node, twig: Twig, indent: str) -> Iterator[str]:
-        here = _twig_id(node, twig.path)
-        look = LOOKS.get(twig.kind, LOOKS[""]) if twig.leaf else LOOKS["tree"]
-        shape = "box" if not twig.leaf else {"check": "hexagon", "call": "component"}.get(twig.kind, "box")
-        given = attributes(
-            shape=shape, style=f"filled{'' if twig.leaf else ',rounded'}", fillcolor="#FFFFFF", label=twig_table(twig),
-            color=MARKS[twig.mark][0] if twig.mark else look.pen, tooltip=twig.text, margin="0.04,0.02",
-            peripheries=2 if twig.kind == "decision" else None, ordering="out",
-        )  # fmt: skip
-        yield f"{indent}{quoted(here)} {given};"
-        if twig.parent is not None:
-            line = attributes(arrowhead="none", color=LOOKS["tree"].pen, label=branch_table(twig), weight=4)
-            yield f"{indent}{quoted(_twig_id(node, twig.parent))} -> {quoted(here)} {line};"
 
     def _begin(self, parent: str, initial: Initial) -> str:
         source = f"{parent}#begin" if parent else START
@@ -230,16 +214,12 @@ class _Sheet:
         node = self.nodes.get(name)
         if node is None or node.kind not in HOLDERS:
             return name
-        if node.kind == "tree":
-            return _twig_id(node, "")
         return f"{name}#begin" if self.initials[name] else self._inlet(self.children[name][0].name)
 
     def _outlet(self, node: Node) -> str:
         """The node by which an edge leaves a state: of a holder the last thing inside."""
         if node.kind not in HOLDERS:
             return node.name
-        if node.kind == "tree":
-            return _twig_id(node, node.twigs[-1].path)
         inner = [child for child in self.children[node.name] if child.kind not in ("history", "final")]
         return self._outlet(inner[-1]) if inner else self._inlet(node.name)
 
@@ -265,10 +245,6 @@ def _depths(picture: Picture) -> dict[str, int]:
                 depths[name] = depths[here] + 1
                 wave.append(name)
     return depths
-
-
-def _twig_id(node: Node, path: str) -> str:
-    return f"{node.name}#{path}"
 
 
 def _tip(node: Node) -> str:

@@ -7,15 +7,16 @@ left, so that it stays in its box whatever font the reader has.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 from visualize.shapes import Choice, Edge, Node, Picture, Twig
 from visualize.style import INK, LOOKS, MARKS, MUTED, OUTCOMES, Look, clean, width, wrapped
 
 __all__ = (
-    "anywhere_table", "branch_table", "cluster_table", "decision_table", "edge_table", "look_of", "row_text",
-    "state_table", "tab_table", "title_table", "twig_table",
+    "anywhere_table", "cluster_table", "decision_table", "edge_table", "look_of", "row_text", "state_table",
+    "tab_table", "title_table", "tree_table",
 )  # fmt: skip
 
 COLUMN, LINE, LABEL = 150.0, 210.0, 150.0
@@ -157,20 +158,51 @@ def cluster_table(node: Node, staying: Sequence[Edge] = ()) -> str:
     return table([*rows, *_below(node, staying)])
 
 
-def twig_table(twig: Twig) -> str:
-    """The label of a node of a tree."""
+def tree_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = False) -> str:
+    """The label of a state that runs a tree: its title, and below it the tree, each node above its children.
+
+    Children stand side by side in the order of the file, in one label, which no layout can change.
+    """
+    below: dict[str | None, list[Twig]] = defaultdict(list)
+    for twig in node.twigs:
+        below[twig.parent].append(twig)
+    look = LOOKS["tree"]
+    pen = MARKS[node.mark][0] if node.mark else look.pen
+    trees = "".join(f"<tr><td>{_branch(root, below)}</td></tr>" for root in below[None])
+    head = f'<tr><td align="left">{cluster_table(node, staying)[1:-1]}</td></tr>'
+    more = f'border="{4 if bold else 2}" color="{pen}" bgcolor="{look.fill}" cellborder="0" cellspacing="0"'
+    return table([head, trees], f'{more} cellpadding="3"')
+
+
+def _branch(twig: Twig, below: Mapping[str | None, Sequence[Twig]]) -> str:
+    """A node of a tree as wide as its children, which stand below it from left to right."""
+    children = below.get(twig.path, ())
+    rows = [f'<tr><td colspan="{max(1, len(children))}" {_twig_look(twig)}>{_twig_text(twig)}</td></tr>']
+    if children:
+        cells = "".join(f'<td valign="top">{_branch(child, below)}</td>' for child in children)
+        rows.append(f"<tr>{cells}</tr>")
+    return table(rows, 'border="0" cellborder="0" cellspacing="3" cellpadding="0"')[1:-1]
+
+
+def _twig_look(twig: Twig) -> str:
+    look = LOOKS.get(twig.kind, LOOKS[""]) if twig.leaf else LOOKS["tree"]
+    pen, line, _ = MARKS[twig.mark] if twig.mark else (look.pen, "", "")
+    styles = ([] if twig.leaf else ["rounded"]) + ([line] if line in ("dashed", "dotted") else [])
+    style = f' style="{",".join(styles)}"' if styles else ""
+    wide = 2 if twig.mark or twig.kind == "decision" else 1
+    return f'border="{wide}" cellpadding="4" color="{pen}" bgcolor="#FFFFFF"{style}'
+
+
+def _twig_text(twig: Twig) -> str:
+    """What stands on a node of a tree: the option that leads to it, its number, what it does, what it asks."""
     sign = {"sequence": "→ ", "selector": "? ", "decision": "? "}.get(twig.kind, "")
-    rows = [text(marked(twig.mark, sign + twig.text), 10, bold=not twig.leaf, limit=COLUMN)]
+    rows = [small(f"{twig.branch}:", limit=LABEL)] if twig.branch else []
+    rows.append(text(marked(twig.mark, twig.numbered(sign)), 10, bold=not twig.leaf, limit=COLUMN))
     for choice in twig.choices:
         guard = f" when {choice.guard}" if choice.guard else ""
         last = ", fallback" if choice.fallback else ""
         rows.append(small(f"• {marked(choice.mark, choice.name)}{guard}{last}", color=INK, limit=COLUMN))
-    return table(rows)
-
-
-def branch_table(twig: Twig) -> str:
-    """The label of the line to a node of a tree; empty where no option leads there."""
-    return table([small(twig.branch, limit=LABEL)]) if twig.branch else ""
+    return table(rows)[1:-1]
 
 
 def tab_table(node: Node) -> str:

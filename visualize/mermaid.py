@@ -143,7 +143,7 @@ def _description(node: Node, holder: bool) -> str:
     depth = {"": 0}
     for twig in node.twigs:
         depth[twig.path] = depth.get(twig.parent or "", 0) + 1
-        lines.append("· " * depth[twig.path] + twig.text)
+        lines.append("· " * depth[twig.path] + twig.numbered())
     lines += [f"entered {node.entered.words()}"] if node.entered.times else []
     shown = escaped if holder else described
     return "<br/>".join(shown(part) for line in lines if line for part in wrapped(line, 10, LIMIT))

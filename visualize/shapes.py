@@ -59,7 +59,14 @@ class Twig(NamedTuple):
     branch: str = ""
     """The option of a decision that leads here, where one does."""
     choices: tuple[Choice, ...] = ()
+    number: int = 0
+    """Its place among its siblings, from 1, where they are tried or run in that order; 0 for an only child, and below a
+    decision, whose options are no order."""
     mark: Mark = ""
+
+    def numbered(self, sign: str = "") -> str:
+        """Its number, if it has one, and what it does: `2. → sequence` with a sign."""
+        return f"{self.number}. {sign}{self.text}" if self.number else f"{sign}{self.text}"
 
     @property
     def leaf(self) -> bool:

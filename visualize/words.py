@@ -157,17 +157,19 @@ def choices(asked: Asked, place: str) -> tuple[Choice, ...]:
 
 def twigs(tree: Tree, place: str) -> tuple[Twig, ...]:
     """The nodes of a state's tree, outer before inner."""
-    above: dict[str, tuple[str, str]] = {}
+    above: dict[str, tuple[str, str, int]] = {}
     found = []
     for path, node in tree_paths(tree.tree):
-        for pointer, _ in node.branches():
+        branches = tuple(node.branches())
+        for number, (pointer, _) in enumerate(branches, 1):
             branch = pointer.partition("/")[2] if pointer.startswith("then/") else ""
-            above[f"{path}/{pointer}" if path else pointer] = (path, branch)
-        parent, branch = above.get(path, (None, ""))
+            ordered = number if len(branches) > 1 and not branch else 0
+            above[f"{path}/{pointer}" if path else pointer] = (path, branch, ordered)
+        parent, branch, number = above.get(path, (None, "", 0))
         asked = node.decision if isinstance(node, DecisionLeaf) else None
         here = f"{place}/tree/{path}".rstrip("/")
         offered = choices(asked, f"{here}/decision") if asked else ()
-        found.append(Twig(path, parent, node.word, _twig_text(node), branch, offered))
+        found.append(Twig(path, parent, node.word, _twig_text(node), branch, offered, number))
     return tuple(found)
 
 

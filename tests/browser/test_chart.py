@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ from rai_missions.mission import Mission
 from tests.browser.conftest import Open, until
 from tests.strategies import missions
 from tests.visualize.runs import ROOT, hostile, tractor
+from tests.visualize.tree_documents import Json, crowded, named, numbers, walk, written_trees
 from visualize.page import review
 
 STATES = "[...document.querySelectorAll('.state')].map((each) => each.dataset.state)"
@@ -32,6 +34,11 @@ MEETING = """(() => {
   return boxes.flatMap(([name, a], index) =>
     boxes.slice(index + 1).filter(([, b]) => meet(a, b)).map(([other]) => [name, other]));
 })()"""
+TWIGS = """[...document.querySelectorAll('.twig')].map((twig) => {
+  const { left, right, top, bottom } = twig.querySelector('rect').getBoundingClientRect();
+  const lines = [...twig.querySelectorAll('text')].map((each) => each.textContent);
+  return [twig.querySelector('title').textContent, lines, left, right, top, bottom];
+})"""
 UNTOLD = """(() => {
   const drawn = new Set([...document.querySelectorAll('.arrow')].flatMap((each) => each.dataset.rows.split(' ')));
   const { model, chart } = review;
@@ -69,6 +76,27 @@ def test_any_mission_is_drawn_whole(mission: Mission, opened: Open) -> None:
     assert missing(window) == []
     assert window.evaluate(SPILLED) == []
     assert window.evaluate(MEETING) == []
+    window.context.close()
+
+
+@settings(max_examples=4, suppress_health_check=list(HealthCheck))
+@given(document=crowded())
+def test_the_children_of_a_trees_node_lie_in_the_order_of_the_file_and_are_numbered(
+    document: Json, opened: Open
+) -> None:
+    names = numbers()
+    trees = [named(tree, names) for tree in written_trees(document)]
+    window = opened(review(Mission.model_validate(document)))
+    window.click("#open-all")
+    placed = {title.partition(":")[0]: rest for title, *rest in window.evaluate(TWIGS)}
+    for node in (each for tree in trees for each in walk(tree)):
+        below = [placed[child.name] for child in node.below]
+        assert all(one[2] <= other[1] for one, other in itertools.pairwise(below)), below
+        assert all(child[3] >= placed[node.name][4] for child in below), below
+        assert all(
+            any(line.startswith(f"{child.number}. {child.name}:" if child.number else child.name) for line in at[0])
+            for child, at in zip(node.below, below, strict=True)
+        ), below
     window.context.close()
 
 

@@ -23,7 +23,7 @@ function treeBox(twigs) {
 function twigColumn(twig) {
   const column = new Column(TWIG);
   if (twig.branch) column.add(`${twig.branch}:`, 10, { bold: true });
-  const [head, ...rest] = twig.text.split("; ");
+  const [head, ...rest] = `${twig.number ? `${twig.number}. ` : ""}${twig.text}`.split("; ");
   column.add(marked(twig.mark, head), 11, { bold: true, most: 3 });
   rest.forEach((line) => column.add(line, 10, { tone: "muted", most: 3 }));
   for (const choice of twig.choices || []) {
