@@ -189,6 +189,14 @@ def _add_prove(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--robot", metavar="PROFILE", help="which actions exclude each other, and what composed ones rest on"
     )
     prove.add_argument("--states", type=int, metavar="N", help="states at the most (default: a million)")
+    prove.add_argument(
+        "--max-seconds", type=float, metavar="S", help="wall time at the most, in seconds (default: 900)"
+    )
+    prove.add_argument("--max-memory", type=float, metavar="MIB", help="memory at the most, in MiB (default: 4096)")
+    prove.add_argument(
+        "--all", action="store_true",
+        help="where a claim is refuted, explore the others to the limits; else for ten times what that has cost",
+    )  # fmt: skip
     prove.add_argument("--guards", metavar="FILE.py", help="predicates that 'named' guards name; free in a proof")
     prove.add_argument("--no-python", action="store_true", help="refuse a mission and guards that are Python")
     prove.add_argument(

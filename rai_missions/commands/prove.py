@@ -20,13 +20,13 @@ from rai_missions.mission import Mission
 __all__ = ("prove",)
 
 WIDTH = 14
+MOST_SECONDS, MOST_MEMORY_MB = 900.0, 4096.0
 EVERY_S = 2.0
 """So often progress is told."""
 
 
 def prove(given: argparse.Namespace) -> int:
     """Explore every run of a mission; 0 where all is proved, 1 where something is refuted or was not explored whole."""
-    from rai_missions.prove import MOST_STATES
     from rai_missions.prove import prove as explore
     from rai_missions.rebuild import default_ticker
     from rai_missions.robot import load_profile, missing, terms
@@ -37,17 +37,30 @@ def prove(given: argparse.Namespace) -> int:
     if faults:
         raise DefinitionError(faults, given.mission)
     of_robot = terms(robot) if robot is not None else None
-    most = MOST_STATES if given.states is None else given.states
-    if most < 1:
-        raise UsageError(f"{most} states are none; give --states a number above 0")
-    proof = explore(mission, default_ticker(mission), terms=of_robot, most=most, progress=_progress())
+    proof = explore(mission, default_ticker(mission), terms=of_robot, progress=_progress(), **_limits_of(given))
     journals = _journals(given, mission, robot, of_robot, proof)
     if given.json:
         print(json.dumps(_object(mission, proof, journals)))
     else:
-        for line in _lines(mission, proof, journals, most):
+        for line in _lines(mission, proof, journals):
             print(line)
     return 0 if proof.verdict == "proved" else 1
+
+
+def _limits_of(given: argparse.Namespace) -> dict[str, Any]:
+    """What the exploration may cost."""
+    from rai_missions.prove import MOST_STATES
+
+    most = MOST_STATES if given.states is None else given.states
+    seconds = MOST_SECONDS if given.max_seconds is None else given.max_seconds
+    memory_mb = MOST_MEMORY_MB if given.max_memory is None else given.max_memory
+    if most < 1:
+        raise UsageError(f"{most} states are none; give --states a number above 0")
+    if not seconds > 0:
+        raise UsageError(f"{seconds:g} seconds are none; give --max-seconds a number above 0")
+    if not memory_mb > 0:
+        raise UsageError(f"{memory_mb:g} MiB are none; give --max-memory a number above 0")
+    return {"most": most, "seconds": seconds, "memory_mb": memory_mb, "goes_on": given.all}
 
 
 def _faults(mission: Mission, given: argparse.Namespace) -> list[Fault]:
@@ -106,9 +119,11 @@ def _path(given: argparse.Namespace, mission: Mission, claim: str, *, only: bool
 # -- what is told -------------------------------------------------------------------------------------------------
 
 
-def _lines(mission: Mission, proof: Any, journals: dict[str, Any], most: int) -> Iterable[str]:
-    how = "every state" if proof.is_whole else f"{proof.states} states to depth {proof.depth}, the bound is {most}"
+def _lines(mission: Mission, proof: Any, journals: dict[str, Any]) -> Iterable[str]:
+    how = "every state" if proof.is_whole else f"{_why_not_whole(proof)}, at depth {proof.depth}"
     yield f"{mission.name} {mission.version}: {proof.states} states, {proof.steps} steps, {proof.seconds:.1f} s; {how}"
+    if not proof.is_whole:
+        yield from _covered(proof)
     for claim in proof.claims:
         verdict = claim.verdict if claim.verdict != "explored" else f"explored {proof.states} states"
         yield f"  {verdict:<{WIDTH}} {claim.name}: {claim.words}"
@@ -117,6 +132,28 @@ def _lines(mission: Mission, proof: Any, journals: dict[str, Any], most: int) ->
     if proof.verdict == "proved":
         yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it heard"
     yield from _limits(proof)
+
+
+STOPPED = {
+    "states": "as many states as were allowed (--states)",
+    "seconds": "out of time (--max-seconds)",
+    "memory": "out of memory (--max-memory)",
+    "refuted": "ended after a refutation (--all explores the other claims to the limits)",
+    "work": "as many steps as were allowed",
+}
+"""The limit that ended an exploration → what is printed."""
+
+
+def _why_not_whole(proof: Any) -> str:
+    return STOPPED.get(proof.stopped, "not every state")
+
+
+def _covered(proof: Any) -> Iterable[str]:
+    """What was covered before the limit, and what is open."""
+    yield f"of these {proof.states} states {proof.done} were explored with all that can happen in them"
+    for word, verdict in (("refuted", "refuted"), ("proved", "proved"), ("open", "explored")):
+        names = [each.name for each in proof.claims if each.verdict == verdict]
+        yield f"{word}: {', '.join(names) or 'none'}"
 
 
 def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | None) -> Iterable[str]:
@@ -169,6 +206,8 @@ def _object(mission: Mission, proof: Any, journals: dict[str, Any]) -> dict[str,
         "depth",
         "farthest",
         "is_whole",
+        "stopped",
+        "done",
         "assumed",
         "in_pause",
         "predicates",

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import gc
+import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -14,14 +15,13 @@ from rai_missions.journal import Header
 from rai_missions.mission import Mission
 from rai_missions.prove.claims import CLAIMS, Claim, claims
 from rai_missions.prove.free import Free
+from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
 from rai_missions.prove.space import Space
 from rai_missions.prove.witness import Player, Scene, scenes
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 
 __all__ = ("CLAIMS", "MOST_STATES", "Claim", "Proof", "Scene", "prove", "record")
-
-MOST_STATES = 1_000_000
 
 
 class Proof(NamedTuple):
@@ -39,6 +39,10 @@ class Proof(NamedTuple):
     """So many steps at the most lie between a state and the nearest end."""
     is_whole: bool
     """Every state was explored."""
+    stopped: Stopped
+    """The limit that left states out; empty where none did."""
+    done: int
+    """States out of which all that can happen was explored."""
     assumed: tuple[str, ...]
     """Invariants that speak of the robot alone: they are watched in a run, and were assumed to hold here."""
     in_pause: tuple[str, ...]
@@ -60,6 +64,7 @@ class Proof(NamedTuple):
 
 def prove(
     mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None, most: int = MOST_STATES,
+    seconds: float = math.inf, memory_mb: float = math.inf, goes_on: bool = False,
     progress: Callable[[int, int], None] = lambda found, done: None,
 ) -> Proof:  # fmt: skip
     """Explore every run of a mission.
@@ -73,10 +78,13 @@ def prove(
         ticker: Who ticks trees; needed where the mission has one.
         terms: What is known of the robot: without a profile all actions exclude each other, and have servers.
         most: States at the most; a kilobyte or two each.
-        progress: Told of states found and states done, every thousand states.
+        seconds: Wall time at the most.
+        memory_mb: Resident memory of the process at the most, in MiB.
+        goes_on: Where a claim is refuted, the others are explored to these limits all the same; else for some time.
+        progress: Receives the number of states found and of states done, every thousand states.
     """
     with _few_collections():
-        return _prove(mission, ticker, terms, most, progress)
+        return _Proving(mission, ticker, terms, Limits(most, seconds, memory_mb, goes_on=goes_on), progress).proof()
 
 
 @contextmanager
@@ -90,45 +98,51 @@ def _few_collections() -> Iterator[None]:
         gc.set_threshold(*before)
 
 
-def _prove(
-    mission: Mission, ticker: Trees | None, terms: Terms | None, most: int, progress: Callable[[int, int], None]
-) -> Proof:
-    began = time.perf_counter()
-    chart = Free(mission, ticker, terms=terms)
-    space = Space(chart, most, progress)
-    space.explore()
-    sampled = chart.values.learned.sampled
-    found = claims(mission, space, is_sampled=bool(sampled))
-    ways = {each.name: scenes(space, each) for each in found if each.has_run}
-    if ways:
-        found, ways = _calmly(found, ways, mission, _calm(mission, ticker, terms, most))
-    names = [name for _, name, state in mission.walk() if state.word != "history"]
-    return Proof(
-        claims=tuple(found), ways=ways, states=space.states, steps=space.steps, depth=space.depth,
-        farthest=max(space.distances(space.ends), default=0), is_whole=space.is_whole,
-        assumed=tuple(sorted(chart.assumed)), in_pause=tuple(sorted(space.in_pause)),
-        predicates=tuple(sorted(chart.predicates)), sampled=sampled,
-        never=tuple(name for name in names if name not in space.entered) if space.is_whole else (),
-        seconds=time.perf_counter() - began,
-    )  # fmt: skip
+class _Proving:
+    """One proof in the making: of all runs, then of those in which the operator leaves the mission alone."""
 
+    def __init__(
+        self, mission: Mission, ticker: Trees | None, terms: Terms | None, limits: Limits,
+        progress: Callable[[int, int], None],
+    ) -> None:  # fmt: skip
+        self._mission, self._ticker, self._terms, self._progress = mission, ticker, terms, progress
+        self._limits, self._began = limits, time.perf_counter()
 
-def _calm(mission: Mission, ticker: Trees | None, terms: Terms | None, most: int) -> Space:
-    """What was explored of a mission whose operator leaves it alone."""
-    chart = Free(mission, ticker, terms=terms)
-    chart.is_calm = True
-    space = Space(chart, most)
-    space.explore()
-    return space
+    def proof(self) -> Proof:
+        space = self._explored(progress=self._progress)
+        chart, sampled = space.chart, space.chart.values.learned.sampled
+        found = claims(self._mission, space, is_sampled=bool(sampled))
+        ways = {each.name: scenes(space, each) for each in found if each.has_run}
+        if ways:
+            found, ways = self._calmly(found, ways)
+        names = [name for _, name, state in self._mission.walk() if state.word != "history"]
+        return Proof(
+            claims=tuple(found), ways=ways, states=space.states, steps=space.steps, depth=space.depth,
+            farthest=max(space.distances(space.ends), default=0), is_whole=space.is_whole,
+            stopped=space.meter.stopped, done=space.done,
+            assumed=tuple(sorted(chart.assumed)), in_pause=tuple(sorted(space.in_pause)),
+            predicates=tuple(sorted(chart.predicates)), sampled=sampled,
+            never=tuple(name for name in names if name not in space.entered) if space.is_whole else (),
+            seconds=time.perf_counter() - self._began,
+        )  # fmt: skip
 
+    def _explored(
+        self, *, wanted: Collection[str] = (), is_calm: bool = False,
+        progress: Callable[[int, int], None] = lambda found, done: None,
+    ) -> Space:  # fmt: skip
+        chart = Free(self._mission, self._ticker, terms=self._terms)
+        chart.is_calm = is_calm
+        left = self._limits.seconds - (time.perf_counter() - self._began)
+        space = Space(chart, self._limits._replace(seconds=left), progress, wanted=wanted)
+        space.explore()
+        return space
 
-def _calmly(
-    found: list[Claim], ways: dict[str, list[Scene]], mission: Mission, calm: Space
-) -> tuple[list[Claim], dict[str, list[Scene]]]:
-    """Refutations for which the operator is not needed, where there are such: they are the author's first affair."""
-    better = {each.name: each for each in claims(mission, calm) if each.has_run and each.name in ways}
-    told = {name: scenes(calm, each) for name, each in better.items()}
-    return [better.get(each.name, each) for each in found], {**ways, **told}
+    def _calmly(self, found: list[Claim], ways: dict[str, list[Scene]]) -> tuple[list[Claim], dict[str, list[Scene]]]:
+        """Refutations for which the operator is not needed, where there are such: the author's first affair."""
+        calm = self._explored(wanted=ways, is_calm=True)
+        better = {each.name: each for each in claims(self._mission, calm) if each.has_run and each.name in ways}
+        told = {name: scenes(calm, each) for name, each in better.items()}
+        return [better.get(each.name, each) for each in found], {**ways, **told}
 
 
 def record(

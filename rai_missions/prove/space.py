@@ -7,13 +7,14 @@ Rule: a step does the same wherever the mission's own keys that it looks at are 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 from rai_missions.prove.courses import Arrival, Course, Courses, Made, value_of
 from rai_missions.prove.explored import Own, State
 from rai_missions.prove.free import RESUME, Free
 from rai_missions.prove.happening import Happening, HappeningKind
+from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.reached import Reached, Way
 
 __all__ = ("CANCEL", "KILL", "START", "Flaw", "Space", "Way")
@@ -21,6 +22,7 @@ __all__ = ("CANCEL", "KILL", "START", "Flaw", "Space", "Way")
 NOW_AND_THEN = 1000
 MOST_COURSES = 20_000
 """So many states are remembered with all that happened in them."""
+Progress = Callable[[int, int], None]
 START, CANCEL, KILL = "the mission starts", "the operator cancels", "the operator stops the mission at once"
 
 
@@ -40,13 +42,18 @@ class Space(Reached):
 
     Args:
         chart: The mission.
-        most: States at the most.
-        progress: Told of states found and states done, now and then.
+        limits: What it may cost; a number is that of states.
+        progress: Receives the number of states found and of states done, now and then.
+        wanted: Promises; once each is known to be broken, the search ends. None of these: it goes on.
     """
 
-    def __init__(self, chart: Free, most: int, progress: Callable[[int, int], None] = lambda found, done: None) -> None:
+    def __init__(
+        self, chart: Free, limits: Limits | int = MOST_STATES, progress: Progress = lambda found, done: None, *,
+        wanted: Collection[str] = (),
+    ) -> None:  # fmt: skip
         super().__init__()
-        self.chart, self.most, self._progress = chart, most, progress
+        self.chart, self._progress, self._wanted = chart, progress, frozenset(wanted)
+        self.meter = Meter(Limits(limits) if isinstance(limits, int) else limits)
         self.fresh = (chart.save(), chart.own())
         """Before the start."""
         self._frontier: deque[tuple[int, bytes, State, Own]] = deque()
@@ -63,7 +70,9 @@ class Space(Reached):
         """Invariants that what a robot says can break while the mission is paused, when no rule can act."""
         self.steps = 0
         self.cut: set[int] = set()
-        """States out of which some step leads where there was no room for it."""
+        """States out of which some step was not made, or leads where there was no room for it."""
+        self.done = 0
+        """States out of which every step was made, or as many as there was room for."""
 
     @property
     def is_whole(self) -> bool:
@@ -76,14 +85,20 @@ class Space(Reached):
         return [*self.cut, *(number for number, *_ in self._frontier)]
 
     def explore(self) -> None:
-        """Find every state, or as many as there is room for."""
+        """Find every state, or as many as the limits allow."""
         start = Happening(START, "start", self.chart.begin)
         self._each_way(start, -1, self.fresh, -1, None)
-        while self._frontier:
+        while self._frontier and not self._is_over:
             number, core, state, own = self._frontier.popleft()
             self._leave(number, core, (state, own))
+            self.done += 1
             if number % NOW_AND_THEN == 0:
                 self._progress(self.states, number)
+
+    @property
+    def _is_over(self) -> bool:
+        """All that was wanted is known, or a limit is reached that ends the search at once."""
+        return bool(self.meter.ended or (self._wanted and self._wanted <= self.flaws.keys()))
 
     # -- one state ------------------------------------------------------------------------------------------------
 
@@ -97,6 +112,9 @@ class Space(Reached):
         if known is None:
             known, fitting = self._room(core, len(found), place), [None] * len(found)
         for at, course in enumerate(fitting):
+            if self._is_over:
+                self.cut.add(number)
+                return
             if course is not None:
                 self._again(course, number, own)
             else:
@@ -126,6 +144,7 @@ class Space(Reached):
     def _again(self, course: Course, source: int, own: Own) -> None:
         """The same happens in a state that differs in the mission's own keys alone."""
         self.steps += course.steps
+        self.meter.spend(course.steps, self.states)
         for arrival in course.arrivals:
             self._arrive(source, arrival, own)
 
@@ -147,6 +166,10 @@ class Space(Reached):
                 self._arrive(source, made.arrival, own)
                 arrivals.append(made.arrival)
             chosen = made.after
+            if self.meter.spend(1, self.states) and chosen is not None and self._is_over:
+                self.cut.add(max(source, 0))
+                self.steps += steps
+                return
         self.steps += steps
         if before is not None:
             before.remember(Course(arrivals, steps, tuple(sorted(needs.items()))))
@@ -161,6 +184,7 @@ class Space(Reached):
         chart.load(*place)
         looked.clear()
         chart.make(happening.do)
+        self.meter.work += len(chart.moves) + chart.ticks
         is_possible = chart.is_possible
         read = looked & own_keys
         if is_possible:
@@ -191,7 +215,8 @@ class Space(Reached):
             key = self.chart.key(arrival.core, own, arrival.telling)
         number = self._numbers.get(key)
         if number is None:
-            if self.states >= self.most:
+            if self.states >= self.meter.limits.states:
+                self.meter.is_full = True
                 self.cut.add(max(source, 0))
                 return
             number = self._add(key, source, arrival.way)
@@ -242,4 +267,6 @@ class Space(Reached):
 
     def _flaw(self, promise: str, state: int, sentence: str, way: Way) -> None:
         """The first of each promise is a shortest."""
+        if promise not in self.flaws:
+            self.meter.refuted(self.states)
         self.flaws.setdefault(promise, Flaw(promise, state, sentence, way))

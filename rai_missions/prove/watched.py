@@ -55,6 +55,8 @@ class Watched(Chart):
         self.values = Values(mission, self.terms)
         self.seen: dict[str, set[Truth]] = {}
         """The place of a guard that makes something possible → what it has said."""
+        self.ticks = 0
+        """Ticks of trees in this step."""
         self.answered: set[tuple[str, str]] = set()
         """Who asks, and an option that was taken there."""
         self.schemas: dict[tuple[str, str], Mapping[str, Any]] = {}
@@ -212,8 +214,19 @@ class Watched(Chart):
         elif isinstance(machine, PursuitMachine) and machine.achieved is not None:
             machine.achieved = self._watched(f"{place}/achieved", machine.achieved)
         elif isinstance(machine, TendingMachine):
+            self._count(machine)
             for path, limb in machine.limbs.items():
                 self._watch(limb.machine, f"{place}/tree/{path}")
+
+    def _count(self, machine: TendingMachine) -> None:
+        """Have the ticks of a tree counted: a step may take many."""
+        tick = machine.ticker.tick
+
+        def counted(*given: Any) -> Any:
+            self.ticks += 1
+            return tick(*given)
+
+        machine.ticker.tick = counted  # type: ignore[method-assign,assignment]
 
     def _watch_question(self, machine: AskingMachine, place: str) -> None:
         machine.begin = self._taking(machine.owner, machine.begin)  # type: ignore[method-assign]
