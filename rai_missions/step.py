@@ -149,6 +149,9 @@ class Step(NamedTuple):
     """The rule that decided the outcome, or why the event was refused or stale."""
     notes: tuple[str, ...] = ()
     """What a reader should know: verdicts, orphans, unknown invariants."""
+    resting: tuple[str, ...] = ()
+    """The states whose tree has reached a limit and rests, though it would be ticked again; `wake_at` is now where its
+    rounds continue in the next step, else it waits for the next event that concerns it."""
 
     @property
     def ignored(self) -> bool:

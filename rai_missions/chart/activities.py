@@ -13,7 +13,7 @@ from rai_missions.event import Event
 from rai_missions.states.activity import GOALS, NO_KEYS, Machine, Turn, concerns
 from rai_missions.states.machines import machine_of
 from rai_missions.states.state import Controller
-from rai_missions.states.tending import questions_in
+from rai_missions.states.tending import limit_of, questions_in
 from rai_missions.step import Handover
 from rai_missions.verdict import Question
 from rai_missions.wording import suggestion
@@ -114,21 +114,32 @@ class Activities(Core):
         """Let those machines look whom a key that was written, a goal's end or the time concerns; whether one spoke."""
         if self.outcome is not None or self.mode == "paused":
             return False
-        if not self._due and not self._ledger.changed and self._polled == len(self.written):
+        if not self._due and not self._ledger.changed and self._polled == len(self.written) and not self._news:
             return False
-        keys = frozenset(key for key, _ in self.written[self._polled :]) | (
-            {GOALS} if self._ledger.changed else NO_KEYS
-        )
+        ended = {GOALS} if self._ledger.changed else NO_KEYS
+        keys = frozenset(key for key, _ in self.written[self._polled :]).union(ended, self._news)
         due, self._due, self._polled, self._ledger.changed = self._due, NO_KEYS, len(self.written), False
-        spoke, tick = False, Event("tick", self.view.at, {"keys": keys}, "tick")
+        news, self._news, spoke = self._news, {}, False
         for name, machine, state in self._live() if keys or due else ():
             if not (name in due or concerns(machine.reads(state), keys)):
                 continue
+            of_others = ended | {key for key, by in news.items() if by != name}
+            tick = Event("tick", self.view.at, {"keys": keys, "news": frozenset(of_others)}, "tick")
             turn = machine.hear(state, tick, self)
             if turn is not None:
                 self._turn(name, turn)
                 spoke = True
         return spoke
+
+    @property
+    def _resting(self) -> tuple[str, ...]:
+        """The states whose trees rest at a limit."""
+        return tuple(name for name, state in self._running.items() if limit_of(state)) if self._has_trees else ()
+
+    def _unfinished(self) -> frozenset[str]:
+        """The states whose trees have rounds left that follow at this instant."""
+        found = (name for name, state in self._running.items() if limit_of(state) == "rounds")
+        return frozenset(found) if self._has_trees else NO_KEYS
 
     def _dispatch(self, event: Event) -> bool:
         """Tell the machine that waits for it; whether one did."""
@@ -163,8 +174,7 @@ class Activities(Core):
                 return
             if event.kind == "result":
                 self.notes.append(f"goal {number} has ended: {event.name}")
-            self._poll()
-            if self._internal and self.outcome is None:
+            if (self._poll() or self._internal) and self.outcome is None:
                 self._complete(None)
 
     def _reads(self) -> frozenset[str]:

@@ -156,7 +156,7 @@ class Chart(Saving):
         self.seq += 1
         wake = None if self._wake == math.inf else self._wake
         if not leap.acts:
-            return _new(Step, (self.seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", ()))
+            return _new(Step, (self.seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", (), ()))
         return self._acted(event, leap, looked)
 
     def _acted(self, event: Event, leap: Leap, looked: list[tuple[str, Truth]]) -> Step:
@@ -172,10 +172,10 @@ class Chart(Saving):
             return self._close(event)
         step: Step = _new(Step, (
             self.seq, self.view.at, event, leap.moves, tuple(looked), tuple(written), None,
-            None if self._wake == math.inf else self._wake, tuple(self.effects), "", tuple(self.notes),
+            None if self._wake == math.inf else self._wake, tuple(self.effects), "", tuple(self.notes), (),
         ))  # fmt: skip
         written.clear()
-        if self.effects or self.notes:
+        if self.effects or self.notes or self._news:
             self._clear()
         return step
 
@@ -183,7 +183,7 @@ class Chart(Saving):
         """A step in which no row fired."""
         self.seq += 1
         wake = None if self._wake == math.inf else self._wake
-        return _new(Step, (self.seq, at, event, (), looked, (), None, wake, (), "", ()))
+        return _new(Step, (self.seq, at, event, (), looked, (), None, wake, (), "", (), ()))
 
     @classmethod
     def restore(
@@ -245,7 +245,7 @@ class Chart(Saving):
         why = self.why if is_over and (self._ended or not self._refused) else self._refused
         step = Step(
             self.seq, self.view.at, event, tuple(self.moves), tuple(self.looked), tuple(self.written), self.outcome,
-            None if self._wake == math.inf else self._wake, tuple(self.effects), why, tuple(self.notes),
+            None if self._wake == math.inf else self._wake, tuple(self.effects), why, tuple(self.notes), self._resting,
         )  # fmt: skip
         asked = any(place.startswith("named:") for place, _ in self.looked)
         said = self.moves or self.effects or self.notes or self._touched or self._refused or asked
@@ -257,9 +257,11 @@ class Chart(Saving):
         """What the next event finds: whether it can take the short way, what it may change, what time alone does."""
         self._quick = self.mode == "running" and self._final is None and self.outcome is None and not self._named
         self._listening = self._reads() if self.mode != "ended" else frozenset()
-        self._wake = self._next_instant()
+        self._quick = self._quick and not self._resting
+        self._wake = self.view.at if self._unfinished() else self._next_instant()
 
     def _handle(self, event: Event) -> None:
+        self._tree_rounds.clear()
         kind = event.kind
         if kind in ("tick", "feedback"):
             return
@@ -295,10 +297,13 @@ class Chart(Saving):
         if entry is not None and entry.at > stamp:
             self._refused = f"'{event.name}' was not written: {entry.at - stamp:.3g} s older than what is known"
             return
+        before = self.known(event.name) if self._has_trees else None
         self.view.board[event.name] = Stamped(value, stamp)
         self.written.append((event.name, value))
         if event.name not in self._listening and "*" not in self._listening:
             return
+        if self._has_trees:
+            self.note_news(event.name, before)
         if self.mode == "paused":
             self._check_invariants()
         elif self.mode != "ready":

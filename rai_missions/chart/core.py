@@ -16,12 +16,14 @@ from rai_missions.chart.acts import Act, act_of
 from rai_missions.chart.configuration import Configuration, Leap
 from rai_missions.chart.graph import Graph
 from rai_missions.chart.node import Node, Row
+from rai_missions.effects import Set
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.mission import Mission
 from rai_missions.states.activity import Machine, Outcome
 from rai_missions.states.goals import Ledger
+from rai_missions.states.rounds import Rounds
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import CancelGoal, Move
@@ -93,6 +95,7 @@ class Core:
         self.view = Look(self)
         self._named = dict(named or {})
         self._ticker = ticker
+        self._has_trees = any(state.word == "tree" for _, _, state in mission.walk())
         self._graph = Graph(mission, self._act)
         if absent := sorted(self._graph.named - self._named.keys()):
             raise UsageError(f"the mission names predicates that were not given: {', '.join(absent)}; give named={{…}}")
@@ -104,7 +107,7 @@ class Core:
         for name, key in mission.blackboard.items():
             if key.initial is not None:
                 self.view.board[name] = Stamped(key.initial, 0.0)
-        if ticker is None and any(state.word == "tree" for _, _, state in mission.walk()):
+        if ticker is None and self._has_trees:
             raise UsageError("the mission runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
 
     def _reset(self) -> None:
@@ -151,6 +154,10 @@ class Core:
         self.written: list[tuple[str, Any]] = []
         self._polled = 0
         """How many of these the machines have been told of."""
+        self._news: dict[str, str] = {}
+        """Key that has another value than when the machines last looked → the state whose machine alone wrote it."""
+        self._tree_rounds: dict[str, Rounds] = {}
+        """State → what its tree has done since the event, or the instant, in hand."""
         self.effects: list[Any] = []
         self.notes: list[str] = []
         self._internal: deque[Trigger] = deque()
@@ -164,7 +171,17 @@ class Core:
         """Something that the run remembers has changed, beside the blackboard."""
 
     def _act(self, effect: Any, place: str, state: str) -> Act:
-        return act_of(effect, place, state, self.mission.blackboard)
+        act = act_of(effect, place, state, self.mission.blackboard)
+        if not self._has_trees or not isinstance(effect, Set):
+            return act
+        key = effect.set
+
+        def noted(chart: Core) -> None:
+            before = chart.known(key)
+            act(chart)
+            chart.note_news(key, before)
+
+        return noted
 
     def _enabled(self, plan: tuple[tuple[Row, ...], ...], looked: list[tuple[str, Truth]]) -> list[Row]:
         """The first row of each chain whose guard is true (SCXML: selectTransitions)."""
@@ -222,7 +239,28 @@ class Core:
     def obstruction(self, action: str) -> str:
         return self._ledger.obstruction(action)
 
-    def write_key(self, key: str, value: Any) -> None:
+    def known(self, key: str) -> Any:
+        """The value of a key; None where it is missing or stale."""
+        entry = self.view.board.get(key)
+        if entry is None or self.view.at >= stale_at(self.mission.blackboard.get(key), entry):
+            return None
+        return entry.value
+
+    def note_news(self, key: str, before: Any, by: str = "") -> bool:
+        """Whether a key that was written has another value than before; if so, trees that look at it are ticked."""
+        value = self.known(key)
+        if value is before or (before is not None and value == before):
+            return False
+        self._news[key] = by if self._news.get(key, by) == by else ""
+        return True
+
+    def rounds(self, owner: str, loops: int) -> Rounds:
+        """What the tree of a state has done in the step in hand."""
+        if owner not in self._tree_rounds:
+            self._tree_rounds[owner] = Rounds(loops)
+        return self._tree_rounds[owner]
+
+    def write_key(self, key: str, value: Any, by: str = "") -> bool:
         """Write a key of the mission; a value of another type is left out, and a note says so."""
         why = (
             fits(self.mission.blackboard[key], value)
@@ -231,9 +269,11 @@ class Core:
         )
         if why:
             self.notes.append(f"'{key}' was not written: {why}")
-            return
+            return False
+        before = self.known(key) if self._has_trees else None
         self.view.board[key] = Stamped(value, self.view.at)
         self.written.append((key, value))
+        return self._has_trees and self.note_news(key, before, by)
 
     def ask_named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         """The value of a predicate, noted so that a replay can repeat it."""

@@ -22,9 +22,12 @@ class Instants(Modes):
     def _catch_up(self, at: float) -> None:
         """Let everything that was due until `at` happen, each at its own instant."""
         same = 0
+        if unfinished := self._unfinished():
+            self._due = unfinished
+            self._instant()
         while (due := self._next_instant()) <= at and same < MOST_MICROSTEPS:
             same = same + 1 if due <= self.view.at else 0
-            self._due = frozenset(self._woken(due))
+            self._due = self._unfinished().union(self._woken(due))
             self.view.at = max(self.view.at, due)
             self._instant()
         if same >= MOST_MICROSTEPS:
@@ -41,6 +44,7 @@ class Instants(Modes):
 
     def _instant(self) -> None:
         """What time alone does now."""
+        self._tree_rounds.clear()
         now = self.view.at
         if self.mode == "paused":
             self._give_up_goals()

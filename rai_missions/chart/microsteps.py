@@ -32,7 +32,9 @@ class Microsteps(Endings):
     def _complete(self, trigger: Trigger | None) -> None:
         """Take what is enabled until nothing is (SCXML: mainEventLoop)."""
         seen: set[Any] = set()
-        for _ in range(MOST_MICROSTEPS):
+        left = MOST_MICROSTEPS
+        while left > 0:
+            left -= 1
             if self.outcome is not None or self.mode not in ("running", "canceling"):
                 return
             if self._final is not None:
@@ -54,7 +56,9 @@ class Microsteps(Endings):
                 seen.clear()
             elif self._starting:
                 self._begin_starting()
-            elif not self._poll():
+            elif self._poll():
+                left += 1  # what machines do ends by itself
+            else:
                 break
         else:
             return self._circle()

@@ -77,7 +77,7 @@ def _told_tree(state: Tending) -> Any:
     leaves = [(path, told(each.state), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
     nodes = [(path, repr(_rounded(_unnumbered(memory)))) for path, memory in sorted(state.tree.nodes.items())]
     ends = sorted((path, leaf.outcome) for path, leaf in state.tree.leaves.items())
-    return ("tending", leaves, nodes, ends, _rounded(state.wake))
+    return ("tending", leaves, nodes, ends, _rounded(state.wake), state.limit)
 
 
 def _unnumbered(memory: Mapping[str, Any]) -> Mapping[str, Any]:

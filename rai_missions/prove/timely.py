@@ -15,7 +15,7 @@ from rai_missions.prove.happening import Happening
 from rai_missions.prove.told import Told, owned
 from rai_missions.prove.watched import NOW
 from rai_missions.states.asking import Asking
-from rai_missions.states.tending import Tended, Tending, TendingMachine
+from rai_missions.states.tending import Tended, Tending, TendingMachine, limit_of
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 
@@ -56,6 +56,7 @@ class Timely(Told):
                 self.board.put(key, before[key])
             self._wavering.clear()
             if gone and self.mode != "ended":
+                self._news.update(dict.fromkeys(gone, ""))
                 self.time_passes(*self._readers(gone))
 
         return happen
@@ -121,8 +122,13 @@ class Timely(Told):
             if NOW < wake < math.inf:
                 yield Happening(told, "time", self.elapse(self._let_pass(name, path, wake), name))
         for name, state in list(self._running.items()):
+            if limit_of(state) == "rounds":
+                yield Happening(f"the rounds of '{name}' continue", "time", self._continue(name))
             if isinstance(state, Tending) and NOW < state.wake < math.inf:
                 yield Happening(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name))
+
+    def _continue(self, name: str) -> Callable[[], None]:
+        return lambda: self.time_passes(name)
 
     def _machine_of(self, name: str, path: str | None) -> Any:
         machine: Any = self._machines[name]

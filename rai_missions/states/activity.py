@@ -7,10 +7,13 @@ Rule: a machine keeps nothing. Its state is a frozen value in the snapshot; time
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
+
+if TYPE_CHECKING:
+    from rai_missions.states.rounds import Rounds
 
 __all__ = ("GOALS", "NO_KEYS", "Desk", "Machine", "Outcome", "Turn", "concerns")
 
@@ -55,8 +58,20 @@ class Desk(Protocol):
     def close_goal(self, number: int) -> None:
         """A goal has ended by the profile's own guard: it leaves the ledger."""
 
-    def write_key(self, key: str, value: Any) -> None:
-        """Write a key of the mission; whoever looks next sees it."""
+    def write_key(self, key: str, value: Any, by: str = "") -> bool:
+        """Write a key of the mission; what looks next sees it.
+
+        Args:
+            key: Its name.
+            value: Its new value.
+            by: The state whose machine writes it and looks at it by itself: it is not reported to that machine.
+
+        Returns:
+            Whether the key has another value now: one that was unknown, missing or stale counts as another.
+        """
+
+    def rounds(self, owner: str, loops: int) -> Rounds:
+        """What the tree of a state has done in the step in hand; `loops` as `Ticker` has it."""
 
     def obstruction(self, action: str) -> str:
         """`busy`: a goal on the same resources has not ended; `orphan`: one never confirmed its end; or empty."""
@@ -74,7 +89,8 @@ class Machine(Protocol):
     def hear(self, state: Any, event: Event, desk: Desk) -> Turn | None:
         """Something happened; None where it does not concern this.
 
-        A `tick` says that an instant has come for which `wake_at` asked, or that the `keys` in its data have changed.
+        A `tick` says that an instant has come for which `wake_at` asked, or that the `keys` in its data were written;
+        those of them that have another value now are its `news`.
         """
 
     def leave(self, state: Any, desk: Desk) -> Turn:

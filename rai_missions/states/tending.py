@@ -1,27 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine of a tree: ticks it, starts and ends its leaves with the machines that the states of the same words use.
 
-Rule: what a tick ends has ended before what it starts is started.
+Rule: what a tick ends has ended before what it starts is started. A tree is ticked again in the same step only for a
+reason that `Rounds` has room for; without room it rests, and never fails for it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.states.activity import Desk, Machine, Outcome, Turn, concerns
 from rai_missions.states.asking import Asking
+from rai_missions.states.rounds import Rounds
 from rai_missions.states.ticker import Ticked, Ticker, TreeState
 from rai_missions.step import Effect, PublishMessage
 from rai_missions.verdict import Question
 
-__all__ = ("Limb", "Tending", "TendingMachine", "questions_in")
+__all__ = ("Limb", "Tended", "Tending", "TendingMachine", "limit_of", "questions_in")
 
-MOST_TICKS = 1000
-"""Ticks of one tree at one instant; a tree that wants more runs in circles."""
+Limit = Literal["", "rounds", "writes"]
 
 
 class Limb(NamedTuple):
@@ -46,6 +47,14 @@ class Tending(NamedTuple):
     """Path → the leaf that runs there."""
     wake: float = math.inf
     """When the tree itself wants its next tick, if nothing that it reads changes before."""
+    limit: Limit = ""
+    """The limit at which it rests though it would be ticked again: of `rounds`, which continue in the next step at the
+    same instant, or of `writes`, after which it waits for the next event that concerns it."""
+
+
+def limit_of(state: Any) -> Limit:
+    """The limit at which a machine rests in this state; empty for none."""
+    return state.limit if isinstance(state, Tending) else ""
 
 
 def questions_in(state: Any) -> Iterator[Question]:
@@ -61,13 +70,22 @@ class _Growth:
     """What a turn is gathering."""
 
     def __init__(self, state: Tending) -> None:
-        self.tree, self.leaves, self.wake = state.tree, dict(state.leaves), state.wake
+        self.tree, self.leaves, self.wake, self.limit = state.tree, dict(state.leaves), state.wake, state.limit
         self.effects: list[Effect] = []
         self.notes: list[str] = []
         self.outcomes: dict[str, str] = {}
+        self.has_written = False
+        self.news: set[str] = set()
+        """Keys to which the tree has given another value since its last tick began."""
+
+    def write(self, desk: Desk, writes: Iterable[tuple[str, Any]], owner: str) -> None:
+        for key, value in writes:
+            self.has_written = True
+            if desk.write_key(key, value, owner):
+                self.news.add(key)
 
     def turn(self, outcome: Outcome | None) -> Turn:
-        state = None if outcome is not None else Tending(self.tree, self.leaves, self.wake)
+        state = None if outcome is not None else Tending(self.tree, self.leaves, self.wake, self.limit)
         return Turn(state, tuple(self.effects), outcome, notes=tuple(self.notes))
 
 
@@ -87,26 +105,44 @@ class TendingMachine:
         return self._tick(_Growth(Tending()), desk)
 
     def hear(self, state: Tending, event: Event, desk: Desk) -> Turn | None:
-        growth, heard = _Growth(state), False
+        growth, concerned = _Growth(state), False
         for path, tended in state.leaves.items():
             turn = self._leaf(path, tended, event, desk)
             if turn is not None:
-                heard = True
+                concerned = True
                 self._take(growth, path, turn, tended.deadline, desk)
-        if not growth.outcomes and not self._wants(state, event, desk):
-            return growth.turn(None) if heard else None
-        turn = self._tick(growth, desk)
-        return turn if self._says(turn, state) else None
-
-    def _wants(self, state: Tending, event: Event, desk: Desk) -> bool:
-        """Whether the tree itself is to be ticked: its time has come, or a key that it reads has changed."""
-        if event.kind != "tick":
-            return False
-        return desk.view.at >= state.wake or concerns(self.ticker.reads(state.tree), event.data["keys"])
+        if state.limit == "rounds" and self._rounds(desk).are_spent:
+            turn = self._rest(growth, desk)
+        elif growth.outcomes or self._is_due(state, event, desk):
+            turn = self._tick(growth, desk)
+        elif event.kind == "tick" and concerns(reads := self.ticker.reads(state.tree), event.data["keys"]):
+            if concerns(reads, event.data["news"]):
+                turn = self._look(growth, desk)
+            else:  # the same value, and it grows stale later
+                growth.wake = self.ticker.wake_at(growth.tree, desk.view)
+                turn = growth.turn(None)
+        else:
+            return growth.turn(None) if concerned else None
+        return turn if concerned or self._is_another(turn, growth, state) else None
 
     @staticmethod
-    def _says(turn: Turn, before: Tending) -> bool:
-        return bool(turn.effects or turn.outcome or turn.notes) or turn.state != before
+    def _is_due(state: Tending, event: Event, desk: Desk) -> bool:
+        """Whether the tree's own time has come, or that of the rounds that had no room in the step before."""
+        return event.kind == "tick" and (desk.view.at >= state.wake or state.limit == "rounds")
+
+    def _look(self, growth: _Growth, desk: Desk) -> Turn:
+        """A key at which the next tick may look has another value."""
+        if self._rounds(desk).was_written():
+            return self._tick(growth, desk)
+        growth.limit = "writes"
+        return growth.turn(None)
+
+    def _rounds(self, desk: Desk) -> Rounds:
+        return desk.rounds(self.owner, self.ticker.loops)
+
+    @staticmethod
+    def _is_another(turn: Turn, growth: _Growth, before: Tending) -> bool:
+        return growth.has_written or bool(turn.effects or turn.outcome or turn.notes) or turn.state != before
 
     def _leaf(self, path: str, tended: Tended, event: Event, desk: Desk) -> Turn | None:
         limb = self.limbs[path]
@@ -118,8 +154,7 @@ class TendingMachine:
     def _take(self, growth: _Growth, path: str, turn: Turn, deadline: float, desk: Desk) -> None:
         growth.effects += turn.effects
         growth.notes += turn.notes
-        for key, value in turn.writes:
-            desk.write_key(key, value)
+        growth.write(desk, turn.writes, self.owner)
         if turn.outcome is None:
             growth.leaves[path] = Tended(turn.state, deadline)
             return
@@ -129,25 +164,47 @@ class TendingMachine:
             growth.notes.append(f"{self.owner}#{path} {turn.outcome.name}: {turn.outcome.why}")
 
     def _tick(self, growth: _Growth, desk: Desk) -> Turn:
-        """Tick, and at once again where the tree goes on by itself or a leaf has ended as soon as it was started."""
-        for _ in range(MOST_TICKS):
+        """Tick, and at once again while there is a reason, and room for it."""
+        growth.limit = ""
+        while True:
+            growth.news.clear()
             ticked = self.ticker.tick(growth.tree, desk.view, growth.outcomes)
             growth.outcomes = {}
             self._apply(growth, ticked, desk)
             if ticked.status in ("success", "failure"):
                 self._end(growth, growth.leaves, desk)
                 return growth.turn(Outcome("succeeded" if ticked.status == "success" else "failed"))
-            if not ticked.again and not growth.outcomes:
-                growth.wake = self.ticker.wake_at(growth.tree, desk.view)
-                return growth.turn(None)
-        self._end(growth, growth.leaves, desk)
-        growth.notes.append(f"the tree in '{self.owner}' was ticked {MOST_TICKS} times without coming to rest")
-        return growth.turn(Outcome("failed", why="the tree runs in circles"))
+            if not self._again(growth, ticked, self._rounds(desk)):
+                return self._rest(growth, desk)
+
+    def _again(self, growth: _Growth, ticked: Ticked, rounds: Rounds) -> bool:
+        """Whether the next tick is due in this step.
+
+        It is where a loop begins its next round, a leaf has ended as soon as it was started, or the tree has given
+        another value to a key that it looks at.
+        """
+        if rounds.next_begins(ticked):
+            growth.limit = "rounds" if rounds.are_spent else ""
+            return not growth.limit
+        if growth.outcomes:
+            has_room = rounds.leaf_ended()
+        elif growth.news and concerns(self.ticker.reads(growth.tree), frozenset(growth.news)):
+            has_room = rounds.wrote()
+        else:
+            return False
+        growth.limit = "" if has_room else "writes"
+        return has_room
+
+    def _rest(self, growth: _Growth, desk: Desk) -> Turn:
+        if growth.outcomes:  # the next tick takes them
+            ends = {path: growth.tree.leaves[path]._replace(outcome=end) for path, end in growth.outcomes.items()}
+            growth.tree = growth.tree._replace(leaves={**growth.tree.leaves, **ends})
+        growth.wake = self.ticker.wake_at(growth.tree, desk.view)
+        return growth.turn(None)
 
     def _apply(self, growth: _Growth, ticked: Ticked, desk: Desk) -> None:
         growth.tree = ticked.state
-        for key, value in ticked.writes:
-            desk.write_key(key, value)
+        growth.write(desk, ticked.writes, self.owner)
         growth.effects += [PublishMessage(topic, message) for topic, message in ticked.published]
         self._end(growth, ticked.ended, desk)
         for path in ticked.started:
@@ -187,7 +244,7 @@ class TendingMachine:
             path: Tended(self.limbs[path].machine.shifted(tended.state, by_s), tended.deadline + by_s)
             for path, tended in state.leaves.items()
         }
-        return Tending(self._shift(state.tree, by_s), leaves, state.wake + by_s)
+        return Tending(self._shift(state.tree, by_s), leaves, state.wake + by_s, state.limit)
 
     def _shift(self, tree: TreeState, by_s: float) -> TreeState:
         shift: Callable[[TreeState, float], TreeState] | None = getattr(self.ticker, "shifted", None)

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 from rai_missions.guards.guard import View
 from rai_missions.states.tree import TreeNode
 
-__all__ = ("Leaf", "Ticked", "Ticker", "TreeState", "Trees")
+__all__ = ("Leaf", "LoopRound", "Ticked", "Ticker", "TreeState", "Trees")
 
 Status = Literal["invalid", "running", "success", "failure"]
 
@@ -39,6 +39,19 @@ class TreeState(NamedTuple):
     """Path of each action, call, decision or behaviour leaf that runs, until the tick that reads its outcome."""
 
 
+class LoopRound(NamedTuple):
+    """A round of a loop that has ended in a tick."""
+
+    path: str
+    """Of the loop's child; the round is one run of it."""
+    counted: bool
+    """The loop has a number of rounds."""
+    at_once: bool
+    """It has begun in the same tick."""
+    continues: bool
+    """The loop still runs: its next tick begins the next round."""
+
+
 class Ticked(NamedTuple):
     """What a tick did."""
 
@@ -58,12 +71,17 @@ class Ticked(NamedTuple):
 
     The status is what the node had before (`initialise`), says (`update`), or has from now on (`terminate`).
     """
-    again: bool = False
-    """The tree wants the next tick at once, with the same view: something ended that is to begin anew."""
+    begun: tuple[str, ...] = ()
+    """Paths of the loops' children of which a run has begun in this tick and continues."""
+    rounds: tuple[LoopRound, ...] = ()
+    """The rounds of loops that have ended."""
 
 
 class Ticker(Protocol):
     """Compiled for one tree."""
+
+    loops: int
+    """How many rounds of loops can end in one tick."""
 
     def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
         """Tick once, as py_trees does.
@@ -82,7 +100,7 @@ class Ticker(Protocol):
         """The next instant at which a wait, a timeout or a guard's age can change something; infinity for none."""
 
     def reads(self, state: TreeState) -> frozenset[str]:
-        """The keys whose change wants a tick; `*` for any."""
+        """The keys at which the next tick may look, so that another value of one wants a tick; `*` for any."""
 
     def shifted(self, state: TreeState, by_s: float) -> TreeState:
         """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""

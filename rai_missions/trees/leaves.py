@@ -82,6 +82,8 @@ class Write(Leaf):
     key: str
     definition: Key | None
     value: Callable[[View], Any]
+    adds = False
+    """It adds to what is there."""
 
     def act(self) -> Status:
         value = self.value(self.round.sight)
@@ -107,6 +109,8 @@ class Errand(Leaf):
 
     run = 0
     """How often it was started."""
+    refused = False
+    """It was rejected the last time: for want of what it is sent with, of a server, or of what it needs."""
 
     @property
     def awaited(self) -> bool:
@@ -115,13 +119,14 @@ class Errand(Leaf):
 
     def initialise(self) -> None:
         super().initialise()
-        self.run += 1
+        self.run, self.refused = self.run + 1, False
         self.round.start(self.path)
 
     def act(self) -> Status:
         outcome = self.round.take(self.path)
         if not outcome:
             return RUNNING
+        self.refused = outcome == "rejected"
         return SUCCESS if outcome == "succeeded" else FAILURE
 
     def terminate(self, new_status: Status) -> None:
@@ -130,10 +135,12 @@ class Errand(Leaf):
             self.round.end(self.path)
 
     def kept(self) -> dict[str, Any]:
-        return {"run": self.run} if self.run else {}
+        if not self.run:
+            return {}
+        return {"run": self.run, "refused": True} if self.refused else {"run": self.run}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
-        self.run = memory.get("run", 0)
+        self.run, self.refused = memory.get("run", 0), memory.get("refused", False)
 
 
 class Beside(Errand):

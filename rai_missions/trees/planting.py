@@ -10,9 +10,10 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy
 
 from rai_missions.blackboard import Key
-from rai_missions.effects import Set, filled
+from rai_missions.effects import Set, filled, references
 from rai_missions.guards.guard import Guard, Operand, Site, Test, View
 from rai_missions.states import tree
+from rai_missions.states.activity import GOALS
 from rai_missions.trees import leaves, nodes
 from rai_missions.trees.round import Round
 
@@ -83,7 +84,27 @@ class Planter:
             ask.options = frozenset(node.decision.options)
             ask.subtrees = {pointer.partition("/")[2]: child for pointer, child in inside.items()}
             return ask, None
-        return self._leaf(node, path), None
+        if isinstance(node, tree.SetLeaf):
+            return self._write(node, path)
+        return self._leaf(node, path), self._sent_with(node, path)
+
+    def _write(self, node: tree.SetLeaf, path: str) -> tuple[Any, Site]:
+        write, site = leaves.Write(node.word), self._site(path, "set")
+        write.key, write.definition, write.adds = node.set, self.keys.get(node.set), node.add is not None
+        write.value = self._value(node.effect(), site)
+        return write, site
+
+    def _sent_with(self, node: tree.TreeNode, path: str) -> Site | None:
+        """What an action or call depends on when it is begun; that something of it grows stale begins nothing."""
+        if not isinstance(node, tree.ActionLeaf | tree.CallLeaf):
+            return None
+        site = self._site(path, node.word)
+        for reference in references(node.goal if isinstance(node, tree.ActionLeaf) else node.request):
+            Operand(reference, site)
+        site.instants.clear()
+        if isinstance(node, tree.ActionLeaf):
+            site.reads.add(GOALS)
+        return site
 
     def _site(self, path: str, word: str) -> Site:
         return Site("/".join(filter(None, (self.place, path, word))), self.keys, self.state)
@@ -135,11 +156,6 @@ class Planter:
             wait = leaves.Wait(node.word)
             wait.wait_s = node.wait_s
             return wait
-        if isinstance(node, tree.SetLeaf):
-            write = leaves.Write(node.word)
-            write.key, write.definition = node.set, self.keys.get(node.set)
-            write.value = self._value(node.effect(), self._site(path, "set"))
-            return write
         if isinstance(node, tree.PublishLeaf):
             publish = leaves.Publish(node.word)
             publish.topic, publish.message = node.publish, self._message(node.message, path)

@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.blackboard import Key
 from rai_missions.guards.guard import View
-from rai_missions.states.ticker import Leaf, Ticked, TreeState
+from rai_missions.states.ticker import Leaf, LoopRound, Ticked, TreeState
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees.leaves import Ask, Errand
 from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, Live
@@ -42,6 +42,7 @@ class TreeTicker:
         self.live: dict[str, Live] = {path: planted.behaviour for path, planted in planter.planted.items()}
         self.errands = [node for node in self.live.values() if isinstance(node, Errand | Ask)]
         self.watch = Watch(planter.planted)
+        self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None
 
     def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
@@ -49,9 +50,10 @@ class TreeTicker:
         self._shown = None
         pending = {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome}
         self.round.begin(sight, {**pending, **outcomes} if pending else outcomes)
-        before = self.watch.loops_running()
+        before = self.watch.turning() if self.loops else frozenset[str]()
         self.root.tick_once()
-        return self._ticked(sight, again=self.watch.again(before, written=bool(self.round.writes)))
+        begun, ended = self.watch.turned(before, self.round.trace) if self.loops else ((), ())
+        return self._ticked(sight, begun, ended)
 
     def stop(self, state: TreeState, view: View) -> Ticked:
         sight = self._restore(state, view)
@@ -90,9 +92,12 @@ class TreeTicker:
             memory = state.nodes.get(path) or PLAIN["invalid"]
             node.status = STATUSES[memory.get("status", "invalid")]
             node.recall(memory)
+        for node in self.errands:
+            if node.path in state.leaves and isinstance(node, Errand):
+                node.refused = state.leaves[node.path].outcome == "rejected"
         self._shown = state
 
-    def _ticked(self, sight: Sight, *, again: bool = False) -> Ticked:
+    def _ticked(self, sight: Sight, begun: tuple[str, ...] = (), rounds: tuple[LoopRound, ...] = ()) -> Ticked:
         done, status = self.round, WORDS[self.root.status]
         if done.writes:
             sight = self.watch.hold(sight)
@@ -100,7 +105,7 @@ class TreeTicker:
         self._shown = TreeState(self._memories(sight), leaves)
         started, ended = tuple(done.started), tuple(done.ended)
         writes, published, trace = tuple(done.writes), tuple(done.published), tuple(done.trace)
-        return Ticked(self._shown, status, started, ended, writes, published, trace, again and status == "running")
+        return Ticked(self._shown, status, started, ended, writes, published, trace, begun, rounds)
 
     def _memories(self, sight: Sight) -> dict[str, Any]:
         memories: dict[str, Any] = {}

@@ -4,18 +4,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 from py_trees.behaviour import Behaviour
 
 from rai_missions.guards.guard import Site
-from rai_missions.trees.leaves import Ask
-from rai_missions.trees.nodes import LOOPS, RUNNING, SUCCESS, Parallel, Repeat, Retry, Selector, Sequence
+from rai_missions.states.ticker import LoopRound
+from rai_missions.trees.leaves import Ask, Errand, Write
+from rai_missions.trees.nodes import (
+    FAILURE,
+    LOOPS,
+    RUNNING,
+    SUCCESS,
+    EternalGuard,
+    OneShot,
+    Parallel,
+    Repeat,
+    Retry,
+    Selector,
+    Sequence,
+)
 from rai_missions.trees.planting import Planted
 from rai_missions.trees.round import Sight
 
 __all__ = ("Watch",)
+
+Call = tuple[str, str, str]
 
 
 class Watch:
@@ -26,10 +41,11 @@ class Watch:
     """
 
     def __init__(self, planted: Mapping[str, Planted]) -> None:
-        self.sites: dict[Behaviour, Site] = {each.behaviour: each.site for each in planted.values() if each.site}
+        self.sites: dict[Any, Site] = {each.behaviour: each.site for each in planted.values() if each.site}
         self.holds = {name: test for site in self.sites.values() for name, test in site.holds.items()}
         self.holding = [site for site in self.sites.values() if site.holds]
-        self.loops = [each.behaviour for each in planted.values() if _may_begin_again(each.behaviour)]
+        self.turns = dict(_turns(planted))
+        """Path → the child of a loop that stands there."""
 
     def hold(self, sight: Sight) -> Sight:
         """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""
@@ -54,35 +70,52 @@ class Watch:
         return min((at for at in due if at is not None and at > sight.at), default=math.inf)
 
     def _sites(self, root: Behaviour) -> Iterable[Site]:
-        seen = [self.sites[node] for node in looked_at(root) if node in self.sites]
+        seen = [self.sites[node] for node in looked_at(root) if node in self.sites and looks(node)]
         return [*seen, *(site for site in self.holding if site not in seen)]
 
-    def loops_running(self) -> frozenset[Behaviour]:
-        """The children of loops that run now."""
-        return frozenset(child for loop in self.loops for child in loop.children if child.status is RUNNING)
+    def turning(self) -> frozenset[str]:
+        """The children of loops of which a run is under way."""
+        return frozenset(path for path, turn in self.turns.items() if turn.child.status is RUNNING)
 
-    def again(self, before: frozenset[Behaviour], *, written: bool) -> bool:
-        """Whether the tree wants the next tick at once.
+    def turned(self, before: Collection[str], trace: Iterable[Call]) -> tuple[tuple[str, ...], tuple[LoopRound, ...]]:
+        """The runs of loops' children that have begun in a tick and continue, and the rounds that have ended.
 
-        A loop whose child has just ended begins it anew at the next tick, and nothing outside would bring that tick.
-        Where the count is not bounded, the child must have taken time or written something: else the same would only
-        happen again.
+        Args:
+            before: What `turning` was before the tick.
+            trace: What was called in it.
         """
-        for loop in self.loops:
-            if loop.status is not RUNNING:
+        begun: dict[str, None] = {}
+        rounds: list[LoopRound] = []
+        for path, call, status in trace:
+            if path not in self.turns or call == "update":
                 continue
-            for child in loop.children:
-                ended = child.status is not RUNNING
-                if ended and (written or child in before or _bounded(loop)):
-                    return True
-        return False
+            if call == "initialise":
+                begun[path] = None
+                continue
+            at_once = path in begun or path not in before
+            begun.pop(path, None)
+            if status != "invalid":
+                turn = self.turns[path]
+                rounds.append(LoopRound(path, turn.counted, at_once, turn.loop.status is RUNNING))
+        return tuple(begun), tuple(rounds)
 
 
-def _may_begin_again(node: Any) -> bool:
-    return isinstance(node, LOOPS) or (isinstance(node, Parallel) and not node.policy.synchronise)
+class Turn(NamedTuple):
+    """The child of a loop: each of its runs is a round."""
+
+    child: Any
+    loop: Any
+    counted: bool
 
 
-def _bounded(loop: Any) -> bool:
+def _turns(planted: Mapping[str, Planted]) -> Iterator[tuple[str, Turn]]:
+    for path, each in planted.items():
+        loop = each.behaviour.parent
+        if isinstance(loop, LOOPS) or (isinstance(loop, Parallel) and not loop.policy.synchronise):
+            yield path, Turn(each.behaviour, loop, _counted(loop))
+
+
+def _counted(loop: Any) -> bool:
     return isinstance(loop, Retry) or (isinstance(loop, Repeat) and loop.num_success > 0)
 
 
@@ -101,14 +134,41 @@ def looked_at(node: Any) -> Iterator[Any]:
         yield from looked_at(child)
 
 
+def looks(node: Any) -> bool:
+    """Whether what the next tick would do there depends on its keys.
+
+    What an action or call was sent with makes no difference any more, unless it was refused for that. What a leaf adds
+    to is its own affair, as long as there is something to add to.
+    """
+    if isinstance(node, Errand):
+        return node.refused
+    return not isinstance(node, Write) or not node.adds or node.status is not SUCCESS
+
+
 def _next(node: Any) -> list[Any]:
-    if node.status is not RUNNING:
-        return list(node.children)
-    if isinstance(node, Ask):
-        return [node.current_child] if node.current_child is not None else []
+    children: list[Any] = node.children
     if isinstance(node, Sequence | Selector):
-        current = node.place()
-        return node.children[current : current + 1] if node.memory else node.children[: current + 1]
-    if isinstance(node, Parallel) and node.policy.synchronise:
-        return [child for child in node.children if child.status is not SUCCESS]
-    return list(node.children)
+        return _in_turn(node, children)
+    if isinstance(node, OneShot) and node.final_status is not None:
+        return []
+    if isinstance(node, EternalGuard) and node.status is FAILURE and node.decorated.status is not FAILURE:
+        return []  # its guard was not true
+    if node.status is RUNNING:
+        if isinstance(node, Ask):
+            return [node.current_child] if node.current_child is not None else []
+        if isinstance(node, Parallel) and node.policy.synchronise:
+            return [child for child in children if child.status is not SUCCESS]
+    return children
+
+
+def _in_turn(node: Any, children: list[Any]) -> list[Any]:
+    """The child that runs, those before it without memory; of what has ended, those up to the one that decided."""
+    if node.status is RUNNING:
+        current: int = node.place()
+        return children[current : current + 1] if node.memory else children[: current + 1]
+    decides = FAILURE if isinstance(node, Sequence) else SUCCESS
+    if node.status is decides:
+        for number, child in enumerate(children):
+            if child.status is decides:
+                return children[: number + 1]
+    return children

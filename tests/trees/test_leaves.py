@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rai_missions.blackboard import Key, Stamped
-from rai_missions.states.ticker import Leaf, Ticked, TreeState
+from rai_missions.states.ticker import Leaf, LoopRound, Ticked, TreeState
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 from tests.trees.growing import Facts, asked, is_true, seen
@@ -204,28 +204,30 @@ def test_a_tick_that_breaks_off_leaves_no_trace() -> None:
     assert run.tick(2.0).state.leaves == {"sequence/1": Leaf(1)}
 
 
-def test_a_loop_wants_the_next_tick_at_once_when_its_child_has_ended() -> None:
+def test_a_tick_says_which_rounds_of_loops_have_ended() -> None:
     run = Run({"retry": 2, "child": {"action": "grasp"}})
-    assert not run.tick().again
+    first = run.tick()
+    assert (first.begun, first.rounds) == (("child",), ())
     failed = run.tick(1.0, {"child": "failed"})
-    assert (failed.again, failed.started) == (True, ())
+    assert (failed.rounds, failed.started) == ((LoopRound("child", True, False, True),), ())
     assert run.tick(1.0).started == ("child",)
     last = run.tick(2.0, {"child": "failed"})
-    assert (last.again, last.status) == (False, "failure")
+    assert (last.rounds, last.status) == ((LoopRound("child", True, False, False),), "failure")
 
 
-def test_a_loop_without_end_waits_for_something_to_change() -> None:
+def test_a_round_may_end_in_the_tick_in_which_it_began() -> None:
     run = Run({"failure_is_running": {"check": is_true("a")}})
-    assert not run.tick(a=False).again
+    for _ in range(2):
+        assert run.tick(a=False).rounds == (LoopRound("failure_is_running", False, True, True),)
     assert run.ticker.reads(run.state) == {"a"}
     assert run.tick(a=True).status == "success"
 
 
-def test_a_loop_without_end_goes_on_after_a_child_that_took_time() -> None:
+def test_the_round_of_a_loop_without_a_number_may_take_time() -> None:
     run = Run({"repeat": -1, "child": {"wait_s": 1.0}})
-    assert not run.tick(0.0).again
-    assert run.tick(1.0).again
-    assert not run.tick(1.0).again
+    assert run.tick(0.0).begun == ("child",)
+    assert run.tick(1.0).rounds == (LoopRound("child", False, False, True),)
+    assert run.tick(1.0).begun == ("child",)
     assert run.wake_at(1.0) == 2.0
 
 
