@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from rai_missions.cut import clipped
 from rai_missions.event import Image
 from rai_missions.written import Bool, Json, Name, Seconds, Text, Written, fault
 
@@ -108,10 +109,10 @@ _FITS: Mapping[str, Callable[[Any], bool]] = {
 def fits(key: Key, value: Any) -> str:
     """Why a value may not stand under a key; empty if it may."""
     if not _FITS[key.type](value):
-        return f"{value!r:.80} is not of type '{key.type}'"
+        return f"{clipped(repr(value), 80)} is not of type '{key.type}'"
     for name, kind in (key.fields or {}).items():
         if name in value and value[name] is not None and not _FITS[kind](value[name]):
-            return f"field '{name}': {value[name]!r:.80} is not of type '{kind}'"
+            return f"field '{name}': {clipped(repr(value[name]), 80)} is not of type '{kind}'"
     return ""
 
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from rai_missions.blackboard import Key
+from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.faults import faults_of
 from rai_missions.guards import Guard, In, Not
@@ -23,7 +24,6 @@ from rai_missions.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.renaming import Names, renamed
 from rai_missions.states import Compound, Final, Include, State, Transition
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
-from rai_missions.wording import shown
 
 __all__ = ("MAX_STATES", "expanded", "read_mission")
 

@@ -12,8 +12,9 @@ from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from rai_missions.cut import shown
 from rai_missions.errors import Fault
-from rai_missions.wording import pointer, shown, suggestion
+from rai_missions.wording import pointer, suggestion
 
 __all__ = ("faults_of",)
 

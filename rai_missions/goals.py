@@ -14,6 +14,7 @@ from contextlib import suppress
 from typing import Any
 
 from rai_missions.connectors.connector import Connector, Reply, Report
+from rai_missions.cut import cut
 from rai_missions.robot import ActionEntry, Robot, ServiceEntry, plain
 from rai_missions.step import CancelGoal, StartGoal
 from rai_missions.wording import in_words
@@ -227,7 +228,7 @@ class Goals:
         try:
             return entry.result_of(report.data) if entry is not None else {}
         except Exception as error:  # noqa: BLE001 - whatever a server tells, its goal has ended
-            return {"why": f"its result was not understood: {in_words(error)}"[:300]}
+            return {"why": f"its result was not understood: {cut(error, 250)}"}
 
     def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
         self._ids.pop(number, None)
@@ -244,7 +245,7 @@ def outcome_of(entry: ServiceEntry, reply: Reply) -> tuple[str, str]:
         good, why = entry.succeeded(reply.outcome, reply.data), reply.why or reply.data.get("message", "")
         outcome = "succeeded" if good else reply.outcome if reply.outcome in BAD_REPLIES else "failed"
     except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
-        return "failed", f"its reply was not understood: {in_words(error)}"[:300]
+        return "failed", f"its reply was not understood: {cut(error, 250)}"
     return outcome, in_words(reply.why if good else why)
 
 
@@ -253,4 +254,4 @@ def told(data: Mapping[str, Any]) -> Mapping[str, Any]:
     try:
         return dict(plain(data))
     except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
-        return {"why": f"what it said was not understood: {in_words(error)}"[:300]}
+        return {"why": f"what it said was not understood: {cut(error, 250)}"}

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.blackboard import Key, fits
+from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.mission import Mission
 from rai_missions.states import Asked, Decision, Include, Transition
 from rai_missions.states.state import ANY_EVENT
 from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
-from rai_missions.wording import pointer, shown, suggestion
+from rai_missions.wording import pointer, suggestion
 
 __all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "misfits", "questions", "refused", "shared_key")
 

@@ -15,8 +15,9 @@ from math import isinf
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.wording import pointer, shown
+from rai_missions.wording import pointer
 
 __all__ = ("MAX_BYTES", "MAX_DEPTH", "file_bytes", "parse_json", "read_json", "too_deep")
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any
 
-from rai_missions.wording import shown
+from rai_missions.cut import clipped, shown
 
 __all__ = ("MOST_PARTS", "misfits", "schema_fault")
 
@@ -34,13 +34,13 @@ def schema_fault(schema: Mapping[str, Any]) -> str:
 
     kind = schema.get("type", "object")
     if kind != "object":
-        return f"its 'type' is {kind!r:.80}, not 'object'"
+        return f"its 'type' is {clipped(repr(kind), 80)}, not 'object'"
     if why := _unbounded(schema):
         return why
     try:
         jsonschema.Draft202012Validator.check_schema(dict(schema))
     except jsonschema.SchemaError as error:
-        return f"{error.json_path}: {error.message}"[:200]
+        return clipped(f"{error.json_path}: {error.message}", 200)
     return ""
 
 
@@ -58,7 +58,7 @@ def misfits(schema: Mapping[str, Any], given: Mapping[str, Any]) -> str:
     except Exception as error:  # noqa: BLE001 - whatever jsonschema raises where a schema is none
         return f"nothing fits a schema that is at fault: {type(error).__name__}"
     problems = sorted(found, key=lambda error: list(map(str, error.path)))
-    return "; ".join(f"{problem.json_path}: {problem.message}"[:200] for problem in problems[:5])
+    return "; ".join(clipped(f"{problem.json_path}: {problem.message}", 200) for problem in problems[:5])
 
 
 def _validator(schema: Mapping[str, Any]) -> Any:
@@ -72,7 +72,7 @@ def _pattern(_: Any, pattern: str, given: Any, __: Any) -> Iterable[Any]:
     import jsonschema
 
     if isinstance(given, str) and not _matches(pattern, given):
-        yield jsonschema.ValidationError(f"{shown(given)} does not match {shown(pattern)}")
+        yield jsonschema.ValidationError(f"{shown(given, by=clipped)} does not match {shown(pattern, by=clipped)}")
 
 
 def _matches(pattern: str, text: str) -> bool:
@@ -111,11 +111,12 @@ def _unbounded(schema: Mapping[str, Any]) -> str:
                 return why
             if isinstance(way := part.get("$ref"), str):
                 if way in trail:
-                    return f"its reference {shown(way)} leads back to itself; write it out"
+                    return f"its reference {shown(way, by=clipped)} leads back to itself; write it out"
                 try:
                     rest.append((_at(schema, way), trail | {way}))
                 except (KeyError, IndexError, ValueError, TypeError):
-                    return f"its reference {shown(way)} leads nowhere in it; name a place of its own: '#/$defs/…'"
+                    there = "name a place of its own: '#/$defs/…'"
+                    return f"its reference {shown(way, by=clipped)} leads nowhere in it; {there}"
         rest += [(each, trail) for each in inside if isinstance(each, Mapping | list | tuple)]
     return f"it has more than {MOST_PARTS} parts, where its references lead counted too; make it smaller"
 
@@ -130,9 +131,8 @@ def _forbidden(part: Mapping[str, Any]) -> str:
         try:
             _linear(pattern)
         except SchemaError:
-            return (
-                f"its pattern {shown(pattern)} is none, or not one that is matched in linear time; write a simpler one"
-            )
+            given = shown(pattern, by=clipped)
+            return f"its pattern {given} is none, or not one that is matched in linear time; write a simpler one"
     return ""
 
 

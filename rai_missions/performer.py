@@ -14,6 +14,7 @@ from typing import Any
 
 from rai_missions.behaviours import Behaviours
 from rai_missions.connectors.connector import Connector, Foresight, Reply
+from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import MissionError
 from rai_missions.event import Event
 from rai_missions.goals import Goals, outcome_of, told
@@ -301,7 +302,7 @@ def _said(data: Any) -> Mapping[str, Any]:
         said = plain(data)
         if isinstance(said, Mapping) and len(str(said)) <= LONGEST_ANSWER:
             return said
-        why = "it is too long" if isinstance(said, Mapping) else f"{data!r:.60} is no answer"
+        why = "it is too long" if isinstance(said, Mapping) else f"{cut_repr(data, 60)} is no answer"
     except Exception as error:  # noqa: BLE001 - whoever answers is not trusted to behave
-        why = in_words(error)[:300]
+        why = cut(error, 300)
     return {"failed": f"said what is no answer: {why}"}

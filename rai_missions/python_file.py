@@ -13,10 +13,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.json_text import file_bytes
 from rai_missions.mission import Mission
-from rai_missions.wording import shown
 
 __all__ = ("run_mission_file",)
 

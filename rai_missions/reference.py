@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from rai_missions.wording import shown, suggestion
+from rai_missions.cut import shown
+from rai_missions.wording import suggestion
 
 if TYPE_CHECKING:
     from rai_missions.blackboard import Key

@@ -20,6 +20,7 @@ from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Chart, Named
 from rai_missions.clock import Clock, Mailbox, WallClock
 from rai_missions.connectors.connector import Connector
+from rai_missions.cut import cut
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.event import Event, Tick
 from rai_missions.journal.scribe import Book, Scribe, raised_by
@@ -283,7 +284,7 @@ class Runner(Steered):
         if not isinstance(error, UsageError):
             log.critical("%s", sentence)
         try:
-            self._scribe.note(sentence[:1000])
+            self._scribe.note(cut(sentence, 1000))
         except (ConnectorError, UsageError) as silent:
             log.error("nor can that be written down: %s", self._clean(str(silent)))
         except Exception:

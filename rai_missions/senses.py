@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Close, Connector, Reply
+from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.robot import EventSource, Robot, Source, unsaid
@@ -161,7 +162,7 @@ class Senses:
             try:
                 holder = source.value(message)
                 if not isinstance(holder, str):
-                    raise ConnectorError(f"{holder!r:.60} stands where the name of who holds control belongs")
+                    raise ConnectorError(f"{cut_repr(holder, 60)} stands where the name of who holds control belongs")
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle("holder", error)
                 return

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 from rai_missions.apart import apart
+from rai_missions.cut import clipped
 from rai_missions.event import Image
 from rai_missions.guards.guard import Test, Truth, View
 from rai_missions.parameters import misfits
@@ -133,7 +134,7 @@ def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[st
     """
     offered = {offer.name: offer for offer in question.options}
     if proposal.option not in offered:
-        return Verdict(False, f"'{proposal.option:.60}' was not offered; offered: {', '.join(offered)}")
+        return Verdict(False, f"'{clipped(proposal.option, 60)}' was not offered; offered: {', '.join(offered)}")
     why = _parameters(offered[proposal.option], proposal.parameters)
     if why:
         return Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")

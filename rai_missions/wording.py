@@ -4,11 +4,9 @@
 from __future__ import annotations
 
 import difflib
-import json
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
 
-__all__ = ("in_words", "pointer", "shown", "suggestion")
+__all__ = ("in_words", "pointer", "suggestion")
 
 
 def suggestion(given: str, known: Iterable[str]) -> str:
@@ -19,23 +17,6 @@ def suggestion(given: str, known: Iterable[str]) -> str:
         return f"; did you mean '{close[0]}'?"
     shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"; there is: {shown}" if shown else ""
-
-
-def shown(value: Any, length: int = 60) -> str:
-    """A value as the author wrote it, cut short; text in single quotes."""
-    if isinstance(value, str):
-        text = value if len(value) <= length else value[: length - 1] + "…"
-        return "'" + text.encode("utf-8", "backslashreplace").decode() + "'"
-    if isinstance(value, Mapping | list | tuple):
-        kind, count = ("an object", "words") if isinstance(value, Mapping) else ("a list", "items")
-        if len(value) > 4:
-            return f"{kind} of {len(value)} {count}"
-    try:
-        text = json.dumps(value, ensure_ascii=False)
-    except (TypeError, ValueError, RecursionError):
-        text = repr(value)
-    text = text.encode("utf-8", "backslashreplace").decode()
-    return text if len(text) <= length else text[: length - 1] + "…"
 
 
 def in_words(what: object) -> str:

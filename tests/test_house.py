@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -68,3 +69,77 @@ def test_nothing_is_left_to_do(folder: str) -> None:
 
 def test_there_are_files_to_look_at() -> None:
     assert all(any(files(folder)) for folder in FOLDERS)
+
+
+# -- texts from outside are cut at one door ----------------------------------------------------------------------------
+
+DOORS = {"rai_missions/cut.py"}
+OF_NO_TEXT_FROM_OUTSIDE = {
+    "rai_missions/journal/chain.py": "a hash",
+    "rai_missions/journal/record.py": "a hash",
+    "rai_missions/python_file.py": "a hash",
+    "rai_missions/check/": "the mission's own words, by its author",
+    "rai_missions/prove/": "the mission's own words, by its author",
+    "rai_missions/progress.py": "steps, which were redacted before they became steps",
+    "rai_missions/recording/words.py": "steps, which were redacted before they became steps",
+    "visualize/": "steps, which were redacted before they became steps",
+    "rai_missions/redact.py": "looks for secrets itself",
+    "rai_missions/agents/reading.py:callable_name": "an option, by the mission's author",
+}
+PURE = ("rai_missions/verdict.py", "rai_missions/parameters.py", "rai_missions/blackboard.py", "rai_missions/states/",
+        "rai_missions/chart/", "rai_missions/guards/")  # fmt: skip
+"""What a step depends on: these must not ask what is secret here and now, and so may use `clipped` alone."""
+
+
+def exempted(name: str, tree: ast.Module) -> ast.Module:
+    """Without the functions that are listed as cutting no text from outside."""
+    body = [each for each in tree.body if f"{name}:{getattr(each, 'name', '')}" not in OF_NO_TEXT_FROM_OUTSIDE]
+    return ast.Module(body, [])
+
+
+def cuts(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Where a text may be cut: a precision of a format, a slice from the start, the first of its lines."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FormattedValue) and node.format_spec is not None:
+            spec = "".join(str(getattr(part, "value", "{}")) for part in getattr(node.format_spec, "values", ()))
+            if re.fullmatch(r".*\.[\d{}]+s?", spec):
+                yield node.lineno, f"a format cuts: {spec}"
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice) and node.slice.lower is None:
+            end = node.slice.upper
+            is_count = isinstance(end, ast.Constant) and isinstance(end.value, int) and end.value > 20
+            if is_count or (isinstance(end, ast.Name) and re.match(r"LONGEST|CUT|CHARACTERS|SHORT", end.id)):
+                yield node.lineno, "a slice cuts"
+        if isinstance(node, ast.Attribute) and node.attr in ("shorten",):
+            yield node.lineno, "textwrap cuts"
+        if (
+            isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant) and node.slice.value in (0, -1)
+            and isinstance(node.value, ast.Call) and getattr(node.value.func, "attr", "") in ("splitlines", "split")
+            and not node.value.args
+        ):  # fmt: skip
+            yield node.lineno, "one line is taken of several"
+
+
+@pytest.mark.parametrize("folder", OURS)
+def test_a_text_from_outside_is_cut_at_the_door_that_redacts_it(folder: str) -> None:
+    faults = [
+        f"{name}:{line}: {what}; use rai_missions.cut"
+        for name, text in files(folder)
+        if name not in DOORS and not name.startswith(tuple(OF_NO_TEXT_FROM_OUTSIDE))
+        for line, what in cuts(exempted(name, ast.parse(text)))
+    ]
+    assert faults == []
+
+
+def test_what_a_step_depends_on_asks_for_no_secret() -> None:
+    for name, text in files("rai_missions"):
+        taken = [
+            alias.name
+            for node in ast.walk(ast.parse(text))
+            if isinstance(node, ast.ImportFrom) and node.module in ("rai_missions.cut", "rai_missions.redact")
+            for alias in node.names
+        ]
+        if name.startswith(PURE):
+            assert set(taken) <= {"clipped", "shown"}, name
+            assert text.count("shown(") == text.count("by=clipped") or "shown" not in taken, name
+        elif not name.startswith("rai_missions/cut.py"):
+            assert "clipped" not in taken, name

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.agents.agent import Agent
+from rai_missions.cut import cut_repr
 from rai_missions.verdict import Answerer, Evidence, Limits, Offer, Question
 
 __all__ = ("QUESTION", "Told", "answer_fault", "check_agent", "check_answerer")
@@ -56,12 +57,12 @@ class Told:
 def answer_fault(said: Any) -> str:
     """Why something told is no answer as `Answerer` has it; empty if it is one."""
     if not isinstance(said, Mapping):
-        return f"an answer is a mapping, not {said!r:.80}"
+        return f"an answer is a mapping, not {cut_repr(said, 80)}"
     kinds = [kind for kind in ("option", "absent", "failed") if kind in said]
     if len(kinds) != 1:
         return f"an answer has one of option, absent, failed; this has {', '.join(kinds) or 'none'}"
     if not isinstance(said[kinds[0]], str):
-        return f"'{kinds[0]}' is text, not {said[kinds[0]]!r:.80}"
+        return f"'{kinds[0]}' is text, not {cut_repr(said[kinds[0]], 80)}"
     known = {"option": {"option", "parameters", "why", "usage", "looked"}}.get(kinds[0], {kinds[0], "usage", "looked"})
     if unknown := sorted(map(str, set(said) - known)):
         return f"an answer with '{kinds[0]}' has no '{unknown[0]}'"
@@ -77,16 +78,16 @@ def answer_fault(said: Any) -> str:
 def _looked_fault(looked: Any) -> str:
     notes = looked if isinstance(looked, list) else [looked]
     wrong = [note for note in notes if not isinstance(note, Mapping) or set(note) != {"tool", "arguments", "said"}]
-    return f"'looked' is a list of what has tool, arguments and said, not {wrong[0]!r:.60}" if wrong else ""
+    return f"'looked' is a list of what has tool, arguments and said, not {cut_repr(wrong[0], 60)}" if wrong else ""
 
 
 def _usage_fault(usage: Any) -> str:
     if usage is None:
         return ""
     if not isinstance(usage, Mapping) or set(usage) != set(USAGE):
-        return f"'usage' has {', '.join(USAGE)}, not {usage!r:.120}"
+        return f"'usage' has {', '.join(USAGE)}, not {cut_repr(usage, 120)}"
     wrong = [name for name, kind in USAGE.items() if not isinstance(usage[name], kind)]
-    return f"usage of {wrong[0]} is not {usage[wrong[0]]!r:.60}" if wrong else ""
+    return f"usage of {wrong[0]} is not {cut_repr(usage[wrong[0]], 60)}" if wrong else ""
 
 
 def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, *, within_s: float = 10.0) -> None:

@@ -19,11 +19,13 @@ from rai_missions.agents.lookup import is_read_only
 from rai_missions.agents.modes import Mode, takes_images
 from rai_missions.agents.pending import Pending
 from rai_missions.agents.reading import Reading
-from rai_missions.agents.redact import Redaction, held_by
 from rai_missions.agents.thought import Manner, Spent, Thought
 from rai_missions.agents.watch import DeadlineWatch
+from rai_missions.cut import cut, first_line
 from rai_missions.embodiment.identity import Identity
 from rai_missions.errors import UsageError
+from rai_missions.hush import hush
+from rai_missions.redact import Redaction, held_by
 from rai_missions.verdict import Question
 from rai_missions.written import suggestion
 
@@ -71,7 +73,7 @@ class DecisionAgent:
                 raise UsageError(
                     f"the tool '{tool.name}' is not marked as one that only looks ({marks}): a decision takes no other"
                 )
-        self._redaction = Redaction(held_by(model))
+        self._redaction: Redaction = hush(held_by(model))
         self._manner = Manner(
             model,
             mode,
@@ -146,11 +148,11 @@ class DecisionAgent:
         except Spent as spent:
             reading = Reading(failed=str(spent))
         except BaseException as error:  # noqa: BLE001 - even an exit that the model asks for is only a failed answer
-            reading = Reading(failed=f"the model raised {type(error).__name__}: {_first_line(error)}")
+            reading = Reading(failed=f"the model raised {type(error).__name__}: {first_line(error)}")
         if reading.wish:
             self._unfit.update(thought.unfit)
             return self._told(thought, reading.wish)
-        return self._told(thought, {"failed": self._redaction.text(reading.failed)[:LONGEST_WHY]})
+        return self._told(thought, {"failed": cut(reading.failed, LONGEST_WHY)})
 
     def _give_up(self, thought: Thought) -> None:
         pending = thought.pending
@@ -160,10 +162,3 @@ class DecisionAgent:
         looked = {"looked": list(thought.looked)} if thought.looked else {}
         cleaned: dict[str, Any] = self._redaction.json({**said, **looked, "usage": thought.usage()})
         return cleaned
-
-
-def _first_line(error: BaseException) -> str:
-    try:
-        return (str(error).strip().splitlines() or [""])[0]
-    except Exception:  # noqa: BLE001 - an exception that cannot say what it is
-        return ""

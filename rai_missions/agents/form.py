@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.agents.terminal import printable
+from rai_missions.cut import cut
 from rai_missions.verdict import Offer, Question
 
 __all__ = ("Blank", "blanks", "chosen", "question_lines")
@@ -100,7 +101,7 @@ def _one_of(typed: str, values: Sequence[Any]) -> Any:
     for value in values:
         if typed == _said(value):
             return value
-    raise ValueError(f"'{typed:.60}' is none of {', '.join(map(_said, values))}")
+    raise ValueError(f"'{cut(typed, 60)}' is none of {', '.join(map(_said, values))}")
 
 
 def _converted(typed: str, kind: str) -> Any:
@@ -109,7 +110,7 @@ def _converted(typed: str, kind: str) -> Any:
         return typed
     if kind == "boolean":
         if text.lower() not in TRUTHS:
-            raise ValueError(f"'{text:.60}' is neither yes nor no")
+            raise ValueError(f"'{cut(text, 60)}' is neither yes nor no")
         return TRUTHS[text.lower()]
     try:
         value = json.loads(text)
@@ -117,9 +118,9 @@ def _converted(typed: str, kind: str) -> Any:
         value = text if not kind else None
     number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if kind == "integer" and not (number and float(value).is_integer()):
-        raise ValueError(f"'{text:.60}' is no whole number")
+        raise ValueError(f"'{cut(text, 60)}' is no whole number")
     if kind == "number" and not number:
-        raise ValueError(f"'{text:.60}' is no number")
+        raise ValueError(f"'{cut(text, 60)}' is no number")
     if kind in ("array", "object") and not isinstance(value, list if kind == "array" else dict):
-        raise ValueError(f"'{text:.60}' is no JSON {kind}")
+        raise ValueError(f"'{cut(text, 60)}' is no JSON {kind}")
     return int(value) if kind == "integer" else value

@@ -14,11 +14,12 @@ from langchain_core.messages import HumanMessage, ToolMessage
 from langchain_core.tools import BaseTool
 
 from rai_missions.agents.prompt import quoted
+from rai_missions.cut import cut
 from rai_missions.tools.said import outline
 
 __all__ = ("Looked", "is_read_only", "look_up", "shown")
 
-LONGEST_NOTE = 500
+LONGEST_NAME, LONGEST_ID, LONGEST_NOTE = 100, 200, 500
 
 
 class Looked(NamedTuple):
@@ -44,7 +45,7 @@ def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Calla
         call: As langchain has it: `name`, `args`, `id`.
         clean: Takes secrets out of a text.
     """
-    name, number = str(call["name"])[:100], str(call.get("id") or "")
+    name, number = cut(call["name"], LONGEST_NAME), cut(call.get("id") or "", LONGEST_ID)
     tool = tools.get(name)
     pictures: tuple[Mapping[str, Any], ...] = ()
     if tool is None:
@@ -58,8 +59,8 @@ def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Calla
         except Exception as error:  # noqa: BLE001 - the model is told, and may choose without it
             text, status = quoted(clean(f"failed: {error}")), "error"
     message = ToolMessage(text, tool_call_id=number, name=name, status=status)
-    arguments = clean(json.dumps(outline(call["args"]), ensure_ascii=False))[:LONGEST_NOTE]
-    return Looked(message, {"tool": name, "arguments": arguments, "said": text[:LONGEST_NOTE]}, pictures)
+    arguments = cut(clean(json.dumps(outline(call["args"]), ensure_ascii=False)), LONGEST_NOTE)
+    return Looked(message, {"tool": name, "arguments": arguments, "said": cut(text, LONGEST_NOTE)}, pictures)
 
 
 def shown(looks: list[Looked]) -> list[HumanMessage]:

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.agents.redact import held_by, hush
 from rai_missions.agents.resuming import TakenUp, take_up
 from rai_missions.arguments import accepted
 from rai_missions.behaviours import behaviour_leaves
@@ -24,11 +23,13 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.embodiment import Identity
 from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.hush import hush
 from rai_missions.journal import Header, Journal, versions
 from rai_missions.lifecycle import Status
 from rai_missions.load import dump, load
 from rai_missions.mission import Mission
 from rai_missions.recording import Recording, observers, recorded
+from rai_missions.redact import held_by
 from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
 from rai_missions.runner import Result, Runner

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from rai_missions.cut import first_line
 from rai_missions.errors import UsageError
 from rai_missions.written import suggestion
 
@@ -66,7 +67,7 @@ def open_model(spec: str) -> BaseChatModel:
     try:
         return offered(model=name)  # type: ignore[call-arg]  # every provider's class takes `model`
     except Exception as error:  # whatever the provider's package raises, the caller named the model
-        raise UsageError(f"the model '{spec}' cannot be opened: {first_line(error)}") from error
+        raise UsageError(f"the model '{spec}' cannot be opened: {_why(error)}") from error
 
 
 def providers() -> tuple[str, ...]:
@@ -93,7 +94,7 @@ def package_of(provider: str) -> ModuleType:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise UsageError(f"the package '{module}' is installed but does not import: {first_line(error)}") from error
+        raise UsageError(f"the package '{module}' is installed but does not import: {_why(error)}") from error
 
 
 def distribution(module: str) -> str:
@@ -114,5 +115,5 @@ def chat_class(package: ModuleType) -> type[BaseChatModel]:
     return min(offered, key=lambda offer: (len(offer.__name__), offer.__name__))
 
 
-def first_line(error: BaseException) -> str:
-    return (str(error).strip().splitlines() or [type(error).__name__])[0]
+def _why(error: BaseException) -> str:
+    return first_line(error) or type(error).__name__

@@ -17,6 +17,7 @@ from typing import IO, Any, TextIO
 from rai_missions.agents.form import Blank, blanks, chosen, question_lines
 from rai_missions.agents.pending import Pending
 from rai_missions.agents.terminal import LineReader, in_foreground
+from rai_missions.cut import cut
 from rai_missions.verdict import Offer, Question
 
 __all__ = ("OperatorAgent",)
@@ -100,7 +101,7 @@ class OperatorAgent:
             except EOFError as end:
                 said = {"absent": str(end)}
             except Exception as error:  # noqa: BLE001 - the screen is gone, or a schema is stranger than we can show
-                said = {"absent": f"the question could not be shown: {error}"[:300]}
+                said = {"absent": f"the question could not be shown: {cut(error, 250)}"}
             if said is not None:
                 pending.tell(said)
             pending.close()

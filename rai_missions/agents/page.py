@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.order import Order, Receipt, read_order
+from rai_missions.cut import cut
 from rai_missions.verdict import Answerer, Question
 
 __all__ = ("PageDesk", "PageOperator")
@@ -72,7 +73,7 @@ class PageDesk:
         if not receipt.success and not heard:
             what = f"{order.command} {order.to or order.option}".strip()
             try:
-                self._note(f"refused: {what:.100} by {order.by}: {receipt.why:.300}")
+                self._note(f"refused: {cut(what, 100)} by {order.by}: {cut(receipt.why, 300)}")
             except Exception:  # noqa: BLE001 - the engine itself finds out that the journal is lost
                 pass
         told(receipt.success, receipt.why)

@@ -15,6 +15,7 @@ from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage
 
 from rai_missions.agents.modes import Mode
 from rai_missions.agents.reading import callable_name
+from rai_missions.cut import cut
 from rai_missions.embodiment.identity import Identity
 from rai_missions.event import Image
 from rai_missions.png import png
@@ -62,9 +63,9 @@ def messages_of(
 
 def quoted(text: str) -> str:
     """A text on one line, in quotes, with nothing in it that could end the block that it stands in."""
-    cut = text if len(text) <= LONGEST_FACT else f"{text[:LONGEST_FACT]}… ({len(text)} characters)"
-    safe = cut.encode("utf-8", "replace").decode()
-    return json.dumps(safe, ensure_ascii=False).replace("<", "\\u003c").replace(">", "\\u003e")
+    shown = cut(text, LONGEST_FACT)
+    more = f"… ({len(text)} characters)" if len(text) > LONGEST_FACT else ""
+    return json.dumps(f"{shown}{more}", ensure_ascii=False).replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 def _system(identity: Identity | None) -> str:

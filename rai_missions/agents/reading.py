@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rai_missions.cut import cut, cut_repr
 from rai_missions.verdict import Offer, Question
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ LONGEST = 20_000
 DEEPEST = 30
 """How deeply an answer, or what a call is given, may be nested; whoever walks through it later need not count."""
 LONGEST_NAME = 200
+LONGEST_FUNCTION = 64
 LONGEST_WHY = 500
 CALLS = 100
 """Calls in one message that are looked at."""
@@ -42,8 +44,8 @@ class Reading(NamedTuple):
 
 
 def callable_name(option: str) -> str:
-    """An option's name as the name of a function: providers allow no slash in it."""
-    return option.replace("/", "__")[:64]
+    """An option's name as the name of a function: providers allow no slash in it, and 64 characters."""
+    return f"{option.replace('/', '__'):.{LONGEST_FUNCTION}}"
 
 
 def read(message: AIMessage, question: Question, clean: Callable[[str], str] = str) -> Reading:
@@ -98,28 +100,30 @@ def _said(text: str, offered: Collection[str], clean: Callable[[str], str]) -> R
         return _wish(text, {}, "", clean)
     found = _objects(text)
     if found is None:
-        return Reading(failed=f"answered with JSON that is broken: {text[:120]!r}")
+        return Reading(failed=f"answered with JSON that is broken: {cut_repr(text, 120)}")
     if len(found) > 1:
         return Reading(failed=f"answered with {len(found)} objects; one was asked for")
     if not found or "option" not in found[0]:
-        return Reading(failed=f"answered without naming an option in JSON: {text[:120]!r}")
+        return Reading(failed=f"answered without naming an option in JSON: {cut_repr(text, 120)}")
     given = found[0]
     unknown = sorted(given.keys() - {"option", "parameters", "why"})
     if unknown:
-        return Reading(failed=f"answered with {unknown[0]!r:.60}, which was not asked for; say option, parameters, why")
+        return Reading(
+            failed=f"answered with {cut_repr(unknown[0], 60)}, which was not asked for; say option, parameters, why"
+        )
     parameters = given.get("parameters")
     return _wish(given["option"], {} if parameters is None else parameters, given.get("why", ""), clean)
 
 
 def _wish(option: Any, parameters: Any, why: Any, clean: Callable[[str], str]) -> Reading:
     if not isinstance(option, str):
-        return Reading(failed=f"'option' is the name of one option, not {option!r:.60}")
+        return Reading(failed=f"'option' is the name of one option, not {cut_repr(option, 60)}")
     if len(option) > LONGEST_NAME:
         return Reading(failed=f"'option' is the name of one option, not {len(option)} characters")
     if not isinstance(parameters, dict):
-        return Reading(failed=f"'parameters' is an object, not {parameters!r:.60}")
+        return Reading(failed=f"'parameters' is an object, not {cut_repr(parameters, 60)}")
     said = why if isinstance(why, str) else ""
-    return Reading({"option": option, "parameters": parameters, "why": clean(said)[:LONGEST_WHY]})
+    return Reading({"option": option, "parameters": parameters, "why": cut(clean(said), LONGEST_WHY)})
 
 
 def _plain(value: Any) -> Any:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.blackboard import Key
+from rai_missions.cut import cut
 from rai_missions.guards.guard import Guard, Site, Test, View
 from rai_missions.verdict import Question
 
@@ -55,8 +56,7 @@ class RulesAnswerer:
         try:
             row = _chosen(rows, question, self._view_of())
         except Exception as error:  # noqa: BLE001 - a predicate of the user's program may raise anything
-            said = str(error).encode("utf-8", "replace").decode()
-            answer({"failed": f"a rule for '{question.state}' raised {type(error).__name__}: {said}"[:300]})
+            answer({"failed": f"a rule for '{question.state}' raised {type(error).__name__}: {cut(error, 200)}"})
             return
         if row is None:
             answer({"absent": f"no rule for this in '{question.state}'"})

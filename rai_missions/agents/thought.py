@@ -19,6 +19,7 @@ from rai_missions.agents.modes import Bound, Mode, bound, modes_of
 from rai_missions.agents.pending import Pending
 from rai_missions.agents.prompt import messages_of
 from rai_missions.agents.reading import LONGEST, Reading, read
+from rai_missions.cut import cut
 from rai_missions.embodiment.identity import Identity
 
 __all__ = ("Manner", "Spent", "Thought")
@@ -160,12 +161,12 @@ class Thought:
             "tokens_in": self.tokens_in,
             "tokens_out": self.tokens_out,
             "seconds": round(self.pending.taken_s, 3),
-            "model": (self.model_name or _name_of(self.manner.model))[:100],
+            "model": cut(self.model_name or _name_of(self.manner.model), 100),
         }
 
     def _look_up(self, call: Mapping[str, Any]) -> Looked:
         """What a tool says; one that is not here costs nothing."""
-        if str(call["name"])[:100] in self.tools:
+        if cut(call["name"], 100) in self.tools:
             self._afford()
             self.calls += 1
         looked = look_up(self.tools, call, self.manner.clean)

@@ -11,6 +11,7 @@ from typing import Any
 
 from rai_missions.blackboard import Stamped
 from rai_missions.chart.core import Timer
+from rai_missions.cut import clipped, shown
 from rai_missions.event import Event
 from rai_missions.states.asking import Asking
 from rai_missions.states.behaving import Behaving
@@ -71,5 +72,7 @@ def unpacked(value: Any) -> Any:
     if kind == "set":
         return frozenset(items)
     if kind not in KINDS:
-        raise ValueError(f"nothing that a run remembers is called {kind!r:.40}; there is: {', '.join(KINDS)}")
+        raise ValueError(
+            f"nothing that a run remembers is called {shown(kind, by=clipped)}; there is: {', '.join(KINDS)}"
+        )
     return KINDS[kind](*items)

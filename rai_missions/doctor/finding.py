@@ -10,6 +10,8 @@ import sys
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
+from rai_missions.cut import cut
+
 __all__ = ("Finding", "Tried", "tried")
 
 PROBE = "rai_missions.doctor.probe"
@@ -63,4 +65,4 @@ def tried(what: str, given: Any, environment: Mapping[str, str], *, within_s: fl
     words = [line.strip() for line in done.stderr.splitlines() if line.strip()]
     if done.returncode < 0:
         return Tried(fault=f"it crashed ({signal.Signals(-done.returncode).name})")
-    return Tried(fault=words[-1][:300] if words else f"it ended with {done.returncode}")
+    return Tried(fault=cut(words[-1], 300) if words else f"it ended with {done.returncode}")

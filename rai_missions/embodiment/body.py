@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 from xml.parsers import expat
 
+from rai_missions.cut import cut
+
 __all__ = ("Body", "read_body")
 
 MOST = 2_000
@@ -53,14 +55,14 @@ class _Listener:
 
     def begin(self, tag: str, attributes: Mapping[str, str]) -> None:
         if not self.path and tag != "robot":
-            raise Refused(f"is no URDF: it begins with <{tag[:LONGEST_NAME]}> instead of <robot>")
-        name = attributes.get("name", "")[:LONGEST_NAME]
+            raise Refused(f"is no URDF: it begins with <{cut(tag, LONGEST_NAME)}> instead of <robot>")
+        name = cut(attributes.get("name", ""), LONGEST_NAME)
         if not self.path:
             self.name = name
         elif self.path == ["robot"] and tag == "link":
             self.links.append(name)
         elif self.path == ["robot"] and tag == "joint":
-            self.joints.append((name, attributes.get("type", "")[:LONGEST_NAME]))
+            self.joints.append((name, cut(attributes.get("type", ""), LONGEST_NAME)))
         self.path.append(tag)
         if max(len(self.links), len(self.joints)) > MOST:
             raise Refused(f"has more than {MOST} links or joints")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar, cast, get_type_hints
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to_json
@@ -36,7 +37,9 @@ def _same(value: Any, _: object) -> Any:
 def _checked(*kinds: type) -> Form:
     def read(value: Any, fetch: Fetch) -> Any:
         if type(value) not in kinds:
-            raise ValueError(f"{value!r:.60} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs")
+            raise ValueError(
+                f"{cut_repr(value, 60)} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs"
+            )
         return value
 
     return Form(_same, read)
@@ -48,7 +51,7 @@ def _tuple_of(form: Form) -> Form:
 
     def read(value: Any, fetch: Fetch) -> Any:
         if not isinstance(value, list):
-            raise ValueError(f"{value!r:.60} stands where a list belongs")
+            raise ValueError(f"{cut_repr(value, 60)} stands where a list belongs")
         return tuple([form.read(item, fetch) for item in value])
 
     return Form(write, read)
@@ -79,7 +82,9 @@ def _value_of(*kinds: type) -> Form:
     def read(value: Any, fetch: Fetch) -> Any:
         found = from_json(value, fetch)
         if type(found) not in kinds:
-            raise ValueError(f"{value!r:.60} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs")
+            raise ValueError(
+                f"{cut_repr(value, 60)} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs"
+            )
         return found
 
     return Form(VALUE.write, read)
@@ -115,7 +120,7 @@ def _record(kind: type[Any], /, **forms: Form) -> Form:
 
     def read(value: Any, fetch: Fetch) -> Any:
         if not isinstance(value, dict):
-            raise ValueError(f"{value!r:.60} stands where an object belongs")
+            raise ValueError(f"{cut_repr(value, 60)} stands where an object belongs")
         unknown = sorted(value.keys() - by_name.keys())
         if unknown:
             raise ValueError(f"a {kind.__name__} has no {unknown[0]!r}")
@@ -164,7 +169,7 @@ def _write_effect(effect: Any, keep: Keep) -> Any:
 def _read_effect(written: Any, fetch: Fetch) -> Any:
     ((word, fields),) = written.items()
     if word not in EFFECT_WORDS:
-        raise ValueError(f"no effect is written {word!r:.60}; there is: {', '.join(EFFECT_WORDS)}")
+        raise ValueError(f"no effect is written {cut_repr(word, 60)}; there is: {', '.join(EFFECT_WORDS)}")
     return EFFECT_WORDS[word].read(fields, fetch)
 
 

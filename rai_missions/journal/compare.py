@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from rai_missions.cut import cut_repr
 from rai_missions.step import Step
 
 __all__ = ("difference",)
@@ -61,4 +62,4 @@ def _at(items: Any, index: int) -> Any:
 
 
 def _said(value: Any) -> str:
-    return "absent" if value is MISSING else f"{value!r:.120}"
+    return "absent" if value is MISSING else f"{cut_repr(value, 120)}"

@@ -13,6 +13,7 @@ import sqlite3
 import tempfile
 from pathlib import Path
 
+from rai_missions.cut import cut
 from rai_missions.errors import DefinitionError, Fault, UsageError
 
 __all__ = (
@@ -182,7 +183,7 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
     elif version != FORMAT:
         sentence = f"a journal of format {version}; this program reads format {FORMAT}"
     elif sorted(found, key=str) != sorted(SCHEMA, key=str):
-        names = sorted(str(name if sort == "table" else f"{sort} {name}")[:60] for sort, name, _, made in found if made)
+        names = sorted(cut(name if sort == "table" else f"{sort} {name}", 60) for sort, name, _, made in found if made)
         sentence = f"its tables are not those of a journal: {', '.join(names[:10]) or 'none'}"
     else:
         return

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
+from rai_missions.cut import cut
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal.database import SqliteError, open_to_read
 from rai_missions.journal.rows import Blob, Confirmation, Header, Note, Raw, Row, StepRow, parsed, read_header
@@ -161,7 +162,7 @@ class Record:
             for row in self._database.execute(query, values):  # noqa: UP028 - `yield from` would close the cursor
                 yield row
         except (SqliteError, UnicodeDecodeError) as error:
-            sentence = f"the file is damaged, and cannot be read to its end: {error!s:.200}"
+            sentence = f"the file is damaged, and cannot be read to its end: {cut(error, 200)}"
             raise DefinitionError([Fault("", sentence)], str(self.path)) from None
 
     def _once(self, rows: Iterator[Any], *, at: int) -> Iterator[Any]:
@@ -198,5 +199,5 @@ class Record:
             return make()
         except BAD as error:
             said = f"'{error.args[0]}' is missing" if isinstance(error, KeyError) else str(error)
-            fault = Fault(f"row {number}", f"no {kind!s:.20} can be read here: {said:.200}")
+            fault = Fault(f"row {number}", f"no {cut(kind, 20)} can be read here: {cut(said, 200)}")
             raise DefinitionError([fault], str(self.path)) from None

@@ -11,6 +11,7 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.journal.codec import decode
 from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to_json
@@ -121,7 +122,7 @@ def read_header(kind: str, content: str, fetch: Fetch) -> Header:
         ValueError, TypeError, KeyError: There is none in it.
     """
     if kind != "header":
-        raise ValueError(f"a {kind!r:.20} stands in its place")
+        raise ValueError(f"a {cut_repr(kind, 20)} stands in its place")
     fields = _object(content)
     if fields.pop("format") != 1:
         raise ValueError("its 'format' is not 1")
@@ -141,7 +142,7 @@ def parsed(number: int, kind: str, content: str, fetch: Fetch) -> Row:
         ValueError, TypeError, KeyError: It is none.
     """
     if kind not in READERS:
-        raise ValueError(f"a row is one of {', '.join(READERS)}, not {kind!r:.40}")
+        raise ValueError(f"a row is one of {', '.join(READERS)}, not {cut_repr(kind, 40)}")
     return READERS[kind](number, _object(content), fetch)
 
 
@@ -151,7 +152,7 @@ def _object(content: str) -> dict[str, Any]:
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
     if not isinstance(found, dict):
-        raise ValueError(f"{found!r:.60} stands where an object belongs")
+        raise ValueError(f"{cut_repr(found, 60)} stands where an object belongs")
     return found
 
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.event import Image
 
@@ -53,7 +54,7 @@ def to_json(value: Any, keep: Keep = keep_nothing) -> Any:
     if isinstance(value, tuple):
         return {"$tuple": [to_json(item, keep) for item in value]}
     raise UsageError(
-        f"a journal holds text, numbers, true, false, null, lists, objects and pictures, not {value!r:.80} "
+        f"a journal holds text, numbers, true, false, null, lists, objects and pictures, not {cut_repr(value, 80)} "
         f"({kind.__name__}); make plain data of it before it becomes an event"
     )
 
@@ -68,7 +69,10 @@ def _object(value: Mapping[Any, Any], keep: Keep) -> dict[str, Any]:
     plain, own = {}, False
     for name, item in value.items():
         if type(name) is not str:
-            raise UsageError(f"the names of an object in a journal are text, not {name!r:.80}; write {str(name)!r:.80}")
+            raise UsageError(
+                f"the names of an object in a journal are text, not {cut_repr(name, 80)}; "
+                f"write {cut_repr(str(name), 80)}"
+            )
         own = own or name.startswith("$")
         plain[name] = to_json(item, keep)
     return {"$object": plain} if own else plain
@@ -102,12 +106,12 @@ def from_json(value: Any, fetch: Fetch) -> Any:
         return float(own)
     if word == "$object" and isinstance(own, dict):
         return {name: from_json(item, fetch) for name, item in own.items()}
-    raise ValueError(f"no value is written with {word!r:.40}; there is: $image, $tuple, $number, $object")
+    raise ValueError(f"no value is written with {cut_repr(word, 40)}; there is: $image, $tuple, $number, $object")
 
 
 def _image(written: Mapping[str, Any], fetch: Fetch) -> Image:
     size = written["width"], written["height"]
     ref, encoding, digest = written["$image"], written["encoding"], written.get("sha256", "")
     if [type(item) for item in (*size, encoding, digest)] != [int, int, str, str]:
-        raise ValueError(f"{written!r:.80} stands where a picture belongs")
+        raise ValueError(f"{cut_repr(written, 80)} stands where a picture belongs")
     return Image(ref, *size, encoding, fetch(ref, digest))

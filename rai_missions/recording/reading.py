@@ -18,6 +18,7 @@ from mcap.exceptions import EndOfFile
 from mcap.records import Attachment, Channel, Chunk, DataEnd, Message, Metadata
 from mcap.stream_reader import StreamReader, breakup_chunk
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal import Blob, Raw, copied
 from rai_missions.recording.pen import JOURNAL_TOPIC
@@ -162,7 +163,7 @@ def _checked_size(chunk: Chunk) -> int:
         ValueError: It is too much, or a packing that no recording has.
     """
     if chunk.compression not in ("", "zstd"):
-        raise ValueError(f"a chunk is packed with {chunk.compression!r:.20}; recordings are packed with zstd")
+        raise ValueError(f"a chunk is packed with {cut_repr(chunk.compression, 20)}; recordings are packed with zstd")
     sizes: list[int] = [chunk.uncompressed_size]
     if chunk.compression:
         sizes.append(zstandard.frame_content_size(chunk.data))

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.blackboard import is_number
+from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 
@@ -53,13 +54,17 @@ def plain(value: Any, depth: int = 0) -> Any:
         raise ConnectorError(f"a message is nested deeper than {DEEPEST}; its sender sends something else than it says")
     if isinstance(value, Mapping):
         if not all(isinstance(name, str) for name in value):
-            raise ConnectorError(f"the fields of a message have names of text, not {sorted(map(repr, value))[0]:.60}")
+            raise ConnectorError(
+                f"the fields of a message have names of text, not {cut(sorted(map(repr, value))[0], 60)}"
+            )
         return {str.__str__(name): plain(item, depth + 1) for name, item in value.items()}
     if isinstance(value, list | tuple):
         return [plain(item, depth + 1) for item in value]
     if hasattr(value, "tolist"):  # numpy's arrays and numbers, without knowing numpy
         return plain(value.tolist(), depth + 1)
-    raise ConnectorError(f"{value!r:.60} ({type(value).__name__}) is no plain data; name the 'field' that is meant")
+    raise ConnectorError(
+        f"{cut_repr(value, 60)} ({type(value).__name__}) is no plain data; name the 'field' that is meant"
+    )
 
 
 def json_of(text: Any) -> Any:
@@ -69,14 +74,14 @@ def json_of(text: Any) -> Any:
         ConnectorError: It is no JSON, too long, or nested too deeply.
     """
     if not isinstance(text, str):
-        raise ConnectorError(f"{text!r:.60} stands where JSON text belongs")
+        raise ConnectorError(f"{cut_repr(text, 60)} stands where JSON text belongs")
     if len(text) > LONGEST_TEXT:
         raise ConnectorError(f"JSON text of {len(text)} characters; at most {LONGEST_TEXT} are read")
     try:
         return plain(json.loads(text))
     except (ValueError, RecursionError) as error:
         said = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise ConnectorError(f"a message's text is no JSON: {said:.120}") from None
+        raise ConnectorError(f"a message's text is no JSON: {cut(said, 120)}") from None
 
 
 def stamp_of(message: Mapping[str, Any]) -> float | None:
@@ -110,7 +115,9 @@ def pose_of(message: Any) -> dict[str, Any] | None:
         inner = inner["pose"]
     place, turn = at_path(inner, "position"), at_path(inner, "orientation")
     if not isinstance(place, Mapping) or not isinstance(turn, Mapping):
-        raise ConnectorError(f"{message!r:.60} stands where a pose belongs: it has no 'position' and 'orientation'")
+        raise ConnectorError(
+            f"{cut_repr(message, 60)} stands where a pose belongs: it has no 'position' and 'orientation'"
+        )
     numbers = [
         place.get("x"),
         place.get("y"),
@@ -119,7 +126,7 @@ def pose_of(message: Any) -> dict[str, Any] | None:
         turn.get("w", 1.0),
     ]
     if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
-        raise ConnectorError(f"a pose is made of numbers, not of {numbers!r:.120}")
+        raise ConnectorError(f"a pose is made of numbers, not of {cut_repr(numbers, 120)}")
     if not all(map(is_number, numbers)):
         return None
     x, y, z, qx, qy, qz, qw = map(float, numbers)
@@ -134,7 +141,7 @@ def pose_message(pose: Any, *, stamped: bool = True) -> dict[str, Any]:
         ConnectorError: It is no pose.
     """
     if not isinstance(pose, Mapping) or not all(is_number(pose.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")):
-        raise ConnectorError(f"{pose!r:.60} stands where a pose belongs: {{'x', 'y', 'z', 'yaw', 'frame'}}")
+        raise ConnectorError(f"{cut_repr(pose, 60)} stands where a pose belongs: {{'x', 'y', 'z', 'yaw', 'frame'}}")
     half = float(pose.get("yaw", 0.0)) / 2
     made = {
         "position": {axis: float(pose.get(axis, 0.0)) for axis in "xyz"},
@@ -164,7 +171,7 @@ def image_of(message: Any, ref: str) -> Image:
         except (ValueError, TypeError):
             data = None
     if not isinstance(data, bytes | bytearray | memoryview):
-        raise ConnectorError(f"{message!r:.60} stands where a picture belongs: its 'data' is no bytes")
+        raise ConnectorError(f"{cut_repr(message, 60)} stands where a picture belongs: its 'data' is no bytes")
     raw, said = bytes(data), message.get("format")
     if isinstance(said, str):
         return Image(ref, 0, 0, "png" if "png" in said.lower() else "jpeg", raw)

@@ -14,11 +14,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.faults import faults_of
 from rai_missions.json_text import parse_json, read_json
 from rai_missions.robot.profile import Robot
-from rai_missions.wording import shown
 
 __all__ = ("dump_profile", "identity_folder", "load_profile", "parse_profile")
 

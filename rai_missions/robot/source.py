@@ -13,6 +13,7 @@ from typing import Any, Literal, Self, cast
 from pydantic import Field, model_validator
 
 from rai_missions.blackboard import Key, Stamped
+from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.guards.guard import Guard, Site, Truth, View
@@ -185,7 +186,7 @@ class EventSource(Written):
     def _said(self, message: Mapping[str, Any]) -> Mapping[str, Any]:
         said = json_of(message.get("data")) if self.json_ else message
         if not isinstance(said, Mapping):
-            raise ConnectorError(f"{said!r:.60} stands where an object with fields belongs")
+            raise ConnectorError(f"{cut_repr(said, 60)} stands where an object with fields belongs")
         return said
 
 

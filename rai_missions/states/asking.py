@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.cut import clipped
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.states.activity import NO_KEYS, Desk, Outcome, Turn
@@ -96,11 +97,11 @@ class AskingMachine:
             turn = self._next(state, desk, turn=state.turn + 1, attempt=1)
             return turn._replace(notes=(f"{who} is absent: {data['absent']}", *turn.notes))
         if not isinstance(data.get("option"), str):
-            return self._again(state, desk, f"{who} gave no answer: {str(data.get('failed', 'nothing'))[:300]}")
+            return self._again(state, desk, f"{who} gave no answer: {clipped(str(data.get('failed', 'nothing')), 300)}")
         given = data.get("parameters")
         proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
         verdict = judge(question, proposal, desk.view, self.tests)
-        said = f"{who} proposed '{proposal.option:.60}'"
+        said = f"{who} proposed '{clipped(proposal.option, 60)}'"
         if not verdict.accepted:
             return self._again(state, desk, f"{said}: refused, {verdict.why}", verdict.why)
         outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)

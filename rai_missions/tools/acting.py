@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Data, Reply
+from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.tools.goals import Goals, Standing
 from rai_missions.tools.reach import Reach, until
@@ -93,11 +94,11 @@ def _told(standing: Standing) -> Said:
 def _checked(what: str, given: Any) -> dict[str, Any]:
     """What a message, request or goal is made of; a model may send anything."""
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
-        raise UsageError(f"{what}: {given!r:.60} stands where an object with fields belongs")
+        raise UsageError(f"{what}: {cut_repr(given, 60)} stands where an object with fields belongs")
     try:
         length = len(json.dumps(given, default=lambda item: "x" * len(item) if isinstance(item, bytes) else str(item)))
     except (TypeError, ValueError, RecursionError) as fault:
-        raise UsageError(f"{what}: it is no plain data: {fault!s:.80}") from None
+        raise UsageError(f"{what}: it is no plain data: {cut(fault, 80)}") from None
     if length > LONGEST_MESSAGE:
         raise UsageError(f"{what}: {length} characters; {LONGEST_MESSAGE} are the most")
     return dict(given)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Literal
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 
 __all__ = ("Allowed", "Deed")
@@ -43,7 +44,9 @@ class Allowed:
         for word in ("read", "write", "never"):
             patterns = tuple(getattr(self, word))
             if isinstance(getattr(self, word), str) or not all(isinstance(each, str) and each for each in patterns):
-                raise UsageError(f"'{word}' is a list of patterns such as ['/tractor1/*'], not {patterns!r:.80}")
+                raise UsageError(
+                    f"'{word}' is a list of patterns such as ['/tractor1/*'], not {cut_repr(patterns, 80)}"
+                )
             object.__setattr__(self, word, patterns)
 
     def allows(self, name: str, deed: Deed) -> bool:
@@ -59,7 +62,9 @@ class Allowed:
     def refusal(self, name: str, deed: Deed) -> str:
         """Why a name may not be read, or written, and what may; empty if it may."""
         if len(name) > LONGEST_NAME or not NAME.fullmatch(name):
-            return f"refused: {name!r:.60} is no whole name; one begins with a slash, such as '/tractor1/battery'"
+            return (
+                f"refused: {cut_repr(name, 60)} is no whole name; one begins with a slash, such as '/tractor1/battery'"
+            )
         if _matches(self.never, *_and_above(name)):
             return f"refused: '{name}' must never be touched; {self._words(deed)}"
         if _matches(self.write, name) or (deed == "read" and _matches(self.read, name)):

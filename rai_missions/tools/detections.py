@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import ConnectorError
 
 __all__ = ("Box", "Detection", "detections_of")
@@ -44,10 +45,10 @@ def detections_of(message: Any) -> list[Detection]:
         try:
             message = json.loads(message["data"])
         except (ValueError, RecursionError):
-            raise ConnectorError(f"{message['data']!r:.80} is no JSON of detections") from None
+            raise ConnectorError(f"{cut_repr(message['data'], 80)} is no JSON of detections") from None
     found = message.get("detections") if isinstance(message, Mapping) else message
     if not isinstance(found, list | tuple):
-        raise ConnectorError(f"{message!r:.80} has no 'detections'")
+        raise ConnectorError(f"{cut_repr(message, 80)} has no 'detections'")
     return [_detection(each) for each in found[:MOST]]
 
 
@@ -59,10 +60,12 @@ def _detection(given: Any) -> Detection:
         box = _box(given)
         score = None if score is None else float(score)
     except (KeyError, TypeError, ValueError, AttributeError) as fault:
-        raise ConnectorError(f"{given!r:.80} is no detection with a name and a box: {fault!r:.60}") from None
+        raise ConnectorError(
+            f"{cut_repr(given, 80)} is no detection with a name and a box: {cut_repr(fault, 60)}"
+        ) from None
     if not all(map(math.isfinite, box)) or box[0] > box[2] or box[1] > box[3]:
         raise ConnectorError(f"{box} is no box of left, top, right and bottom")
-    return Detection(f"{name!s:.{LONGEST_NAME}}", score, box)
+    return Detection(cut(name, LONGEST_NAME), score, box)
 
 
 def _best(results: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.connectors.connector import Data, Report
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.tools.latest import Latest
 from rai_missions.tools.reach import Reach
@@ -186,5 +187,5 @@ class Goals:
             goal = self._goals.get(goal_id)
             known = ", ".join(list(self._goals)[-5:]) or "none was started"
         if goal is None:
-            raise UsageError(f"no goal {goal_id!r:.60} was started here; there is: {known}")
+            raise UsageError(f"no goal {cut_repr(goal_id, 60)} was started here; there is: {known}")
         return goal

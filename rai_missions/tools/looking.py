@@ -10,6 +10,7 @@ import math
 from typing import Any
 
 from rai_missions.connectors.connector import Mode
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.tools.pictures import block, image_of
 from rai_missions.tools.reach import Heard, Reach, until
@@ -96,7 +97,7 @@ class Looking:
     ) -> tuple[Heard | None, Heard | None]:
         """The newest message, if one came that is no older than asked; else the newest of those that are."""
         if max_age_s is not None and not max_age_s >= 0:
-            raise UsageError(f"max_age_s: {max_age_s!r:.40} is no age in seconds")
+            raise UsageError(f"max_age_s: {cut_repr(max_age_s, 40)} is no age in seconds")
         oldest_s = math.inf if max_age_s is None else max_age_s
 
         def will_do(heard: Any) -> bool:

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.ros2.pictures import PICTURES
+from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.png import png
@@ -46,7 +47,7 @@ def image_of(message: Any, ref: str) -> Image:
     if not isinstance(found, Image):
         said = message.get("encoding") or message.get("format") if isinstance(message, Mapping) else None
         raise ConnectorError(
-            f"no picture that can be shown was sent (encoding: {said!r:.40}); depth has tools of its own"
+            f"no picture that can be shown was sent (encoding: {cut_repr(said, 40)}); depth has tools of its own"
         )
     return found
 
@@ -76,7 +77,7 @@ def block(image: Image) -> dict[str, Any]:
     except ConnectorError:
         raise
     except Exception as fault:  # the bytes are made when asked for, by whatever camera
-        raise ConnectorError(f"the picture cannot be had: {type(fault).__name__}: {fault!s:.120}") from fault
+        raise ConnectorError(f"the picture cannot be had: {type(fault).__name__}: {cut(fault, 120)}") from fault
     if kind not in ("png", "jpeg") or not data:
         raise ConnectorError(f"a picture in '{kind}' cannot be shown; png, jpeg and rgb8 can")
     return {"type": "image", "base64": base64.b64encode(data).decode(), "mime_type": f"image/{kind}"}

@@ -16,6 +16,7 @@ from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.tools.transforms import Transform, Vector
 
@@ -78,7 +79,7 @@ def camera_of(info: Mapping[str, Any]) -> Camera:
         k = [float(each) for each in info["k"]]
         camera = Camera(int(info["width"]), int(info["height"]), k[0], k[4], k[2], k[5])
     except (KeyError, TypeError, ValueError, IndexError) as fault:
-        raise ConnectorError(f"{info!r:.80} is no sensor_msgs/msg/CameraInfo: {fault!r:.60}") from None
+        raise ConnectorError(f"{cut_repr(info, 80)} is no sensor_msgs/msg/CameraInfo: {cut_repr(fault, 60)}") from None
     if not (camera.fx > 0 and camera.fy > 0 and all(map(math.isfinite, camera[2:])) and min(camera[:2]) > 0):
         raise ConnectorError(f"the camera is not calibrated: {camera}")
     return camera
@@ -115,11 +116,11 @@ def _depths(image: Mapping[str, Any]) -> tuple[int, int, Any]:
     """Width, height, and what gives a row's depths in metres."""
     width, height, step, encoding = (image.get(word) for word in ("width", "height", "step", "encoding"))
     if str(encoding) not in DEPTHS:
-        raise ConnectorError(f"a depth image is in {', '.join(DEPTHS)}, not in {encoding!r:.40}")
+        raise ConnectorError(f"a depth image is in {', '.join(DEPTHS)}, not in {cut_repr(encoding, 40)}")
     code, scale = DEPTHS[str(encoding)]
     size = struct.calcsize(code)
     if not isinstance(width, int) or not isinstance(height, int) or not 0 < width * height <= LARGEST:
-        raise ConnectorError(f"a depth image of {width!r:.20} × {height!r:.20} pixels")
+        raise ConnectorError(f"a depth image of {cut_repr(width, 20)} × {cut_repr(height, 20)} pixels")
     data, line = _bytes(image.get("data")), step if isinstance(step, int) and step else width * size
     if line < width * size or len(data) < line * height:
         raise ConnectorError(f"a depth image of {width} × {height} in {encoding} needs more than its {len(data)} bytes")
@@ -150,7 +151,7 @@ def cloud_points(
     """
     width, height = cloud.get("width"), cloud.get("height")
     if not isinstance(width, int) or not isinstance(height, int) or not 0 <= width * height <= LARGEST:
-        raise ConnectorError(f"a point cloud of {width!r:.20} × {height!r:.20} points")
+        raise ConnectorError(f"a point cloud of {cut_repr(width, 20)} × {cut_repr(height, 20)} points")
     left, top, right, bottom = _middle(box)
     if height > 1:
         across, down = (width / camera.width, height / camera.height) if camera else (1.0, 1.0)
@@ -180,7 +181,7 @@ def _points(cloud: Mapping[str, Any], places: Iterable[tuple[int, int]]) -> Iter
         (x_at, x_code), (y_at, y_code), (z_at, z_code) = (fields[axis] for axis in "xyz")
         step, line = int(cloud["point_step"]), int(cloud["row_step"])
     except (KeyError, TypeError, ValueError) as fault:
-        raise ConnectorError(f"a point cloud without numbers x, y and z: {fault!r:.80}") from None
+        raise ConnectorError(f"a point cloud without numbers x, y and z: {cut_repr(fault, 80)}") from None
     data, order = _bytes(cloud.get("data")), ">" if cloud.get("is_bigendian") else "<"
     read = [
         (struct.Struct(order + code).unpack_from, at) for code, at in ((x_code, x_at), (y_code, y_at), (z_code, z_at))
@@ -234,4 +235,4 @@ def _bytes(data: Any) -> bytes:
     try:
         return bytes(data)
     except (TypeError, ValueError):
-        raise ConnectorError(f"{data!r:.40} stands where bytes belong") from None
+        raise ConnectorError(f"{cut_repr(data, 40)} stands where bytes belong") from None

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
 from rai_missions.connectors.connector import Close, Connector, Data, Message, Mode, Reply
+from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools.allowed import Allowed, Deed
 from rai_missions.tools.latest import Latest
@@ -41,7 +42,9 @@ class Heard(NamedTuple):
 def until(timeout_s: float) -> float:
     """The instant of `time.monotonic` at which a wait ends; it is never longer than a minute."""
     if not 0 <= timeout_s <= LONGEST_WAIT_S:
-        raise UsageError(f"timeout_s: {timeout_s!r:.40} is no time to wait; give 0 to {LONGEST_WAIT_S:g} seconds")
+        raise UsageError(
+            f"timeout_s: {cut_repr(timeout_s, 40)} is no time to wait; give 0 to {LONGEST_WAIT_S:g} seconds"
+        )
     return time.monotonic() + timeout_s
 
 

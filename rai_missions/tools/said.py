@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from itertools import islice
 from typing import Any, NamedTuple
 
+from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.event import Image
 
@@ -20,8 +21,8 @@ __all__ = ("LONGEST", "Said", "at_path", "outline")
 
 LONGEST = 4_000
 """Characters of facts that a model is shown."""
-ITEMS, FIELDS, CHARACTERS, DEEPEST = 20, 100, 1_000, 12
-"""How much of a list, of a mapping, of a text and of what lies inside one another is shown."""
+ITEMS, FIELDS, CHARACTERS, LONGEST_NAME, DEEPEST = 20, 100, 1_000, 200, 12
+"""How much of a list, a mapping, a text, a field's name and of what lies inside one another is shown."""
 
 
 class Said(NamedTuple):
@@ -58,7 +59,7 @@ def at_path(message: Any, path: str) -> Any:
             message = message[int(word)]
         else:
             known = ", ".join(map(str, message)) if isinstance(message, Mapping) else f"a {type(message).__name__}"
-            raise UsageError(f"no field {word!r:.60} of {path!r:.60}; there is: {known:.200}")
+            raise UsageError(f"no field {cut_repr(word, 60)} of {cut_repr(path, 60)}; there is: {cut(known, 200)}")
     return message
 
 
@@ -69,7 +70,7 @@ def outline(value: Any, depth: int = 0) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
     if isinstance(value, str):
-        return value if len(value) <= CHARACTERS else f"{value[:CHARACTERS]}… ({len(value)} characters)"
+        return _shortened(value, CHARACTERS)
     if isinstance(value, bytes | bytearray | memoryview):
         return f"{len(value)} bytes"
     if isinstance(value, Image):
@@ -84,19 +85,24 @@ def outline(value: Any, depth: int = 0) -> Any:
     if isinstance(value, list | tuple):
         shown = [outline(item, depth + 1) for item in islice(value, ITEMS)]
         return shown if len(value) <= ITEMS else [*shown, f"… {len(value) - ITEMS} more"]
-    return f"{value!s:.80}"
+    return cut(value, 80)
 
 
 def _outline_fields(value: Mapping[Any, Any], depth: int) -> dict[str, Any]:
-    shown = {f"{name!s:.200}": outline(item, depth + 1) for name, item in islice(value.items(), FIELDS)}
+    shown = {
+        _shortened(f"{name!s}", LONGEST_NAME): outline(item, depth + 1) for name, item in islice(value.items(), FIELDS)
+    }
     if len(value) > FIELDS:
         shown["…"] = f"{len(value) - FIELDS} more"
     return shown
 
 
+def _shortened(text: str, length: int) -> str:
+    return text if len(text) <= length else f"{cut(text, length)}… ({len(text)} characters)"
+
+
 def _quoted(facts: Any) -> str:
     """Facts on one line of JSON that cannot end the block that it stands in."""
     text = json.dumps(outline(facts), ensure_ascii=False, allow_nan=False)
-    cut = "" if len(text) <= LONGEST else f"… (cut: {len(text)} characters; ask for less, such as one field)"
-    safe = text[:LONGEST].encode("utf-8", "replace").decode()
-    return safe.replace("<", "\\u003c").replace(">", "\\u003e") + cut
+    more = "" if len(text) <= LONGEST else f"… (cut: {len(text)} characters; ask for less, such as one field)"
+    return cut(text, LONGEST).replace("<", "\\u003c").replace(">", "\\u003e") + more

@@ -13,6 +13,7 @@ from typing import Any, Literal
 from langchain_core.tools import BaseTool, ToolException
 from pydantic import BaseModel, Field, ValidationError
 
+from rai_missions.cut import cut
 from rai_missions.errors import MissionError
 from rai_missions.tools.said import Said
 
@@ -29,7 +30,7 @@ def _failed(fault: ToolException) -> str:
 def _not_understood(fault: Any) -> str:
     """What is wrong with the arguments, each by its name."""
     problems = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in fault.errors()[:5]]
-    return Said("This was not done; the arguments are not right:", {}, "; ".join(problems)[:500]).text()
+    return Said("This was not done; the arguments are not right:", {}, cut("; ".join(problems), 500)).text()
 
 
 class RobotTool(BaseTool):
@@ -55,10 +56,10 @@ class RobotTool(BaseTool):
         except MissionError as fault:
             raise ToolException(str(fault)) from fault
         except ValidationError as fault:  # a fault of ours, and none of the arguments
-            raise ToolException(f"failed: {fault!s:.200}") from fault
+            raise ToolException(f"failed: {cut(fault, 200)}") from fault
         except Exception as fault:
             log.exception("the tool %s failed", self.name)
-            raise ToolException(f"failed: {type(fault).__name__}: {fault!s:.200}") from fault
+            raise ToolException(f"failed: {type(fault).__name__}: {cut(fault, 200)}") from fault
 
 
 def robot_tool(

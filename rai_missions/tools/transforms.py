@@ -15,6 +15,7 @@ from bisect import bisect_left, insort
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError, UsageError
 
 __all__ = ("Found", "Frames", "Quaternion", "Transform", "Vector", "product", "rotated", "stamp_of")
@@ -114,7 +115,9 @@ class Frames:
         """
         transforms = message.get("transforms")
         if not isinstance(transforms, list | tuple):
-            raise ConnectorError(f"{message!r:.60} stands where a tf2_msgs/msg/TFMessage belongs: no 'transforms'")
+            raise ConnectorError(
+                f"{cut_repr(message, 60)} stands where a tf2_msgs/msg/TFMessage belongs: no 'transforms'"
+            )
         for each in transforms:
             self._take(*_read(each), is_static=is_static, heard_at=heard_at)
 
@@ -158,7 +161,9 @@ class Frames:
         names = self.names
         for name in (target, source):
             if name not in names:
-                raise UsageError(f"no frame {name!r:.80} was heard of; there is: {', '.join(names[:20]) or 'none yet'}")
+                raise UsageError(
+                    f"no frame {cut_repr(name, 80)} was heard of; there is: {', '.join(names[:20]) or 'none yet'}"
+                )
         up, down = self._way(source), self._way(target)
         shared = next((name for name in up if name in down), None)
         if shared is None:
@@ -196,10 +201,12 @@ def _read(given: Any) -> tuple[str, str, float, Transform]:
         numbers = [float(moved[axis]) for axis in "xyz"] + [float(turned[axis]) for axis in "xyzw"]
         at = stamp_of(header)
     except (KeyError, TypeError, ValueError) as fault:
-        raise ConnectorError(f"{given!r:.80} is no geometry_msgs/msg/TransformStamped: {fault!r:.60}") from None
+        raise ConnectorError(
+            f"{cut_repr(given, 80)} is no geometry_msgs/msg/TransformStamped: {cut_repr(fault, 60)}"
+        ) from None
     length = math.hypot(*numbers[3:])
     if not all(map(math.isfinite, numbers)) or abs(length - 1) > UNIT or not parent or not child or parent == child:
-        raise ConnectorError(f"the transform of {child!r:.60} in {parent!r:.60} is none: {numbers}")
+        raise ConnectorError(f"the transform of {cut_repr(child, 60)} in {cut_repr(parent, 60)} is none: {numbers}")
     x, y, z, qx, qy, qz, qw = numbers
     return parent, child, at, Transform((x, y, z), (qx / length, qy / length, qz / length, qw / length))
 

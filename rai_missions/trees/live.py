@@ -12,6 +12,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.states.ticker import Status
 from rai_missions.states.tree import BehaviourLeaf, factory_name
@@ -39,7 +40,7 @@ class LiveBehaviour:
         self.name = factory_name(leaf.factory)
         made: Any = leaf.factory()
         if not isinstance(made, Behaviour):
-            raise UsageError(f"'{self.name}' made {made!r:.80}; it must make a py_trees.behaviour.Behaviour")
+            raise UsageError(f"'{self.name}' made {cut_repr(made, 80)}; it must make a py_trees.behaviour.Behaviour")
         self._root = made
         self._root.setup_with_descendants()
 

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 
 __all__ = ("Battery",)
@@ -45,7 +46,7 @@ class Battery:
             raise UsageError(f"battery: no option {unknown[0]!r}; there are: capacity_wh, charge")
         for name, value in (options or {}).items():
             if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
-                raise UsageError(f"battery: {name} takes a finite number, not {value!r:.60}")
+                raise UsageError(f"battery: {name} takes a finite number, not {cut_repr(value, 60)}")
         return cls(**{**ours, **(options or {})})
 
     def drain(self, drive_w: float, period_s: float) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any, cast
 
 from rai_missions.connectors.connector import ActionServer, Census, Close, Connector, Data, Foresight, Mode
+from rai_missions.cut import cut
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.worlds.world import World
 
@@ -120,7 +121,7 @@ class Front:
         is_plain = isinstance(fact, bool | int) or (isinstance(fact, str) and fact[:1] not in ("{", "["))
         if is_plain and len(message) == 1 and (topic not in self._facts or self._facts[topic] != fact):
             self._facts[topic] = fact
-            self._told(topic, fact if not isinstance(fact, str) else fact[:LONGEST])
+            self._told(topic, fact if not isinstance(fact, str) else cut(fact, LONGEST))
 
 
 def company(connector: Connector) -> Mapping[Mode, Collection[str]]:

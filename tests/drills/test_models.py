@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.redact import Redaction
 from rai_missions.mission import Mission
+from rai_missions.redact import Redaction
 from rai_missions.states import asking
 from rai_missions.testing import ScriptedModel
 from rai_missions.verdict import Verdict

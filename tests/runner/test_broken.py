@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.agents.redact import hush
 from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.hush import hush
 from rai_missions.journal import Header, Journal
 from rai_missions.step import StartGoal
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer

@@ -28,17 +28,18 @@ from rai_missions.agents.doubles import DoubleModel, call
 from rai_missions.agents.mission import Setting, prepare
 from rai_missions.agents.node import MissionNode
 from rai_missions.agents.node.carrier import Carrier
-from rai_missions.agents.redact import Redaction, hush
 from rai_missions.cli import main
 from rai_missions.commands.discreet import discreet
 from rai_missions.commands.live import Watch
 from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
+from rai_missions.hush import hush
 from rai_missions.journal import read
 from rai_missions.load import dump
 from rai_missions.mission import Mission
 from rai_missions.progress import Lines
+from rai_missions.redact import Redaction
 from rai_missions.replay import replay
 from rai_missions.robot import Robot
 from tests.agents.node.scenes import Client

@@ -39,6 +39,7 @@ from rai_missions.agents.gate.values import (
 from rai_missions.agents.gate.words import GateWords
 from rai_missions.clock import Clock, Mailbox, WallClock
 from rai_missions.connectors.connector import Close, Connector, Data, Message
+from rai_missions.cut import cut
 from rai_missions.lifecycle import CONTROLLERS
 from rai_missions.robot.convert import stamp_of
 
@@ -177,7 +178,7 @@ class GateAgent:
         to, by = (said.get("to"), said.get("by", who)) if isinstance(said, Mapping) else (said, who)
         if by != who:
             log.warning("%s asked for control in the name of %.60s; it speaks for itself alone", who, by)
-        self.ask(str(to)[:60], who if by == who else f"{who} as {by}"[:60])
+        self.ask(cut(to, 60), who if by == who else cut(f"{who} as {by}", 60))
 
     def _look_at_gate(self, heard: Message) -> None:
         """A status of this name: our own, or another gate's."""

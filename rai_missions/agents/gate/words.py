@@ -13,10 +13,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from rai_missions.agents.gate.values import COMMANDERS, Terms
+from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.faults import faults_of
 from rai_missions.json_text import read_json
-from rai_missions.wording import shown, suggestion
+from rai_missions.wording import suggestion
 from rai_missions.written import Bool, Integer, Json, Seconds, Text, Written, fault
 
 __all__ = ("CommandTopic", "GateWords", "command_topic", "gate_words", "leases_of", "read_gate")

@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.cut import cut
 from rai_missions.journal.codec import encode
 from rai_missions.step import Step
 from rai_missions.verdict import Question
@@ -79,7 +80,7 @@ class Bulletin(NamedTuple):
         """As JSON has it."""
         questions = [each.data() for each in self.questions]
         written = self._asdict() | {"active": list(self.active), "questions": questions}
-        return written | {"question": questions[0] if questions else None, "why": self.why[:CUT]}
+        return written | {"question": questions[0] if questions else None, "why": cut(self.why, CUT)}
 
     def fields(self) -> dict[str, Any]:
         """As `rai_missions_msgs/msg/MissionStatus`."""
@@ -88,7 +89,7 @@ class Bulletin(NamedTuple):
             "stamp": self.at,
             "active": list(self.active),
             "questions": [each.fields() for each in self.questions],
-            "why": self.why[:CUT],
+            "why": cut(self.why, CUT),
         }
 
 

@@ -16,10 +16,11 @@ from typing import Any, NamedTuple
 
 from rai_missions.agents.node.bulletin import Open
 from rai_missions.agents.node.order import GOOD_FOR_S, Order, Receipt, Told, lasts, overdue
-from rai_missions.agents.redact import Redaction
 from rai_missions.blackboard import stale_at
+from rai_missions.cut import cut
 from rai_missions.event import Event
 from rai_missions.lifecycle import CONTROLLERS, Status, is_operator
+from rai_missions.redact import Redaction
 from rai_missions.robot import Robot
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Ask, Step
@@ -178,7 +179,7 @@ class Course:
     def _refuses(self, order: Order) -> str:
         """Why an order is not put to the engine at all."""
         if order.command == "control" and order.to not in CONTROLLERS:
-            return f"nobody called '{order.to:.60}' can hold control{suggestion(order.to, CONTROLLERS)}"
+            return f"nobody called '{cut(order.to, 60)}' can hold control{suggestion(order.to, CONTROLLERS)}"
         if order.command == "control":
             return self.runner.lifecycle.control.refuses(order.to, _controller(order.by))
         if order.command == "post":
@@ -186,7 +187,7 @@ class Course:
             posted = [name for name, event in events.items() if event.posted]
             if order.event not in posted:
                 near = suggestion(order.event, posted)
-                return f"the robot profile lists no posted event '{order.event:.60}'{near}"
+                return f"the robot profile lists no posted event '{cut(order.event, 60)}'{near}"
         if order.command == "answer":
             return self._refuses_answer(order.question)
         return ""

@@ -12,8 +12,8 @@ from collections.abc import Callable
 
 from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.order import Order, Receipt, Told, untaken
-from rai_missions.agents.redact import Redaction
 from rai_missions.errors import MissionError
+from rai_missions.redact import Redaction
 
 __all__ = ("PATIENCE_S", "Desk")
 

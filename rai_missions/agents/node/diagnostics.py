@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rai_missions.agents.node.bulletin import Bulletin
+from rai_missions.cut import cut
 
 __all__ = ("ERROR", "OK", "WARN", "array_of", "level")
 
@@ -36,7 +37,7 @@ def level(bulletin: Bulletin, stale: Sequence[str] = (), strangers: int = 0) -> 
         return WARN, bulletin.waits
     if bulletin.questions:
         asked = bulletin.questions[0].question
-        return WARN, f"question {asked.number} waits for {asked.asked}: {asked.text}"[:300]
+        return WARN, cut(f"question {asked.number} waits for {asked.asked}: {asked.text}", 300)
     if stale:
         return WARN, f"not fresh: {', '.join(stale)}"
     return OK, bulletin.mode

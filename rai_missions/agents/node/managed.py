@@ -24,9 +24,10 @@ from rai_missions.agents.node.standard import (
     leaving,
     transition,
 )
-from rai_missions.agents.redact import Redaction
 from rai_missions.connectors.connector import Close, Connector, Data
+from rai_missions.cut import cut
 from rai_missions.errors import MissionError
+from rai_missions.redact import Redaction
 
 __all__ = ("EVENT_TYPE", "Finish", "ManagedLifecycle", "event_fields", "serve_lifecycle")
 
@@ -109,7 +110,7 @@ def serve_lifecycle(connector: Connector, name: NodeName, lifecycle: ManagedLife
 
     def change(request: Data) -> Data:
         asked = request.get("transition") or {}
-        return {"success": lifecycle.change(str(asked.get("label", ""))[:64], int(asked.get("id", 0)))}
+        return {"success": lifecycle.change(cut(asked.get("label", ""), 64), int(asked.get("id", 0)))}
 
     answers: Mapping[str, tuple[str, Callable[[Data], Data]]] = {
         "get_state": ("GetState", lambda _: {"current_state": _state(lifecycle.state)}),

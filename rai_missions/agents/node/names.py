@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 
 __all__ = ("NodeName", "node_name")
@@ -54,7 +55,9 @@ def node_name(given: str, *, namespace: str = "", ros_arguments: Sequence[str] =
         elif word in REMAPPING and sign and asked == "__ns":
             space = target
     if not NAME.fullmatch(name):
-        raise UsageError(f"--node {name!r:.80}: a node's name has letters, digits and '_', and begins with no digit")
+        raise UsageError(
+            f"--node {cut_repr(name, 80)}: a node's name has letters, digits and '_', and begins with no digit"
+        )
     if not NAMESPACE.fullmatch(space):
-        raise UsageError(f"--node: {space!r:.80} is no namespace, such as /fields/north")
+        raise UsageError(f"--node: {cut_repr(space, 80)} is no namespace, such as /fields/north")
     return NodeName(name, space.strip("/"))

@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.agents.redact import Redaction
+from rai_missions.cut import cut, shown
 from rai_missions.errors import DefinitionError
 from rai_missions.json_text import parse_json
-from rai_missions.wording import shown, suggestion
+from rai_missions.redact import Redaction, redacted
+from rai_missions.wording import suggestion
 
 __all__ = (
     "GOOD_FOR_S",
@@ -103,14 +104,15 @@ def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
     try:
         given = parse_json(Redaction().known(text).encode("utf-8", "replace")) if text.strip() else {}
     except DefinitionError as error:
-        return f"{what} is not understood: {error.faults[0]}"[:300]
+        return cut(f"{what} is not understood: {error.faults[0]}", 300)
     return given if isinstance(given, dict) else f"{what} is a JSON object, not {shown(given)}"
 
 
 def who(given: Any) -> str:
     """The name under which somebody stands in the journal: one short line, `operator` where nothing is said."""
     text = given if isinstance(given, str) else ""
-    return "".join(letter if letter.isprintable() else " " for letter in text)[:LONGEST_NAME].strip() or "operator"
+    line = "".join(letter if letter.isprintable() else " " for letter in redacted(text))
+    return cut(line, LONGEST_NAME).strip() or "operator"
 
 
 def lasts(order: Order) -> bool:

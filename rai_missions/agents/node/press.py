@@ -24,6 +24,7 @@ from rai_missions.agents.node.outlet import Outlet
 from rai_missions.agents.node.services import STRING
 from rai_missions.agents.node.standard import Transition
 from rai_missions.connectors.connector import Message
+from rai_missions.cut import cut
 from rai_missions.errors import DefinitionError
 from rai_missions.json_text import parse_json
 from rai_missions.step import Step
@@ -114,7 +115,7 @@ class Press:
             said = parse_json(str(message.data.get("data", "")).encode("utf-8", "replace"))
         except DefinitionError:
             said = {}
-        stranger = str(said.get("instance", ""))[:64] if isinstance(said, dict) else ""
+        stranger = cut(said.get("instance", ""), 64) if isinstance(said, dict) else ""
         if stranger != self._instance and stranger not in self._strangers and len(self._strangers) < 16:
             self._strangers.add(stranger)
             log.warning("another node is called %s too; give one of them another name with --node", self._name.path)

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Data
+from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 
@@ -38,9 +39,9 @@ def decode(payload: bytes) -> dict[str, Any]:
     try:
         said = json.loads(payload, object_hook=_from_json)
     except (ValueError, TypeError, RecursionError) as fault:
-        raise ConnectorError(f"a message is no JSON: {fault!s:.120}") from None
+        raise ConnectorError(f"a message is no JSON: {cut(fault, 120)}") from None
     if not isinstance(said, dict):
-        raise ConnectorError(f"{payload[:40]!r} stands where a JSON object belongs")
+        raise ConnectorError(f"{cut_repr(payload, 40)} stands where a JSON object belongs")
     return said
 
 
@@ -51,7 +52,7 @@ def _jsonable(value: Any) -> Any:
         return {IMAGE: [value.ref, value.width, value.height, value.encoding, base64.b64encode(value.data).decode()]}
     if isinstance(value, Mapping):
         return dict(value)
-    raise TypeError(f"{value!r:.60} is a {type(value).__name__}")
+    raise TypeError(f"{cut_repr(value, 60)} is a {type(value).__name__}")
 
 
 def _from_json(said: dict[str, Any]) -> Any:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from rai_missions.connectors.ros2.names import EXAMPLE, Kind, find_type
+from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError
 
 __all__ = ("describe_type",)
@@ -28,7 +29,9 @@ def describe_type(type_name: str) -> dict[str, Any]:
     middle = type_name.split("/")[1:2]
     kind: Kind | None = next((each for each in PARTS if middle == [each]), None)
     if kind is None:
-        raise ConnectorError(f"{type_name!r:.80} is no name of a type; one looks like {', '.join(EXAMPLE.values())}")
+        raise ConnectorError(
+            f"{cut_repr(type_name, 80)} is no name of a type; one looks like {', '.join(EXAMPLE.values())}"
+        )
     found = find_type(type_name, kind)
     if kind == "msg":
         return _fields(found, 0)

@@ -17,9 +17,10 @@ from rai_missions.connectors.connector import Data
 from rai_missions.connectors.ros2.fields import BYTES, CODES, INTEGERS, FieldType, field_type
 from rai_missions.connectors.ros2.names import find_type
 from rai_missions.connectors.ros2.pictures import PICTURES, check_picture, message_of_picture
+from rai_missions.cut import cut, shown
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
-from rai_missions.wording import shown, suggestion
+from rai_missions.wording import suggestion
 
 __all__ = ("is_picture", "name_of", "to_data", "to_message", "to_message_later")
 
@@ -85,7 +86,7 @@ def _set(message: Any, name: str, value: Any, place: str) -> None:
     try:
         setattr(message, name, value)
     except (AssertionError, TypeError, ValueError) as fault:  # what a message refuses beyond what its types say
-        raise ConnectorError(f"{place}: {fault!s:.160}") from None
+        raise ConnectorError(f"{place}: {cut(fault, 160)}") from None
 
 
 def _field(kind: FieldType, value: Any, place: str) -> Any:

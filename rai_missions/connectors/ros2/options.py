@@ -8,8 +8,9 @@ from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, get_args, get_type_hints
 
+from rai_missions.cut import shown
 from rai_missions.errors import UsageError
-from rai_missions.wording import shown, suggestion
+from rai_missions.wording import suggestion
 
 __all__ = ("Options", "Quality", "read_options")
 

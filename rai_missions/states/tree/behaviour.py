@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 
+from rai_missions.cut import clipped
 from rai_missions.errors import UsageError
 from rai_missions.states.tree.node import TreeNode
 from rai_missions.written import fault
@@ -30,7 +31,10 @@ def factory_name(factory: Any) -> str:
 
 def _callable(given: Any) -> Any:
     if not callable(given):
-        raise fault("factory", f"{given!r:.80} cannot be called; give a function that makes a behaviour of py_trees")
+        raise fault(
+            "factory",
+            f"{clipped(repr(given), 80)} cannot be called; give a function that makes a behaviour of py_trees",
+        )
     return given
 
 

@@ -1,24 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps keys and tokens out of whatever leaves this room: answers, reasons, the texts of exceptions, the log.
+"""What is a secret, and a text without it: the one place that knows.
 
 Rule: what is known to be a secret by its value is hidden wherever it comes from; what merely looks like one, only in
-words that somebody made up: those of a model, its provider, an exception or the log.
+words that somebody made up: those of a model, its provider, an exception or the log. A text is cut after this, never
+before (`rai_missions.cut`).
 """
 
 from __future__ import annotations
 
 import json
-import logging
 import os
 import re
-import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import Any
-from urllib.parse import quote, unquote, urlsplit
+from urllib.parse import quote, quote_plus, unquote, urlsplit
 
-from pydantic import SecretBytes, SecretStr
-
-__all__ = ("Redaction", "held_by", "hush")
+__all__ = ("Redaction", "held_by", "keep_secret", "longest_secret", "open_environment", "redacted")
 
 HIDDEN = "[hidden]"
 SHORTEST = 6
@@ -49,17 +47,36 @@ SHAPES = re.compile(
     r"|(?i:(?<=api[-_ ]key[:=])|(?<=apikey[:=])|(?<=api[-_ ]key[:=] ))[^\s\"',;&]{6,}"
 )
 """What keys look like, by the prefixes that their issuers give them, or by the words before them."""
-PACKAGES = ("rai_missions", "visualize")
-"""Whose loggers are hushed, those too that are made later."""
-TOLD: set[str] = set()
-"""What was told of once, by `hush`, is a secret in the whole process: whoever prints it may know no model."""
+KEPT: set[str] = set()
+"""Given to `keep_secret` once, a value is a secret in the whole process: whatever prints it may know no model."""
+
+
+def keep_secret(secrets: Iterable[str]) -> None:
+    """Have values hidden from now on, such as a model's own keys; they are never forgotten."""
+    KEPT.update(secrets)
+
+
+def redacted(text: str) -> str:
+    """The text without secrets, and without what UTF-8 cannot write down (half a surrogate pair)."""
+    text = text.encode("utf-8", "replace").decode()
+    return SHAPES.sub(HIDDEN, _without(text, _known()))
+
+
+def longest_secret() -> int:
+    """Characters of the longest secret in its longest notation; 0 where none is known."""
+    return max(map(len, _known()), default=0)
+
+
+def open_environment() -> dict[str, str]:
+    """The variables of this process that hold no secret: what another process may be begun with."""
+    return {name: value for name, value in os.environ.items() if not any(_of_variable(name, value))}
 
 
 class Redaction:
-    """Hides secrets by their shape, by the values of variables such as `OPENAI_API_KEY`, and the ones it is told.
+    """Hides secrets by their shape, by the values of variables such as `OPENAI_API_KEY`, and those that were kept.
 
     Args:
-        secrets: Further values never to be shown, such as a model's own key.
+        secrets: Further values never to be shown, here alone.
     """
 
     def __init__(self, secrets: Iterable[str] = ()) -> None:
@@ -67,9 +84,8 @@ class Redaction:
         self._at_first = self._known()
 
     def text(self, text: str) -> str:
-        """The text without secrets, and without what UTF-8 cannot write down (half a surrogate pair)."""
-        text = text.encode("utf-8", "replace").decode()
-        return SHAPES.sub(HIDDEN, _without(text, self._known()))
+        """As `redacted`, and without this redaction's own."""
+        return redacted(_without(text, _forms(tuple(sorted(self._secrets)))) if self._secrets else text)
 
     def json(self, value: Any) -> Any:
         """A JSON value in which no text holds a secret."""
@@ -101,9 +117,25 @@ class Redaction:
         return value
 
     def _known(self) -> tuple[str, ...]:
-        """The values, the longest first, in every spelling."""
-        found = {form for secret in (*self._secrets, *TOLD, *_of_variables()) for form in _spellings(secret)}
-        return tuple(sorted(found, key=len, reverse=True))
+        return _forms(tuple(sorted({*self._secrets, *_values()})))
+
+
+def _values() -> Iterator[str]:
+    yield from KEPT
+    for name, value in os.environ.items():
+        yield from _of_variable(name, value)
+
+
+def _known() -> tuple[str, ...]:
+    return _forms(tuple(sorted(set(_values()))))
+
+
+@lru_cache(maxsize=8)
+def _forms(secrets: tuple[str, ...]) -> tuple[str, ...]:
+    """The values, the longest first, in every notation; of one with several lines each line as well."""
+    parts = {part for secret in secrets for part in (secret, *_lines(secret))}
+    found = {form for part in parts for form in _spellings(part)}
+    return tuple(sorted(found, key=len, reverse=True))
 
 
 def _without(text: str, secrets: Iterable[str]) -> str:
@@ -113,12 +145,11 @@ def _without(text: str, secrets: Iterable[str]) -> str:
     return text
 
 
-def _of_variables() -> Iterator[str]:
-    for name, value in os.environ.items():
-        if name.upper().endswith(VARIABLES):
-            yield value
-        elif "://" in value:
-            yield from _passwords(value)
+def _of_variable(name: str, value: str) -> Iterator[str]:
+    if name.upper().endswith(VARIABLES):
+        yield value
+    elif "://" in value:
+        yield from _passwords(value)
 
 
 def _passwords(text: str) -> Iterator[str]:
@@ -131,12 +162,28 @@ def _passwords(text: str) -> Iterator[str]:
         yield from {password, unquote(password)}
 
 
+def _lines(secret: str) -> Iterator[str]:
+    """The lines of a secret that has several, such as a private key: whatever prints one of them alone tells of it."""
+    lines = secret.splitlines()
+    return (line for line in lines if len(lines) > 1)
+
+
 def _spellings(secret: str) -> Iterator[str]:
-    """A secret as it is, and as JSON, Python and addresses write it."""
+    """A secret as it is, and as JSON, Python and addresses write it; also where one quotes the other."""
     secret = secret.strip()
     if len(secret) >= SHORTEST:
-        yield from {secret, json.dumps(secret)[1:-1], json.dumps(secret, ensure_ascii=False)[1:-1]}
-        yield from {repr(secret)[1:-1], quote(secret, safe=""), quote(secret)}
+        yield secret
+        for form in {*_written(secret)}:
+            yield form
+            yield from _written(form)
+
+
+def _written(text: str) -> Iterator[str]:
+    plain = json.dumps(text, ensure_ascii=False)[1:-1]
+    yield from (plain, json.dumps(text)[1:-1], plain.replace("/", "\\/"), repr(text)[1:-1])
+    yield repr(f"\"'{text}")[len("'\"\\'") : -1]  # Python escapes one of both quotes where a text has both
+    yield repr(text.encode("utf-8", "replace"))[2:-1]
+    yield from (quote(text, safe=""), quote(text), quote_plus(text))
 
 
 def held_by(thing: Any, depth: int = 0, name: str = "") -> Iterator[str]:
@@ -147,6 +194,8 @@ def held_by(thing: Any, depth: int = 0, name: str = "") -> Iterator[str]:
         depth: How deep in it this is.
         name: Of the field that holds it.
     """
+    from pydantic import SecretBytes, SecretStr  # heavy, and few know a model
+
     if isinstance(thing, SecretStr):
         yield thing.get_secret_value()
     elif isinstance(thing, SecretBytes):
@@ -171,50 +220,3 @@ def _held_inside(thing: Any, depth: int) -> Iterator[str]:
         parts = []
     for name, item in parts[:200]:
         yield from held_by(item, depth, str(name))
-
-
-class _Hush:
-    """Makes records of what is logged, this project's without secrets, tracebacks included.
-
-    Args:
-        before: What made them until now.
-    """
-
-    def __init__(self, before: Callable[..., logging.LogRecord]) -> None:
-        self._before = before
-
-    def __call__(self, *given: Any, **words: Any) -> logging.LogRecord:
-        record = self._before(*given, **words)
-        if record.name.split(".")[0] in PACKAGES:
-            _clean(record, Redaction())
-        return record
-
-
-def _clean(record: logging.LogRecord, redaction: Redaction) -> None:
-    """Take the secrets out of a record; one that holds none is left as it is."""
-    try:
-        said = record.getMessage()
-    except Exception:  # noqa: BLE001 - what is logged may be anybody's, and raise anything
-        record.msg, record.args = f"{record.msg} (what stands here cannot be told in words)", None
-        said = record.getMessage()
-    if (clean := redaction.text(said)) != said:
-        record.msg, record.args = clean, None
-    if record.exc_info and record.exc_info[0] is not None:
-        trace = "".join(traceback.format_exception(*record.exc_info)).rstrip()
-        if (clean := redaction.text(trace)) != trace:
-            record.exc_info, record.exc_text = None, clean
-
-
-def hush(secrets: Iterable[str] = ()) -> Redaction:
-    """Keep secrets out of this project's part of the log, from now on; may be called again.
-
-    Args:
-        secrets: Further values never to be shown.
-
-    Returns:
-        What hides elsewhere whatever was ever told here.
-    """
-    TOLD.update(secrets)
-    if not isinstance(before := logging.getLogRecordFactory(), _Hush):
-        logging.setLogRecordFactory(_Hush(before))
-    return Redaction()
