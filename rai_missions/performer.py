@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 from rai_missions.behaviours import Behaviours
+from rai_missions.blackboard import Key
 from rai_missions.connectors.connector import Connector, Foresight, Reply
 from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import MissionError
@@ -20,6 +21,7 @@ from rai_missions.event import Event
 from rai_missions.goals import Goals, outcome_of, told
 from rai_missions.handovers import Handovers
 from rai_missions.journal.underway import Underway
+from rai_missions.readings import SourceState
 from rai_missions.robot import Robot, plain
 from rai_missions.robot.asked import asked
 from rai_missions.senses import Senses
@@ -62,12 +64,15 @@ class Performer:
         now: The run's clock.
         leaves: The leaves of trees that are written in Python, by owner.
         allow: Asks that control be handed to somebody for the mission; says why not, or nothing.
+        keys: The mission's.
+        note: Has a sentence written into the journal.
     """
 
     def __init__(
         self, *, run: str, robot: Robot | None, connector: Connector | None, answerers: Mapping[str, Answerer],
         post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
         allow: Callable[[str], str], leaves: Mapping[str, BehaviourLeaf] | None = None,
+        keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
     ) -> None:  # fmt: skip
         self._robot, self._connector = robot, connector
         self._answerers, self._post, self._later, self._now = answerers, post, later, now
@@ -76,7 +81,7 @@ class Performer:
         self._open: dict[int, str] = {}
         self.handovers = Handovers(robot, connector, post=post, later=later, now=now)
         self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
-        self._senses = Senses(robot, connector, post=post, later=later, now=now)
+        self._senses = Senses(robot, connector, post=post, later=later, now=now, keys=keys, note=note)
         self._perform: Mapping[type, Callable[[Any], None]] = {
             StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
             PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
@@ -88,6 +93,10 @@ class Performer:
     def holder(self) -> str | None:
         """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
         return self._senses.holder
+
+    def source(self, key: str) -> SourceState:
+        """What is known of the source of a robot key."""
+        return self._senses.source(key)
 
     @property
     def thinking(self) -> bool:

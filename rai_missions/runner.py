@@ -27,6 +27,7 @@ from rai_missions.journal.scribe import Book, Scribe, raised_by
 from rai_missions.lifecycle import Lifecycle, Status
 from rai_missions.mission import Mission
 from rai_missions.performer import Performer
+from rai_missions.readings import refused
 from rai_missions.rebuild import default_ticker
 from rai_missions.result import Commands, Result
 from rai_missions.resume import Resumption
@@ -90,7 +91,7 @@ class Runner(Steered):
         self.performer = Performer(
             run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}), post=self.post,
             later=self.later, now=self.clock.now, allow=lambda to: self.lifecycle.control.request(to, "mission"),
-            leaves=behaviour_leaves(mission),
+            leaves=behaviour_leaves(mission), keys=mission.blackboard, note=self.note,
         )  # fmt: skip
         self._connector, self._scribe = connector, Scribe(journal, self._stop_at_once)
         self.mailbox.alarm = self._scribe.call
@@ -189,8 +190,8 @@ class Runner(Steered):
         until = self.clock.now() + self.mission.ready_s
         self._loop(lambda: chart.outcome is not None or not self._unheard or self.clock.now() >= until, until)
         if self._unheard and chart.outcome is None:
-            names = ", ".join(self._unheard)
-            sentence = f"the robot has not said within {self.mission.ready_s:g} s: {names}; is it running?"
+            missed = {name: self.performer.source(name) for name in self._unheard}
+            sentence = refused(missed, self.mission.blackboard, self.mission.ready_s)
             raise UsageError(f"{sentence} Its profile says: {self._about}" if self._about else sentence)
         holder = self.performer.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:

@@ -1,27 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """Listens to the robot as its profile says, and turns messages into blackboard writes and events.
 
-Rule: what it hears it passes on with its stamp; what it cannot understand is not heard, and logged once a source.
+Rule: what it receives it passes on with its stamp; what it cannot understand is kept as such, and logged once a source.
 """
 
 from __future__ import annotations
 
 import json
 import logging
+import math
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.connectors.connector import Close, Connector, Reply
+from rai_missions.blackboard import Key, fits
+from rai_missions.connectors.connector import Close, Connector, Message, Reply
 from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
-from rai_missions.robot import EventSource, Robot, Source, unsaid
+from rai_missions.readings import Readings, SourceState, in_words
+from rai_missions.robot import EventSource, Robot, Source, unread, unsaid
 
 __all__ = ("Senses",)
 
 log = logging.getLogger(__name__)
 
-Hear = Callable[[Mapping[str, Any], float], None]
+Hear = Callable[[Message], None]
 Poll = tuple[str, str, float, str]
 """Service, type, seconds between two questions, and the request as text."""
 
@@ -35,23 +39,32 @@ class Senses:
         post: Where events go.
         later: Has something done at an instant of the run's clock.
         now: The run's clock.
+        keys: The mission's, to whose types a reading is held before it counts as understood.
+        note: Has a sentence written into the journal.
     """
 
     def __init__(
         self, robot: Robot | None, connector: Connector | None, *, post: Callable[[Event], None],
         later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
+        keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
     ) -> None:  # fmt: skip
-        self._robot, self._connector = robot, connector
+        self._robot, self._connector, self._keys, self._note = robot, connector, keys or {}, note
         self._post, self._later, self._now = post, later, now
         self._closes: list[Close] = []
         self._open = False
         self._puzzled: set[str] = set()
+        self._readings: defaultdict[str, Readings] = defaultdict(Readings)
         self._before: dict[str, bool | None] = {}
         self._under_way: set[str] = set()
         """Actions that were begun and whose end was not asked for."""
         self._polls: dict[Poll, tuple[Mapping[str, Any], list[Hear]]] = {}
         self.holder = None if robot is None or robot.holder is None else ""
         """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
+
+    def source(self, key: str) -> SourceState:
+        """What is known of the source of a robot key."""
+        readings = self._readings.get(key)
+        return readings.state if readings is not None else SourceState()
 
     def open(self) -> None:
         """Subscribe to topics and begin to ask services."""
@@ -100,9 +113,7 @@ class Senses:
     def _listen(self, source: Source | EventSource, hear: Hear) -> None:
         assert self._connector is not None
         if source.topic is not None:
-            self._closes.append(
-                self._connector.subscribe(source.topic, source.type, lambda heard: hear(heard.data, heard.at))
-            )
+            self._closes.append(self._connector.subscribe(source.topic, source.type, hear))
         elif source.service is not None and source.every_s is not None:
             poll = (source.service, source.type, source.every_s, json.dumps(source.request, sort_keys=True))
             self._polls.setdefault(poll, (source.request, []))[1].append(hear)
@@ -114,8 +125,9 @@ class Senses:
 
         def answered(reply: Reply) -> None:
             if reply.outcome == "succeeded":
+                message = Message(service, reply.data, self._now() - max(0.0, reply.age_s or 0.0), reply.age_s)
                 for hear in hears:
-                    hear(reply.data, self._now())
+                    hear(message)
 
         service, type_name, every_s, _ = poll
         try:
@@ -125,23 +137,42 @@ class Senses:
         self._later(self._now() + every_s, lambda: self._poll(poll, request, hears))
 
     def _write_of(self, key: str, source: Source) -> Hear:
-        def hear(message: Mapping[str, Any], at: float) -> None:
+        readings = self._readings[key]
+
+        def hear(message: Message) -> None:
             now = self._now()
             try:
-                value = source.value(message, now)
-                stamp = _stamp(source.at(message, now), at, now)
+                if readings.receive(message.age_s, kept=message.kept):
+                    self._tell_offset(key, readings)
+                value = source.value(message.data, now)
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+                readings.misread(str(error))
                 self._puzzle(key, error)
                 return
             if value is None:
-                self._miss(key, source, message)
+                readings.misread(unread(source, message.data))
+                self._miss(key, source, message.data)
+                return
+            stamp = _stamp(message, now)
+            if why := fits(self._keys[key], value) if key in self._keys else "":
+                readings.misread(why)
             else:
-                self._post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
+                readings.understood(now - stamp)
+            self._post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
 
         return hear
 
+    def _tell_offset(self, key: str, readings: Readings) -> None:
+        """A source's stamps are off: its readings are stale too early, or as old as their receipt."""
+        offset_s = readings.offset_s
+        if offset_s is not None:
+            sentence = f"'{key}': {in_words(offset_s)}; mend the clock of what sends it, or what holds it up"
+            log.warning("%s", sentence)
+            self._note(sentence)
+
     def _event_of(self, name: str, source: EventSource) -> Hear:
-        def hear(message: Mapping[str, Any], _: float) -> None:
+        def hear(received: Message) -> None:
+            message = received.data
             if source.during is not None and source.during not in self._under_way:
                 return
             try:
@@ -158,9 +189,9 @@ class Senses:
         return hear
 
     def _hear_holder(self, source: Source) -> Hear:
-        def hear(message: Mapping[str, Any], _: float) -> None:
+        def hear(message: Message) -> None:
             try:
-                holder = source.value(message)
+                holder = source.value(message.data)
                 if not isinstance(holder, str):
                     raise ConnectorError(f"{cut_repr(holder, 60)} stands where the name of who holds control belongs")
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
@@ -184,12 +215,11 @@ class Senses:
             log.warning("'%s' was not understood and counts as not heard: %s", name, error)
 
 
-def _stamp(own: float, at: float, now: float) -> float:
-    """When a message was so, on the run's clock.
+def _stamp(message: Message, now: float) -> float:
+    """When a reading that is received now was so, on the run's clock.
 
-    Args:
-        own: By its own stamp; now if it has none, or one of another clock.
-        at: By the connector.
-        now: When it is heard.
+    Its age says it, whatever clock the connector counts by; a connector that gives none gives an instant of the run's.
     """
-    return own if own < now else at if 0 < at < now else now
+    if message.age_s is not None and math.isfinite(message.age_s):
+        return now - max(0.0, message.age_s)
+    return min(message.at, now) if math.isfinite(message.at) else now

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rai_missions.blackboard import Stamped, fits
+from rai_missions.blackboard import Stamped, fits, stale_at
 from rai_missions.chart.configuration import Leap
 from rai_missions.chart.core import Named
 from rai_missions.chart.saving import Saving, Snapshot
@@ -63,9 +63,10 @@ class Chart(Saving):
 
     @property
     def unheard(self) -> tuple[str, ...]:
-        """The robot keys that the start waits for and that were never heard."""
-        keys = self.mission.blackboard.items()
-        return tuple(n for n, key in keys if key.source == "robot" and not key.optional and n not in self.view.board)
+        """The robot keys that the start waits for: never received, or stale whenever they were."""
+        keys, board = self.mission.blackboard.items(), self.view.board
+        waited = (name for name, key in keys if key.source == "robot" and not key.optional)
+        return tuple(name for name in waited if name not in board or name in self._outdated)
 
     @property
     def open_goals(self) -> int:
@@ -223,7 +224,7 @@ class Chart(Saving):
         if self.mode == "ready":
             self.view.at = at
             if event.kind == "write":
-                self._write(event)
+                self._receive(event)
             elif event.kind == "control":
                 self._control(event)
             elif event.kind == "command" and event.name in ("cancel", "kill", "take_up", "migrate"):
@@ -282,6 +283,15 @@ class Chart(Saving):
             self._refused = f"the mission is ending in '{self._final.name}'"
         else:
             self._happen(event)
+
+    def _receive(self, event: Event) -> None:
+        """A write before the start; a reading that is stale as it comes is no reason to begin."""
+        name, board = event.name, self.view.board
+        is_known = name in board and name not in self._outdated
+        self._write(event)
+        if not is_known and name in board:
+            is_fresh = self.view.at < stale_at(self.mission.blackboard[name], board[name])
+            (self._outdated.discard if is_fresh else self._outdated.add)(name)
 
     def _write(self, event: Event) -> None:
         key = self.mission.blackboard.get(event.name)

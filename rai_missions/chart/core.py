@@ -145,6 +145,8 @@ class Core:
         """The states whose machines asked to be woken at this instant."""
         self._quick = False
         self._listening: frozenset[str] = frozenset()
+        self._outdated: set[str] = set()
+        """Before the start: the robot's keys of which nothing was fresh as it came."""
         self._clear()
 
     def _clear(self) -> None:

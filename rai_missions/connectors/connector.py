@@ -36,7 +36,12 @@ class Message(NamedTuple):
     topic: str
     data: Data
     at: float
-    """When it happened, in seconds on the run's clock (the header's stamp where there is one)."""
+    """When it was so, in seconds on the run's clock: its own stamp where it has one, negative before the run began, and
+    never after its receipt."""
+    age_s: float | None = None
+    """Receipt minus its own stamp, on its sender's clock; negative for a stamp in the future, None without a stamp."""
+    kept: bool = False
+    """It was published before this connector listened, and kept for later readers (latched, retained)."""
 
 
 class RawMessage(NamedTuple):
@@ -56,6 +61,8 @@ class Reply(NamedTuple):
     outcome: Literal["succeeded", "failed", "timed_out", "unavailable"]
     data: Data
     why: str = ""
+    age_s: float | None = None
+    """As a `Message`'s."""
 
 
 class Report(NamedTuple):

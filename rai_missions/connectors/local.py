@@ -15,6 +15,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.goals import Goal, Mailbox
+from rai_missions.connectors.stamps import dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
 
 __all__ = ("LocalConnector",)
@@ -32,7 +33,7 @@ class LocalConnector:
     An empty `type_name` stands for whatever type the other side uses.
 
     Args:
-        now: Seconds on the run's clock; stamps the messages that carry no stamp of their own.
+        now: Seconds on the run's clock: the clock of all stamps here, and the stamp of messages that carry none.
     """
 
     modes: frozenset[Mode] = frozenset({"topics", "services", "actions"})
@@ -92,7 +93,8 @@ class LocalConnector:
                 return
             self._agree("topics", topic, type_name)
             keys = tuple(self._subscribers.get(topic, ()))
-        heard = Message(topic, message, self._stamp(message))
+        now = self._now()
+        heard = Message(topic, message, *dated(stamp_of(message), now=now, sender_now=now))
         for key in keys:
             hear = self._subscribers.get(topic, {}).get(key)
             if hear is not None:
@@ -115,7 +117,7 @@ class LocalConnector:
         elif wrong:
             answered(Reply("failed", {}, wrong))
         else:
-            answered(_answer(answer, request, service))
+            answered(self._dated(_answer(answer, request, service)))
 
     def send_goal(
         self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
@@ -177,14 +179,9 @@ class LocalConnector:
         known = self._types.get((mode, name), type_name)
         return f"{name} is a {known}, not a {type_name}" if type_name and known != type_name else ""
 
-    def _stamp(self, message: Data) -> float:
-        stamp = message.get("stamp")
-        header = message.get("header")
-        if stamp is None and isinstance(header, Mapping):
-            stamp = header.get("stamp")
-        if isinstance(stamp, Mapping):
-            return float((int(stamp.get("sec", 0)) * 10**9 + int(stamp.get("nanosec", 0))) / 1e9)
-        return self._now() if stamp is None else float(stamp)
+    def _dated(self, reply: Reply) -> Reply:
+        now = self._now()
+        return reply._replace(age_s=dated(stamp_of(reply.data), now=now, sender_now=now).age_s)
 
     def _unsubscribe(self, topic: str, key: object) -> None:
         with self._lock:

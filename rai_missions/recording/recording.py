@@ -146,7 +146,8 @@ class Recording:
 
     def called(self, service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> None:
         """A service has answered, or has not."""
-        said = {"service": service, "request": short(request), "seconds": seconds, **reply._asdict()}
+        said = {"service": service, "request": short(request), "seconds": seconds}
+        said |= {"outcome": reply.outcome, "data": reply.data, "why": reply.why}
         self._say("calls", CALL, lambda: plain(said))
 
     def reported(self, action: str, report: Report) -> None:

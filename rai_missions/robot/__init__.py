@@ -4,7 +4,7 @@
 from rai_missions.robot.against import missing
 from rai_missions.robot.convert import plain
 from rai_missions.robot.entries import ActionEntry, ServiceEntry, TopicEntry
-from rai_missions.robot.fields import misnamed, unsaid
+from rai_missions.robot.fields import misnamed, unread, unsaid
 from rai_missions.robot.load import dump_profile, identity_folder, load_profile, parse_profile
 from rai_missions.robot.profile import Robot, Rule, terms
 from rai_missions.robot.source import EventSource, Source
@@ -13,5 +13,5 @@ from rai_missions.robot.types import lacking
 __all__ = (
     "ActionEntry", "EventSource", "Robot", "Rule", "ServiceEntry", "Source", "TopicEntry", "dump_profile",
     "identity_folder", "lacking", "load_profile", "misnamed", "missing", "parse_profile", "plain", "terms",
-    "unsaid",
+    "unread", "unsaid",
 )  # fmt: skip

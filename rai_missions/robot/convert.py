@@ -16,7 +16,7 @@ from rai_missions.cut import cut, cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 
-__all__ = ("at_path", "image_of", "json_of", "plain", "pose_message", "pose_of", "stamp_of")
+__all__ = ("at_path", "image_of", "json_of", "plain", "pose_message", "pose_of")
 
 LONGEST_TEXT = 1_000_000
 """Characters of JSON that are read from one message."""
@@ -82,22 +82,6 @@ def json_of(text: Any) -> Any:
     except (ValueError, RecursionError) as error:
         said = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise ConnectorError(f"a message's text is no JSON: {cut(said, 120)}") from None
-
-
-def stamp_of(message: Mapping[str, Any]) -> float | None:
-    """Seconds in a message's `header.stamp` or `stamp`: a builtin_interfaces/msg/Time or a number; None without one.
-
-    A stamp of zero says, as in ROS, that nobody has filled it in.
-    """
-    stamp = at_path(message, "header.stamp")
-    stamp = message.get("stamp") if stamp is None else stamp
-    if isinstance(stamp, Mapping):
-        sec, nanosec = stamp.get("sec", 0), stamp.get("nanosec", 0)
-        if not is_number(sec) or not is_number(nanosec):
-            return None
-        nanoseconds = int(sec) * 10**9 + int(nanosec)
-        stamp = nanoseconds / 1e9 if is_number(nanoseconds) else None
-    return float(stamp) if is_number(stamp) and stamp > 0 else None
 
 
 def pose_of(message: Any) -> dict[str, Any] | None:

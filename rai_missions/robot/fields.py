@@ -10,21 +10,25 @@ from collections.abc import Callable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any
 
+from rai_missions.blackboard import is_number
 from rai_missions.errors import Fault
 from rai_missions.guards.compare import Compare
 from rai_missions.guards.fresh import Fresh
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.near import Near
 from rai_missions.mission import Mission
+from rai_missions.robot.convert import at_path
 from rai_missions.robot.profile import Robot
 from rai_missions.robot.source import EventSource, Source
 from rai_missions.robot.types import Kind, heard
 from rai_missions.wording import pointer
 
-__all__ = ("FieldsOf", "misnamed", "unsaid")
+__all__ = ("FieldsOf", "misnamed", "unread", "unsaid")
 
 MANY = 20
 """Fields that are told of one message."""
+DEEPEST = 20
+"""How deep a message is looked through for numbers that are not finite."""
 FieldsOf = Callable[[str, Kind], Mapping[str, Any] | None]
 """The fields of a type: name → a plain type's name, the fields of a message, or a list of what one item holds; of a
 service its reply's. None where the type is not here."""
@@ -53,6 +57,24 @@ def unsaid(source: Source | EventSource, message: Mapping[str, Any]) -> str:
         if why := _lack(message, path):
             return f"{_a(source.type)} {why}"
     return ""
+
+
+def unread(source: Source, message: Mapping[str, Any]) -> str:
+    """Why a message that a source receives has no value, with what is there: `pose.position.x is nan`."""
+    found = _not_finite(at_path(message, source.path), source.path)
+    strange = [f"{place or 'it'} is {number!r:.40}" for place, number in found]
+    if strange:
+        return ", ".join(strange[:MANY]) + (", …" if len(strange) > MANY else "")
+    return unsaid(source, message) or (f"it leaves '{source.path}' open" if source.path else "it is empty")
+
+
+def _not_finite(there: Any, place: str, depth: int = 0) -> Iterator[tuple[str, float]]:
+    """The numbers that cannot be reckoned with, each with its place."""
+    if isinstance(there, int | float) and not is_number(there) and not isinstance(there, bool):
+        yield place, there
+    elif depth < DEEPEST and isinstance(there, Mapping | list | tuple):
+        for name, item in there.items() if isinstance(there, Mapping) else enumerate(there):
+            yield from _not_finite(item, f"{place}.{name}" if place else str(name), depth + 1)
 
 
 def _a(type_name: str) -> str:

@@ -17,7 +17,7 @@ from rai_missions.cut import cut_repr
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.guards.guard import Guard, Site, Truth, View
-from rai_missions.robot.convert import at_path, image_of, json_of, plain, pose_of, stamp_of
+from rai_missions.robot.convert import at_path, image_of, json_of, plain, pose_of
 from rai_missions.written import Bool, Json, Name, OneOf, Seconds, Text, Written, fault
 
 __all__ = ("EventSource", "Source", "check_heard", "truth_of")
@@ -115,11 +115,6 @@ class Source(Written):
             frame = at_path(message, "header.frame_id")
             return pose if pose is None or pose["frame"] or not isinstance(frame, str) else {**pose, "frame": frame}
         return plain(part)
-
-    def at(self, message: Mapping[str, Any], now: float) -> float:
-        """When a message was so: its own stamp, if it has one that is not in the future, else now."""
-        stamp = stamp_of(message)
-        return now if stamp is None or stamp > now else stamp
 
     @property
     def _kind(self) -> str:

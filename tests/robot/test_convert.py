@@ -86,7 +86,6 @@ def test_whatever_is_heard_can_be_written_down_or_is_refused(message: dict[str, 
         except ConnectorError:
             continue
         assert written(value) == value
-        assert isinstance(source.at(message, 5.0), float)
 
 
 @pytest.mark.parametrize(
@@ -219,23 +218,6 @@ def test_a_picture_is_named_by_where_and_when_it_was_heard() -> None:
 def test_what_is_no_picture_is_refused(message: dict[str, Any]) -> None:
     with pytest.raises(ConnectorError, match="picture"):
         image_of(message, "camera@1")
-
-
-@pytest.mark.parametrize(
-    ("message", "at"),
-    [
-        ({"header": {"stamp": {"sec": 3, "nanosec": 500_000_000}}}, 3.5),
-        ({"stamp": 4.0}, 4.0),
-        ({"header": {"stamp": {"sec": 0, "nanosec": 0}}}, 5.0),
-        ({"stamp": 6.0}, 5.0),
-        ({"stamp": "now"}, 5.0),
-        ({"stamp": {"sec": "x"}}, 5.0),
-        *(({"stamp": stamp}, 5.0) for huge in HUGE for stamp in (abs(huge), {"sec": huge})),
-        ({}, 5.0),
-    ],
-)
-def test_a_value_is_as_old_as_its_message_says_and_never_from_the_future(message: dict[str, Any], at: float) -> None:
-    assert Source(topic="/t").at(message, 5.0) == at
 
 
 def test_an_event_happens_when_its_condition_becomes_true() -> None:

@@ -41,7 +41,6 @@ from rai_missions.clock import Clock, Mailbox, WallClock
 from rai_missions.connectors.connector import Close, Connector, Data, Message
 from rai_missions.cut import cut
 from rai_missions.lifecycle import CONTROLLERS
-from rai_missions.robot.convert import stamp_of
 
 __all__ = ("GateAgent",)
 
@@ -193,7 +192,7 @@ class GateAgent:
             self.end()
 
     def _command(self, who: str, topic: str, heard: Message) -> None:
-        made = heard.at if stamp_of(heard.data) is not None else math.inf
+        made = heard.at if heard.age_s is not None else math.inf
         self._take(lambda at: Command(at, who, topic, heard.data, made))
 
     # -- what is done ----------------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.mqtt.codec import decode, encode
+from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
 
 __all__ = ("MqttConnector",)
@@ -228,12 +229,12 @@ class MqttConnector:
             elif heard.topic in self._services:
                 self._serve_one(heard, data)
             else:
-                self._tell(heard.topic, data)
+                self._tell(heard.topic, data, is_kept=bool(heard.retain))
         except Exception:
             log.exception("a message on %s was not understood", heard.topic)
 
-    def _tell(self, topic: str, data: Data) -> None:
-        message = Message(topic, data, self._at_of(data))
+    def _tell(self, topic: str, data: Data, *, is_kept: bool) -> None:
+        message = Message(topic, data, *self._date(data), is_kept)
         for key in tuple(self._hears.get(topic, ())):
             hear = self._hears.get(topic, {}).get(key)
             try:
@@ -242,13 +243,9 @@ class MqttConnector:
             except Exception:
                 log.exception("a subscriber of %s failed", topic)
 
-    def _at_of(self, data: Data) -> float:
-        """A stamp is a time of day; one to come, or none, is now."""
-        header = data.get("header")
-        stamp = header.get("stamp") if isinstance(header, Mapping) else data.get("stamp")
-        if isinstance(stamp, Mapping):
-            stamp = stamp.get("sec", 0) + stamp.get("nanosec", 0) / 1e9
-        return self._now() - (max(0.0, time.time() - stamp) if isinstance(stamp, int | float) and stamp else 0.0)
+    def _date(self, data: Data) -> Dated:
+        """A stamp is a time of day."""
+        return dated(stamp_of(data), now=self._now(), sender_now=time.time())
 
     def _serve_one(self, heard: Any, request: Data) -> None:
         service, answer = self._services[heard.topic]
@@ -262,7 +259,10 @@ class MqttConnector:
 
     def _answered(self, key: bytes, said: Data) -> None:
         is_good = isinstance(said.get("data"), Mapping)
-        self._end(key, Reply("succeeded", said["data"]) if is_good else Reply("failed", {}, str(said.get("why", ""))))
+        if is_good:
+            self._end(key, Reply("succeeded", said["data"], age_s=self._date(said["data"]).age_s))
+        else:
+            self._end(key, Reply("failed", {}, str(said.get("why", ""))))
 
     def _taken(self, _client: Any, _data: Any, mid: int, code: Any, _properties: Any) -> None:
         """The broker has a request; it says if nobody listens to it."""

@@ -22,6 +22,7 @@ from rclpy.event_handler import EventHandler
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor, ExternalShutdownException, ShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation as rcl
+from rclpy.subscription import Subscription
 from rclpy.task import Task
 from rclpy.waitable import NumberOfEntities, Waitable
 
@@ -199,7 +200,8 @@ def _hear(subscription: Any) -> None:
                 taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
             if taken is None:
                 return
-            subscription.callback(taken[0])
+            with_info = subscription._callback_type is Subscription.CallbackType.WithMessageInfo  # noqa: SLF001
+            subscription.callback(*(taken if with_info else taken[:1]))
 
 
 def _take_answer(client: Any) -> None:

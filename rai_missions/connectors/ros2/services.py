@@ -19,6 +19,7 @@ from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
 from rai_missions.connectors.ros2.peers import Peers, are_gone, servers_of_service, types_of_service
 from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.window import AT_ONCE
+from rai_missions.connectors.stamps import Dated
 
 __all__ = ("MANY", "Client", "Service")
 
@@ -49,10 +50,13 @@ class Client:
         service: Its name.
         cls: The service's class.
         patience_s: How long a server may take to be found, counted from now.
+        date: Dates a response that is received now.
     """
 
-    def __init__(self, runtime: Runtime, service: str, cls: Any, patience_s: float) -> None:
-        self._runtime, self._service, self._type = runtime, service, name_of(cls)
+    def __init__(
+        self, runtime: Runtime, service: str, cls: Any, patience_s: float, date: Callable[[Any], Dated]
+    ) -> None:
+        self._runtime, self._service, self._type, self._date = runtime, service, name_of(cls), date
         self._client = runtime.node.create_client(cls, service, qos_profile=MANY, callback_group=runtime.group)
         self._peers = servers_of_service(runtime.node, service)
         self._waiting: deque[_Call] = deque()
@@ -118,12 +122,13 @@ class Client:
     def _answered(self, call: _Call, future: Any) -> None:
         if call.is_over or future.cancelled():
             return
-        data = to_data(future.result())
+        response = future.result()
+        data, age_s = to_data(response), self._date(response).age_s
         said = data.get("message", "")
         if data.get("success") is False and isinstance(said, str) and said.startswith(FAILED):
             self._end(call, Reply("failed", data, said.removeprefix(FAILED)))
         else:
-            self._end(call, Reply("succeeded", data))
+            self._end(call, Reply("succeeded", data, age_s=age_s))
 
     def _end(self, call: _Call, reply: Reply) -> None:
         if call.is_over:

@@ -21,6 +21,7 @@ from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.services import Client, Service
 from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
 from rai_missions.connectors.ros2.topics import Publication
+from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import UsageError
 
 __all__ = ("Session",)
@@ -55,7 +56,7 @@ class Session:
         self._sent: dict[str, Goal] = {}
         self._is_silent = False
         self.runtime = Runtime(options, lambda: self._give_up("ROS was shut down"))
-        self._subscriptions = Subscriptions(self.runtime, options.quality, self._at_of)
+        self._subscriptions = Subscriptions(self.runtime, options.quality, self._date)
         if options.node:
             self.runtime.post(self._look_later)
 
@@ -98,15 +99,13 @@ class Session:
             self._publications[topic] = Publication(self.runtime, topic, cls, quality, patience_s)
         return self._publications[topic]
 
-    def _at_of(self, message: Any) -> float:
-        """When a message was so, on the run's clock; a stamp of zero says nothing, and one to come is now."""
+    def _date(self, message: Any) -> Dated:
+        """The date of a message, or of a service's response, that is received now; stamps are of ROS time."""
         ros_now = self.runtime.now()
         now = ros_now if self._now is None else self._now()
         stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
-        if not hasattr(stamp, "sec") or not (stamp.sec or stamp.nanosec):
-            return now
-        age_s: float = ros_now - (stamp.sec + stamp.nanosec / 1e9)
-        return now - max(0.0, age_s)
+        time = {"sec": stamp.sec, "nanosec": stamp.nanosec} if hasattr(stamp, "sec") else stamp
+        return dated(stamp_of({"stamp": time}), now=now, sender_now=ros_now)
 
     # -- services --------------------------------------------------------------------------------------------------
 
@@ -125,7 +124,7 @@ class Session:
 
     def _client(self, service: str, cls: Any) -> Client:
         if service not in self._clients:
-            self._clients[service] = Client(self.runtime, service, cls, self._options.discovery_s)
+            self._clients[service] = Client(self.runtime, service, cls, self._options.discovery_s, self._date)
         return self._clients[service]
 
     def serve(self, service: str, cls: Any, answer: Callable[[Data], Data]) -> Close:

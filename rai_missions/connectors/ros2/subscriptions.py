@@ -7,8 +7,9 @@ Rule: whoever joins later hears what a reader of their own would: of a latched t
 from __future__ import annotations
 
 import logging
+import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -20,6 +21,7 @@ from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.options import Quality
 from rai_missions.connectors.ros2.runtime import Runtime, guarded
 from rai_missions.connectors.ros2.topics import profile
+from rai_missions.connectors.stamps import Dated
 
 __all__ = ("Listener", "Subscriptions")
 
@@ -57,11 +59,11 @@ class Subscriptions:
     Args:
         runtime: Where they live.
         quality: How a topic's messages travel; where it leaves the reliability open, it is what the publisher offers.
-        at_of: When a message was so, on the run's clock.
+        date: Dates a message that is received now.
     """
 
-    def __init__(self, runtime: Runtime, quality: Callable[[str], Quality], at_of: Callable[[Any], float]) -> None:
-        self._runtime, self._quality, self._at_of = runtime, quality, at_of
+    def __init__(self, runtime: Runtime, quality: Callable[[str], Quality], date: Callable[[Any], Dated]) -> None:
+        self._runtime, self._quality, self._date = runtime, quality, date
         self._readers: dict[tuple[str, bool], _Reader] = {}
 
     def join(self, topic: str, cls: Any, listener: Listener) -> Close:
@@ -80,7 +82,7 @@ class Subscriptions:
         key = (topic, listener.is_raw)
         if key not in self._readers:
             self._readers[key] = _Reader(
-                self._runtime, topic, cls, quality=self._quality(topic), at_of=self._at_of, is_raw=listener.is_raw
+                self._runtime, topic, cls, quality=self._quality(topic), date=self._date, is_raw=listener.is_raw
             )
         self._readers[key].join(listener)
 
@@ -95,10 +97,10 @@ class _Reader:
     """One topic's reader. On the runtime's thread only."""
 
     def __init__(
-        self, runtime: Runtime, topic: str, cls: Any, *, quality: Quality, at_of: Callable[[Any], float], is_raw: bool
+        self, runtime: Runtime, topic: str, cls: Any, *, quality: Quality, date: Callable[[Any], Dated], is_raw: bool
     ) -> None:
         self._runtime, self._topic, self._class, self._quality = runtime, topic, cls, quality
-        self._at_of, self._is_raw = at_of, is_raw
+        self._date, self._is_raw = date, is_raw
         self._listeners: tuple[Listener, ...] = ()
         self._last: deque[Any] = deque(maxlen=quality.depth if quality.durability == "latched" else 0)
         self._entity: Any = None
@@ -112,7 +114,7 @@ class _Reader:
         self._listeners += (listener,)
         if self._last and self._publishers():
             for heard in tuple(self._last):
-                self._tell(heard, (listener,))
+                self._tell(heard, (listener,), is_kept=True)
 
     def leave(self, listener: Listener) -> bool:
         """Tell one less; whether that was the last one, and the reader is closed."""
@@ -125,6 +127,7 @@ class _Reader:
     def _open(self, reliability: str) -> None:
         if not self._is_open:
             return
+        self._opened_ns, self._count = time.time_ns(), 0
         events = SubscriptionEventCallbacks(incompatible_qos=self._misfits, use_default_callbacks=False)
         self._entity = self._runtime.node.create_subscription(
             self._class, self._topic, self._heard, profile(self._quality, reliability),
@@ -173,19 +176,26 @@ class _Reader:
                 self._topic, policy, self._topic,
             )  # fmt: skip
 
-    def _heard(self, heard: Any) -> None:
+    def _heard(self, heard: Any, info: Mapping[str, Any]) -> None:
         """A message has come; in bytes, where somebody wants them."""
         self._is_heard = True
         self._last.append(heard)
-        self._tell(heard, self._listeners)
+        self._tell(heard, self._listeners, is_kept=self._is_kept(info))
 
-    def _tell(self, heard: Any, listeners: tuple[Listener, ...]) -> None:
+    def _is_kept(self, info: Mapping[str, Any]) -> bool:
+        """A latched message that was published before this reader was there; a middleware may not say when it was."""
+        self._count += 1
+        if self._quality.durability != "latched" or self._count > self._quality.depth:
+            return False
+        return int(info.get("source_timestamp") or 0) < self._opened_ns
+
+    def _tell(self, heard: Any, listeners: tuple[Listener, ...], *, is_kept: bool) -> None:
         """Convert a message once, for whoever still listens."""
         if not any(each.is_open for each in listeners):
             return
         message = deserialize_message(heard, self._class) if self._is_raw else heard
-        at = self._at_of(message)
+        at, age_s = self._date(message)
         raw = RawMessage(self._topic, name_of(self._class), heard, at) if self._is_raw else None
-        told = Message(self._topic, to_data(message, f"{self._topic}@{at:.3f}"), at)
+        told = Message(self._topic, to_data(message, f"{self._topic}@{at:.3f}"), at, age_s, is_kept)
         for each in listeners:
             each.tell(raw, told)
