@@ -18,6 +18,7 @@ from rclpy.serialization import deserialize_message
 
 from rai_missions.connectors.connector import Close, Message, RawMessage
 from rai_missions.connectors.ros2.messages import name_of, to_data
+from rai_missions.connectors.ros2.mixed import Mixed
 from rai_missions.connectors.ros2.options import Quality
 from rai_missions.connectors.ros2.runtime import Runtime, guarded
 from rai_missions.connectors.ros2.topics import profile
@@ -103,7 +104,8 @@ class _Reader:
         self._date, self._is_raw = date, is_raw
         self._listeners: tuple[Listener, ...] = ()
         self._last: deque[Any] = deque(maxlen=quality.depth if quality.durability == "latched" else 0)
-        self._entity: Any = None
+        self._entities: dict[str, Any] = {}
+        self._mixed = Mixed(runtime.later, self._heard, self._count_reliable)
         self._is_open = True
         self._is_puzzled = self._is_fitted = self._is_heard = False
         self._open("reliable")
@@ -127,17 +129,22 @@ class _Reader:
     def _open(self, reliability: str) -> None:
         if not self._is_open:
             return
-        self._opened_ns, self._count = time.time_ns(), 0
+        if not self._entities:
+            self._opened_ns, self._count = time.time_ns(), 0
         events = SubscriptionEventCallbacks(incompatible_qos=self._misfits, use_default_callbacks=False)
-        self._entity = self._runtime.node.create_subscription(
-            self._class, self._topic, self._heard, profile(self._quality, reliability),
+        receive = self._mixed.receive_reliably if reliability == "reliable" else self._mixed.receive
+        self._entities[reliability] = self._runtime.node.create_subscription(
+            self._class, self._topic, receive, profile(self._quality, reliability),
             callback_group=self._runtime.group, event_callbacks=events, raw=self._is_raw,
         )  # fmt: skip
 
     def _close(self) -> None:
-        if self._entity is not None:
-            self._runtime.node.destroy_subscription(self._entity)
-            self._entity = None
+        while self._entities:
+            self._runtime.node.destroy_subscription(self._entities.popitem()[1])
+
+    def _count_reliable(self) -> int:
+        """Reliable publishers there are: no other fits the reliable reader."""
+        return int(self._entities["reliable"].get_publisher_count()) if "reliable" in self._entities else 0
 
     def _publishers(self) -> list[Any]:
         return list(self._runtime.node.get_publishers_info_by_topic(self._topic))
@@ -165,8 +172,7 @@ class _Reader:
             return
         if found.last_policy_kind == QoSPolicyKind.RELIABILITY and self._quality.reliability is None:
             self._is_fitted = True
-            log.info("%s is published with best effort, and is heard so", self._topic)
-            self._runtime.post(self._close)
+            log.info("%s is published with best effort, and is received so from who does not offer more", self._topic)
             self._runtime.post(lambda: self._open("best_effort"))
         elif not self._is_puzzled:
             self._is_puzzled = True
