@@ -6,7 +6,8 @@ Rule: this is the only place that knows `transitions`; no mission draws these st
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from collections.abc import Set as AbstractSet
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -51,7 +52,7 @@ class Status(NamedTuple):
     control: str
     """One of `CONTROLLERS`."""
     active: tuple[str, ...]
-    """The active states, sorted."""
+    """The active states in the order of the hierarchy: outer before inner, in document order."""
     outcome: str | None = None
     why: str = ""
     waits: str = ""
@@ -158,7 +159,7 @@ class Lifecycle:
         return ""
 
     def observe(
-        self, step: Step, *, mode: str, holder: str, active: frozenset[str], waiting: Mapping[str, str] = NOTHING
+        self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING
     ) -> Status | None:
         """Follow a step; the new status if anything in it changed.
 
@@ -166,7 +167,7 @@ class Lifecycle:
             step: What has happened.
             mode: The chart's: `ready`, `running`, `paused`, `canceling` or `ended`.
             holder: Who holds control.
-            active: The active states.
+            active: The active states, in the order in which they are to be shown; a set is sorted by name.
             waiting: State → who must have control before what it does can go on.
 
         Raises:
@@ -181,7 +182,8 @@ class Lifecycle:
         if self._last and self._last[3]:  # it has ended: what comes too late has a reason of its own
             outcome, why = self._last[3:5]
         waits = _waits(waiting, holder) if mode != "ended" else ""
-        status = (target, holder, tuple(sorted(active)), outcome, why, waits)
+        shown = tuple(sorted(active) if isinstance(active, AbstractSet) else active)
+        status = (target, holder, shown, outcome, why, waits)
         if status == self._last:
             return None
         self._last = status

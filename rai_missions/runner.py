@@ -96,6 +96,7 @@ class Runner(Steered):
         self._connector, self._scribe = connector, Scribe(journal, self._stop_at_once)
         self.mailbox.alarm = self._scribe.call
         self._puzzled: set[str] = set()
+        self._names = tuple(name for _, name, _ in mission.walk())
         self._about = robot.about if robot is not None else ""
         self._on_step, self._on_status = on_step, on_status
         self._arguments = accepted(mission, arguments or {})
@@ -300,7 +301,11 @@ class Runner(Steered):
     def _tell_status(self, step: Step) -> None:
         chart = self.chart
         status = self.lifecycle.observe(
-            step, mode=chart.mode, holder=chart.holder, active=chart.active, waiting=chart.waiting
+            step,
+            mode=chart.mode,
+            holder=chart.holder,
+            waiting=chart.waiting,
+            active=tuple(name for name in self._names if name in chart.active),
         )
         if status is not None and status.control == "nobody" and step.event.kind != "control":
             self.performer.handovers.let_go(self.mailbox.wake)

@@ -386,3 +386,15 @@ def test_an_operator_who_takes_control_of_a_paused_run_stops_what_was_kept_going
     )
     result = rig.run()
     assert result.why == "canceled by the test" and len(rig.move.goals) == 2
+
+
+def test_the_status_has_the_active_states_in_the_order_of_the_hierarchy() -> None:
+    states = {
+        "zoo": {"initial": "yard", "states": {"yard": {"parallel": {
+            "west": {"initial": "z1", "states": {"z1": {}}}, "east": {"initial": "a1", "states": {"a1": {}}}}}}},
+    }  # fmt: skip
+    seen: list[tuple[str, ...]] = []
+    rig = Rig(mission(states), on_status=lambda status: seen.append(status.active))
+    rig.stage.play({1.0: rig.runner.kill})
+    rig.run()
+    assert ("zoo", "yard", "west", "z1", "east", "a1") in seen
