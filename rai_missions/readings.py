@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rai_missions.blackboard import Key
+from rai_missions.cut import cut
 
 __all__ = ("Readings", "SourceState", "in_words", "refused")
 
@@ -100,7 +101,7 @@ def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s:
     for name, state in missed.items():
         off = f"; {in_words(state.offset_s)}" if state.offset_s is not None else ""
         if state.misread:
-            sentences.append(f"{name} was received and not understood: {state.misread:.300}{off}")
+            sentences.append(f"{name} was received and not understood: {cut(state.misread, 300)}{off}")
         elif state.received:
             most = keys[name].max_age_s if name in keys else None
             old = (

@@ -11,6 +11,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from rai_missions.blackboard import is_number
+from rai_missions.cut import cut_repr
 from rai_missions.errors import Fault
 from rai_missions.guards.compare import Compare
 from rai_missions.guards.fresh import Fresh
@@ -62,7 +63,7 @@ def unsaid(source: Source | EventSource, message: Mapping[str, Any]) -> str:
 def unread(source: Source, message: Mapping[str, Any]) -> str:
     """Why a message that a source receives has no value, with what is there: `pose.position.x is nan`."""
     found = _not_finite(at_path(message, source.path), source.path)
-    strange = [f"{place or 'it'} is {number!r:.40}" for place, number in found]
+    strange = [f"{place or 'it'} is {cut_repr(number, 40)}" for place, number in found]
     if strange:
         return ", ".join(strange[:MANY]) + (", …" if len(strange) > MANY else "")
     return unsaid(source, message) or (f"it leaves '{source.path}' open" if source.path else "it is empty")

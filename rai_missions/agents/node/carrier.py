@@ -17,10 +17,13 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError
 from rai_missions.robot import Robot
 
-__all__ = ("LATCHED", "PACKAGE", "Carrier", "name_of", "open_carrier")
+__all__ = ("LATCHED", "LOG_TOPIC", "PACKAGE", "Carrier", "name_of", "open_carrier")
 
 LATCHED = ("status", "mission_status", "control")
 """The node's own topics whose last message a late reader hears."""
+LOG_TOPIC = "/rosout"
+LOG = {"durability": "latched", "depth": 1000}
+"""As `rcl` publishes it, for readers that ask for no less."""
 PACKAGE = "rai_missions_msgs"
 
 
@@ -74,6 +77,6 @@ def open_carrier(
 
 def _of_ros(options: dict[str, Any], name: NodeName, ros_arguments: Sequence[str]) -> dict[str, Any]:
     latched = {"durability": "latched", "depth": 1}
-    qos = {name.below(topic): latched for topic in LATCHED} | dict(options.get("qos") or {})
+    qos = {name.below(topic): latched for topic in LATCHED} | {LOG_TOPIC: LOG} | dict(options.get("qos") or {})
     arguments = [*(options.get("arguments") or ()), *ros_arguments]
     return options | {"node": name.name, "namespace": f"/{name.namespace}", "qos": qos, "arguments": arguments}

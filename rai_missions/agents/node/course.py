@@ -20,6 +20,7 @@ from rai_missions.blackboard import stale_at
 from rai_missions.cut import cut
 from rai_missions.event import Event
 from rai_missions.lifecycle import CONTROLLERS, Status, is_operator
+from rai_missions.readings import SourceState
 from rai_missions.redact import Redaction
 from rai_missions.robot import Robot
 from rai_missions.runner import Result, Runner
@@ -105,6 +106,11 @@ class Course:
         keys = [(name, key) for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
         heard = [(name, key, board.get(name)) for name, key in keys]
         return tuple(name for name, key, entry in heard if entry is not None and stale_at(key, entry) <= now)
+
+    def sources(self) -> Mapping[str, SourceState]:
+        """The robot's keys → what is known of the readings of their sources."""
+        keys = [name for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
+        return {} if self.is_over else {name: self.runner.performer.source(name) for name in keys}
 
     # -- after it -------------------------------------------------------------------------------------------------
 

@@ -66,6 +66,7 @@ class MissionNode:
         self._press = Press(
             self._carrier, self.name, lifecycle=lambda: (self._lifecycle.state.label, self._lifecycle.fault),
             course=lambda: self._host.course, about=lambda: self._about,
+            robot=lambda: self._host.robot.name if self._host.robot is not None else "",
         )  # fmt: skip
         self._finalized = threading.Event()
         self._desk = Desk(self._begin if managed else None, self._press.changed)

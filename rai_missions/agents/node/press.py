@@ -46,13 +46,16 @@ class Press:
         lifecycle: The label of the node's state, and why its last transition failed.
         course: The run that was begun last, if any.
         about: The mission's name and version, as far as they are known.
+        robot: The robot's name; empty where there is none.
     """
 
     def __init__(
         self, carrier: Carrier, name: NodeName, *, lifecycle: Callable[[], tuple[str, str]],
         course: Callable[[], Course | None], about: Callable[[], tuple[str, str]],
+        robot: Callable[[], str] = str,
     ) -> None:  # fmt: skip
         self._carrier, self._name, self._lifecycle, self._course, self._about = carrier, name, lifecycle, course, about
+        self._robot = robot
         self._lock = threading.Lock()
         self._last = IDLE
         self._holder = ""
@@ -142,8 +145,10 @@ class Press:
         with self._lock:
             bulletin = self._last
         course = self._course()
-        stale = course.stale() if course is not None else ()
-        fields = array_of(bulletin, at=time.time(), stale=stale, strangers=len(self._strangers))
+        stale, sources = (course.stale(), course.sources()) if course is not None else ((), {})
+        fields = array_of(
+            bulletin, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources, robot=self._robot()
+        )
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, fields)
 
     def _publish(self, name: str, type_name: str, fields: dict[str, object]) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from rai_missions.agents.node.bulletin import Bulletin, Open
 from rai_missions.agents.node.diagnostics import ERROR, OK, WARN, array_of, level
+from rai_missions.readings import SourceState
 from rai_missions.verdict import Question
 
 RUNNING = Bulletin(3, "/errand", "ab", "active", "errand", "1.0", "r1", "running", "autonomy", ("moving",))
@@ -48,3 +49,18 @@ def test_the_level_says_how_bad_it_is(
 def test_a_bulletin_says_its_question_with_the_time_left() -> None:
     said = RUNNING._replace(questions=ASKED).data()
     assert said["question"] == said["questions"][0] and said["question"]["left_s"] == 5.0
+
+
+def test_sources_that_are_off_or_not_understood_are_named_with_their_values() -> None:
+    off = {"pose": SourceState(5, -2.0), "battery": SourceState(5, 1.25), "there": SourceState(5, None)}
+    assert level(RUNNING, sources=off) == (
+        WARN,
+        "pose: its stamps are 2.0 s ahead, battery: its stamps are 1.2 s behind",
+    )
+    misread = {"pose": SourceState(5, misread="pose.position.x is nan")}
+    assert level(RUNNING, sources=misread) == (WARN, "received and not understood: pose: pose.position.x is nan")
+    (status,) = array_of(RUNNING, at=1.0, sources=off | misread, robot="tractor1")["status"]
+    values = {each["key"]: each["value"] for each in status["values"]}
+    assert values["clock offsets"] == "battery: its stamps are 1.2 s behind"
+    assert values["not understood"] == "pose: pose.position.x is nan" and values["instance"] == "ab"
+    assert status["hardware_id"] == "tractor1"
