@@ -12,6 +12,7 @@ from launch.actions import DeclareLaunchArgument, Shutdown
 from launch.conditions import IfCondition, UnlessCondition
 from launch.substitutions import FindExecutable, LaunchConfiguration
 from launch_ros.actions import LifecycleNode, Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 HERE = Path(__file__).resolve().parent
 MISSION = HERE / "mission.json"
@@ -22,7 +23,8 @@ def generate_launch_description() -> LaunchDescription:
     """The mission's node, under a name that other launch files can remap."""
     name, program = LaunchConfiguration("name"), FindExecutable(name="rai-missions")
     words = ["run", LaunchConfiguration("mission"), "--robot", LaunchConfiguration("robot")]
-    words += ["--set", ["alleys=", LaunchConfiguration("alleys")], "--node"]
+    words += ["--node"]
+    arguments = [{"alleys": ParameterValue(LaunchConfiguration("alleys"), value_type=int)}]  # the mission's
     return LaunchDescription(
         [
             DeclareLaunchArgument("mission", default_value=str(MISSION), description="the mission's file"),
@@ -34,6 +36,7 @@ def generate_launch_description() -> LaunchDescription:
                 executable=program,
                 name=name,
                 arguments=words,
+                parameters=arguments,
                 output="screen",
                 on_exit=Shutdown(),  # one run, and it is over
                 condition=UnlessCondition(LaunchConfiguration("managed")),
@@ -44,6 +47,7 @@ def generate_launch_description() -> LaunchDescription:
                 name=name,
                 namespace="",
                 arguments=[*words, "--managed"],
+                parameters=arguments,
                 output="screen",
                 condition=IfCondition(LaunchConfiguration("managed")),
             ),

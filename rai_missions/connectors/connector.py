@@ -17,6 +17,7 @@ __all__ = (
     "Foresight",
     "Message",
     "Mode",
+    "Parametrized",
     "RawMessage",
     "Reply",
     "Report",
@@ -120,6 +121,14 @@ class Census(Protocol):
 
     def offered(self, mode: Mode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action."""
+
+
+@runtime_checkable
+class Parametrized(Protocol):
+    """A connector whose node can be given parameters by who starts the process."""
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Name → value of what was given from outside; without the middleware's own, and those of the profile."""
 
 
 @runtime_checkable

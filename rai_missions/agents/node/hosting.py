@@ -5,18 +5,23 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from rai_missions.agents.mission import Prepared, Setting, prepare
 from rai_missions.agents.node.carrier import Carrier
 from rai_missions.agents.node.course import Course
+from rai_missions.agents.node.launched import arguments_of
 from rai_missions.agents.node.order import Order
 from rai_missions.agents.node.present import Clients
 from rai_missions.clock import Clock, HeardClock, WallClock
 from rai_missions.connectors.connector import Message
+from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.lifecycle import Status
+from rai_missions.load import load
 from rai_missions.mission import Mission
 from rai_missions.robot import Robot
 from rai_missions.step import Step
@@ -46,6 +51,34 @@ class Host:
         """As it was read last; the setting's until then."""
         self.course: Course | None = None
         """The run that was begun last."""
+        self._parameters: Mapping[str, Any] = {}
+
+    def take_parameters(self, parameters: Mapping[str, Any]) -> None:
+        """Take what the node was started with; each is an argument of the mission.
+
+        Raises:
+            UsageError: One is none; where the mission cannot be read yet, `arguments` raises it later.
+        """
+        self._parameters = parameters
+        if parameters and self.setting.resume is not None:
+            names = ", ".join(sorted(parameters))
+            raise UsageError(f"parameters ({names}) cannot be given with --resume: the run goes on as it began")
+        with suppress(DefinitionError):
+            self.arguments()
+
+    def arguments(self) -> dict[str, Any]:
+        """The mission's arguments: those of the setting, and the node's parameters.
+
+        Raises:
+            UsageError: A parameter is no argument of the mission, or is given twice.
+            DefinitionError: The mission is at fault.
+        """
+        given = self.setting.arguments
+        if not self._parameters:
+            return dict(given)
+        mission = self.mission or self.setting.mission
+        read = mission if isinstance(mission, Mission) or mission is None else load(mission)
+        return {**given, **(arguments_of(self._parameters, read, given) if read is not None else {})}
 
     def now(self) -> float:
         """Seconds on the clock of the run that is under way."""
@@ -67,6 +100,7 @@ class Host:
         if carrier.robots:
             self._clock = self._heard or WallClock()
             setting = replace(setting, connector=carrier.connector, clock=self._clock)
+        setting = replace(setting, arguments={**self.arguments(), **setting.arguments})
         if setting.operator is None and self._is_operator:
             setting = replace(setting, operator=Clients())
         tell_step, tell_status = setting.on_step, setting.on_status
@@ -95,7 +129,7 @@ class Host:
         Raises:
             MissionError: It cannot be begun.
         """
-        mission, arguments = self.mission or self.setting.mission, {**self.setting.arguments, **order.arguments}
+        mission, arguments = self.mission or self.setting.mission, {**self.arguments(), **order.arguments}
         journal = self._journals() if self._journals is not None else self.setting.journal
         prepared = prepare(join(replace(self.setting, mission=mission, arguments=arguments, journal=journal)))
         try:

@@ -14,7 +14,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, RawMessage, Reply, Report
 from rai_missions.connectors.ros2.definitions import definition_of
-from rai_missions.connectors.ros2.graph import listed, offered
+from rai_missions.connectors.ros2.graph import listed, offered, parameters
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
 from rai_missions.connectors.ros2.names import Kind, check_name, find_type
 from rai_missions.connectors.ros2.options import read_options
@@ -93,6 +93,18 @@ class Ros2Connector:
         """
         session = self._session
         return {} if session is None else session.runtime.ask(lambda: offered(session.runtime.node, mode), {})
+
+    def parameters(self) -> Mapping[str, Any]:
+        """The node's parameters that `--ros-args` gave, without those of ROS itself and of the profile.
+
+        Raises:
+            ConnectorError: As `listed`.
+        """
+        session = self._session
+        if session is None:
+            return {}
+        found = session.runtime.ask(lambda: parameters(session.runtime.node), {})
+        return {name: value for name, value in found.items() if name not in self._options.parameters}
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
         return self._opened().subscribe(topic, self._type("msg", topic, type_name), hear)

@@ -1,19 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is on the ROS graph now, as anybody there sees it."""
+"""What is on the ROS graph now, as anybody there sees it, and with what the own node was started."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from rclpy.action import get_action_names_and_types
 from rclpy.node import Node
 
 from rai_missions.connectors.connector import Mode
 
-__all__ = ("listed", "offered")
+__all__ = ("listed", "offered", "parameters")
 
 HIDDEN = "/_"
 """Stands in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
+
+OF_ROS = ("use_sim_time", "start_type_description_service")
+"""Parameters that each node of ROS has."""
+OF_QUALITY = "qos_overrides."
 
 
 def listed(node: Node, mode: Mode) -> Mapping[str, str]:
@@ -35,3 +40,9 @@ def offered(node: Node, mode: Mode) -> Mapping[str, int]:
     }
     counted = {name: counts[mode](name) for name in listed(node, mode)}
     return {name: number for name, number in counted.items() if number}
+
+
+def parameters(node: Node) -> Mapping[str, Any]:
+    """The values of a node's parameters but for those that ROS itself declares. On the node's thread only."""
+    found = node.get_parameters_by_prefix("")
+    return {name: each.value for name, each in found.items() if name not in OF_ROS and not name.startswith(OF_QUALITY)}

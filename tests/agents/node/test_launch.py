@@ -13,6 +13,7 @@ import pytest
 
 from rai_missions.agents.node import node_name
 from rai_missions.cli import main, parser
+from rai_missions.load import load
 
 FILE = Path(__file__).parents[3] / "missions" / "tractor" / "tractor.launch.py"
 NAMES = {
@@ -22,6 +23,7 @@ NAMES = {
     "launch.substitutions": ["FindExecutable", "LaunchConfiguration"],
     "launch_ros": [],
     "launch_ros.actions": ["LifecycleNode", "Node"],
+    "launch_ros.parameter_descriptions": ["ParameterValue"],
 }
 
 
@@ -57,7 +59,10 @@ def test_the_command_lines_that_it_makes_are_understood(described: list[Said]) -
         appended = ["--ros-args", "-r", f"__node:={text(node.words['name'])}", "--params-file", "/tmp/launch_params_x"]
         given = parser().parse_args([*map(text, node.words["arguments"]), *appended])
         assert given.managed is (type(node).__name__ == "LifecycleNode")
-        assert Path(given.mission).is_file() and Path(given.robot).is_file() and given.set == ["alleys=6"]
+        assert Path(given.mission).is_file() and Path(given.robot).is_file() and given.set == []
+        ((name, value),) = node.words["parameters"][0].items()
+        assert name == "alleys" and value.words == {"value_type": int}, "parameters are the mission's arguments"
+        assert name in load(given.mission).blackboard
         assert given.node == "" and node_name("other", ros_arguments=given.ros_args).path == "/tractor_mission"
 
 
