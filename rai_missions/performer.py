@@ -43,10 +43,12 @@ from rai_missions.step import (
 from rai_missions.verdict import Answerer
 from rai_missions.wording import in_words
 
-__all__ = ("Performer",)
+__all__ = ("MISSION_LINE", "Performer")
 
 log = logging.getLogger(__name__)
 
+MISSION_LINE = "mission_line"
+"""Field of a log record whose text stands in the step as well."""
 LONGEST_ANSWER = 1_000_000
 """Characters; a journal keeps every answer."""
 
@@ -86,7 +88,7 @@ class Performer:
             StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
             PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
             StartBehaviour: self._behaviours.start, StopBehaviour: self._behaviours.stop,
-            SayAloud: self._say, LogLine: lambda effect: log.info("%s", effect.text),
+            SayAloud: self._say, LogLine: lambda effect: log.info("%s", effect.text, extra={MISSION_LINE: True}),
         }  # fmt: skip
 
     @property
@@ -267,7 +269,7 @@ class Performer:
     def _say(self, effect: SayAloud) -> None:
         if self._robot is not None and "say" in self._robot.topics:
             self._publish(PublishMessage("say", {"data": effect.text}))
-        log.info("says: %s", effect.text)
+        log.info("says: %s", effect.text, extra={MISSION_LINE: True})
 
     # -- questions and control ------------------------------------------------------------------------------------
 

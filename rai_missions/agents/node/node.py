@@ -14,6 +14,7 @@ from rai_missions.agents.node.carrier import PACKAGE, Carrier, name_of, open_car
 from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.desk import PATIENCE_S, Desk
 from rai_missions.agents.node.hosting import Host
+from rai_missions.agents.node.launched import parameters_of
 from rai_missions.agents.node.managed import ManagedLifecycle, serve_lifecycle
 from rai_missions.agents.node.names import NodeName
 from rai_missions.agents.node.order import Order, Receipt, unheard
@@ -81,7 +82,7 @@ class MissionNode:
         """Open the node; beside a run it is active at once, else unconfigured.
 
         Raises:
-            UsageError: Another node has its name.
+            UsageError: Another node has its name, or a parameter is no argument of the mission.
             ConnectorError: The graph cannot be reached.
         """
         if self._is_open:
@@ -90,12 +91,14 @@ class MissionNode:
         self._is_ours = not self._carrier.connector.running
         try:
             self._carrier.connector.start()
+            self._host.take_parameters(parameters_of(self._carrier.connector))
             self._look_for_others()
             self._serve()
         except BaseException:
             self.stop()
             raise
         self._press.outlet.run()
+        self._press.lines.open()
         self._press.changed()
         if not self._is_managed:
             self._lifecycle.change("configure")
@@ -111,6 +114,7 @@ class MissionNode:
             self._host.join(FAREWELL_S)
         while self._closes:
             self._closes.pop()()
+        self._press.lines.close()
         self._press.outlet.stop()
         if self._is_open and self._is_ours:
             self._carrier.connector.stop()
@@ -187,6 +191,7 @@ class MissionNode:
         if self._is_managed:
             mission, self._host.robot = readied(self._host.setting)
             self._host.mission = mission
+            self._host.arguments()
             self._about = (mission.name, mission.version)
 
     # -- the graph ------------------------------------------------------------------------------------------------

@@ -14,13 +14,14 @@ import uuid
 from collections.abc import Callable
 
 from rai_missions.agents.node.bulletin import Bulletin, step_fields, step_text, text_of
-from rai_missions.agents.node.carrier import PACKAGE, Carrier
+from rai_missions.agents.node.carrier import LOG_TOPIC, PACKAGE, Carrier
 from rai_missions.agents.node.course import Course
 from rai_missions.agents.node.diagnostics import array_of
 from rai_missions.agents.node.managed import EVENT_TYPE, event_fields
 from rai_missions.agents.node.names import NodeName
 from rai_missions.agents.node.order import Receipt
 from rai_missions.agents.node.outlet import Outlet
+from rai_missions.agents.node.rosout import LOG, LogLines, lines_of
 from rai_missions.agents.node.services import STRING
 from rai_missions.agents.node.standard import Transition
 from rai_missions.connectors.connector import Message
@@ -62,8 +63,18 @@ class Press:
         self._instance = uuid.uuid4().hex[:12]
         self._strangers: set[str] = set()
         self.outlet = Outlet(self._diagnose)
+        self.lines = LogLines(self._logger, self.log)
         self.also: Callable[[Bulletin], None] = lambda _bulletin: None
         """Told of each bulletin, on the outlet's thread."""
+
+    @property
+    def _logger(self) -> str:
+        """The node's name as ROS writes that of its logger."""
+        return self._name.path.strip("/").replace("/", ".")
+
+    def log(self, line: dict[str, object]) -> None:
+        """Publish a line of the log."""
+        self.outlet.put(lambda: self._carrier.connector.publish(LOG_TOPIC, LOG, line))
 
     def changed(self) -> None:
         """Something may have changed: say so, if it has."""
@@ -100,6 +111,8 @@ class Press:
         """A step was made; one that changed nothing is left out."""
         if not (step.ignored and step.event.kind in ("write", "tick", "feedback")):
             self.outlet.put(lambda: self._say_step(step, run))
+        for line in lines_of(step, self._logger) if step.effects else ():
+            self.log(line)
 
     def moved(self, way: Transition) -> None:
         """The node's lifecycle has moved."""
