@@ -103,7 +103,8 @@ class Ros2Connector:
         session = self._session
         if session is None:
             return {}
-        found = session.runtime.ask(lambda: parameters(session.runtime.node), {})
+        nothing: Mapping[str, Any] = {}
+        found = session.runtime.ask(lambda: parameters(session.runtime.node), nothing)
         return {name: value for name, value in found.items() if name not in self._options.parameters}
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
