@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple
 __all__ = ("MOST_STATES", "Limits", "Meter", "Stopped")
 
 MOST_STATES = 1_000_000
-STATES_AFTER, WORK_AFTER, TIMES_AFTER = 20_000, 400_000, 10
+STATES_AFTER, WORK_AFTER, TIMES_AFTER = 10_000, 400_000, 10
 """Once a claim is refuted, the others are looked at for so many times what that has cost, and so much more."""
 EVERY = 256
 """So many steps are made between two looks at the memory."""
