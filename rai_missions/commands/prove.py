@@ -129,7 +129,7 @@ def _lines(mission: Mission, proof: Any, journals: dict[str, Any]) -> Iterable[s
         yield f"  {verdict:<{WIDTH}} {claim.name}: {claim.words}"
         if claim.verdict == "refuted":
             yield from _refutation(claim.sentence, proof.ways.get(claim.name, ()), journals.get(claim.name))
-    if proof.verdict == "proved":
+    if proof.verdict == "proved" and not proof.alike:
         yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it heard"
     yield from _limits(proof)
 
@@ -177,6 +177,9 @@ def _said(value: Any) -> str:
 def _limits(proof: Any) -> Iterable[str]:
     if proof.assumed:
         yield f"assumed of the robot, and watched in a run: {', '.join(proof.assumed)}"
+    if proof.alike:
+        loops = ", ".join(f"'{loop}' ({rounds} rounds)" for loop, rounds in sorted(proof.alike.items()))
+        yield f"a few rounds stand for all, which are alike: {loops}"
     if proof.in_pause:
         names = ", ".join(proof.in_pause)
         yield f"while paused no rule acts, and what the robot says can end the mission by: {names}"
@@ -212,6 +215,7 @@ def _object(mission: Mission, proof: Any, journals: dict[str, Any]) -> dict[str,
         "in_pause",
         "predicates",
         "sampled",
+        "alike",
         "never",
         "seconds",
     )

@@ -13,11 +13,13 @@ from typing import NamedTuple
 
 from rai_missions.journal import Header
 from rai_missions.mission import Mission
-from rai_missions.prove.claims import CLAIMS, Claim, claims
+from rai_missions.prove.claims import CLAIMS, Claim, claims, lost, stuck
 from rai_missions.prove.free import Free
 from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
+from rai_missions.prove.loops import FEW, long_loops, unlike, with_rounds
 from rai_missions.prove.space import Space
-from rai_missions.prove.witness import Player, Scene, scenes
+from rai_missions.prove.unrolled import repeated, unrolled
+from rai_missions.prove.witness import Player, Scene, scenes, ways_to
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 
@@ -36,7 +38,7 @@ class Proof(NamedTuple):
     depth: int
     """Steps of the longest of the shortest runs to the states."""
     farthest: int
-    """So many steps at the most lie between a state and the nearest end."""
+    """So many steps at the most lie between a state and the nearest end, with as many rounds as were explored."""
     is_whole: bool
     """Every state was explored."""
     stopped: Stopped
@@ -51,6 +53,8 @@ class Proof(NamedTuple):
     """The user's predicates: each was free to say anything whenever it was asked."""
     sampled: tuple[str, ...]
     """The paths of which some values were tried, though guards can tell more apart: nothing is called proved then."""
+    alike: dict[str, int]
+    """Loop of a tree → its rounds, of which a few were explored that stand for all: later ones are the same."""
     never: tuple[str, ...]
     """States that no run enters; known only where everything was explored."""
     seconds: float
@@ -64,7 +68,7 @@ class Proof(NamedTuple):
 
 def prove(
     mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None, most: int = MOST_STATES,
-    seconds: float = math.inf, memory_mb: float = math.inf, goes_on: bool = False,
+    seconds: float = math.inf, memory_mb: float = math.inf, work: float = math.inf, goes_on: bool = False,
     progress: Callable[[int, int], None] = lambda found, done: None,
 ) -> Proof:  # fmt: skip
     """Explore every run of a mission.
@@ -80,11 +84,12 @@ def prove(
         most: States at the most; a kilobyte or two each.
         seconds: Wall time at the most.
         memory_mb: Resident memory of the process at the most, in MiB.
+        work: Steps, microsteps and ticks of trees at the most, together.
         goes_on: Where a claim is refuted, the others are explored to these limits all the same; else for some time.
         progress: Receives the number of states found and of states done, every thousand states.
     """
     with _few_collections():
-        return _Proving(mission, ticker, terms, Limits(most, seconds, memory_mb, goes_on=goes_on), progress).proof()
+        return _Proving(mission, ticker, terms, Limits(most, seconds, memory_mb, work, goes_on), progress).proof()
 
 
 @contextmanager
@@ -105,14 +110,32 @@ class _Proving:
         self, mission: Mission, ticker: Trees | None, terms: Terms | None, limits: Limits,
         progress: Callable[[int, int], None],
     ) -> None:  # fmt: skip
-        self._mission, self._ticker, self._terms, self._progress = mission, ticker, terms, progress
+        self._mission, self._ticker, self._progress = mission, ticker, progress
+        self._terms = terms if terms is not None else Terms()
         self._limits, self._began = limits, time.perf_counter()
+        self._rounds = {loop: min(FEW, loop.rounds) for loop in long_loops(mission, self._terms)}
+        """How many rounds of each long loop are explored."""
+        self._few = with_rounds(mission, self._rounds)
+        """The mission with so many."""
 
     def proof(self) -> Proof:
-        space = self._explored(progress=self._progress)
-        chart, sampled = space.chart, space.chart.values.learned.sampled
-        found = claims(self._mission, space, is_sampled=bool(sampled))
-        ways = {each.name: scenes(space, each) for each in found if each.has_run}
+        while True:
+            space = self._explored(progress=self._progress)
+            found = claims(self._few, space, is_sampled=bool(space.chart.values.learned.sampled))
+            short = unlike(space, space.levels, self._rounds, (set(stuck(space)), set(lost(space)))) if (
+                space.levels and space.is_whole) else []  # fmt: skip
+            ways = {} if short else {each.name: self._told(space, each) for each in found if each.has_run}
+            if None in ways.values() and space.is_whole:
+                short = [loop for loop, many in self._rounds.items() if many < loop.rounds]
+            if not short:
+                return self._proof(space, found, ways)
+            self._rounds |= {loop: min(2 * self._rounds[loop], loop.rounds) for loop in short}
+            self._few = with_rounds(self._mission, self._rounds)
+
+    def _proof(self, space: Space, found: list[Claim], told: dict[str, list[Scene] | None]) -> Proof:
+        """What was found out, once the rounds that were explored stand for all."""
+        chart, ways = space.chart, {name: run for name, run in told.items() if run is not None}
+        found = [each if each.name not in told or each.name in ways else Claim(each.name, "explored") for each in found]
         if ways:
             found, ways = self._calmly(found, ways)
         names = [name for _, name, state in self._mission.walk() if state.word != "history"]
@@ -121,7 +144,8 @@ class _Proving:
             farthest=max(space.distances(space.ends), default=0), is_whole=space.is_whole,
             stopped=space.meter.stopped, done=space.done,
             assumed=tuple(sorted(chart.assumed)), in_pause=tuple(sorted(space.in_pause)),
-            predicates=tuple(sorted(chart.predicates)), sampled=sampled,
+            predicates=tuple(sorted(chart.predicates)), sampled=chart.values.learned.sampled,
+            alike={str(loop): loop.rounds for loop, many in self._rounds.items() if many < loop.rounds},
             never=tuple(name for name in names if name not in space.entered) if space.is_whole else (),
             seconds=time.perf_counter() - self._began,
         )  # fmt: skip
@@ -130,19 +154,32 @@ class _Proving:
         self, *, wanted: Collection[str] = (), is_calm: bool = False,
         progress: Callable[[int, int], None] = lambda found, done: None,
     ) -> Space:  # fmt: skip
-        chart = Free(self._mission, self._ticker, terms=self._terms)
-        chart.is_calm = is_calm
         left = self._limits.seconds - (time.perf_counter() - self._began)
-        space = Space(chart, self._limits._replace(seconds=left), progress, wanted=wanted)
+        space = Space(self._chart(self._few, is_calm=is_calm), self._limits._replace(seconds=left), progress,
+                      wanted=wanted)  # fmt: skip
         space.explore()
         return space
+
+    def _chart(self, mission: Mission, *, is_calm: bool = False) -> Free:
+        chart = Free(mission, self._ticker, terms=self._terms)
+        chart.is_calm, chart.loops = is_calm, tuple(self._rounds)
+        return chart
+
+    def _told(self, space: Space, claim: Claim) -> list[Scene] | None:
+        """The shortest run to where a claim is refuted, with all the rounds of its loops; None where it has no such."""
+        run = scenes(space, claim)
+        if not self._rounds:
+            return run
+        few, every = (self._chart(each, is_calm=space.chart.is_calm) for each in (self._few, self._mission))
+        missing = unrolled(few, every, ways_to(space, claim), self._rounds)
+        return repeated(run, missing) if missing is not None else None
 
     def _calmly(self, found: list[Claim], ways: dict[str, list[Scene]]) -> tuple[list[Claim], dict[str, list[Scene]]]:
         """Refutations for which the operator is not needed, where there are such: the author's first affair."""
         calm = self._explored(wanted=ways, is_calm=True)
-        better = {each.name: each for each in claims(self._mission, calm) if each.has_run and each.name in ways}
-        told = {name: scenes(calm, each) for name, each in better.items()}
-        return [better.get(each.name, each) for each in found], {**ways, **told}
+        better = {each.name: each for each in claims(self._few, calm) if each.has_run and each.name in ways}
+        told = {name: run for name, each in better.items() if (run := self._told(calm, each)) is not None}
+        return [better[each.name] if each.name in told else each for each in found], {**ways, **told}
 
 
 def record(

@@ -14,7 +14,7 @@ from rai_missions.prove.space import Space, Way
 from rai_missions.states.decision import Decision
 from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
 
-__all__ = ("CLAIMS", "Claim", "Verdict", "claims")
+__all__ = ("CLAIMS", "Claim", "Verdict", "claims", "lost", "stuck")
 
 Verdict = Literal["proved", "refuted", "explored"]
 CLAIMS = {
@@ -71,24 +71,34 @@ def claims(mission: Mission, space: Space, *, is_sampled: bool = False) -> list[
     return [found.get(name) or Claim(name, rest) for name in CLAIMS]
 
 
-def _ends(space: Space) -> Iterator[Claim]:
+def stuck(space: Space) -> list[int]:
+    """The states from which nothing leads to an end."""
     far = space.distances([*space.ends, *space.unfinished])
-    stuck = [number for number in range(space.states) if far[number] < 0]
-    if stuck:
-        yield Claim("ends", "refuted", "nothing that can happen from here on ends the mission", stuck[0])
-    canceling = [number for number in stuck if number in space.canceling]
+    return [number for number in range(space.states) if far[number] < 0]
+
+
+def lost(space: Space) -> list[int]:
+    """The states from which time alone never leads to an end, or to a state in which the mission waits."""
+    moving = {source for source, _ in space.edges(time_only=True)}
+    resting = [number for number in range(space.states) if number not in moving]
+    far = space.distances([*resting, *space.unfinished], time_only=True)
+    return [number for number in range(space.states) if far[number] < 0]
+
+
+def _ends(space: Space) -> Iterator[Claim]:
+    found = stuck(space)
+    if found:
+        yield Claim("ends", "refuted", "nothing that can happen from here on ends the mission", found[0])
+    canceling = [number for number in found if number in space.canceling]
     if canceling:
         yield Claim("cancel", "refuted", "the cancel never ends from here on", canceling[0])
 
 
 def _rests(space: Space) -> Iterator[Claim]:
     """By time alone a run comes to an end, or to a state in which it waits for somebody."""
-    moving = {source for source, _ in space.edges(time_only=True)}
-    resting = [number for number in range(space.states) if number not in moving]
-    far = space.distances([*resting, *space.unfinished], time_only=True)
-    lost = next((number for number in range(space.states) if far[number] < 0), None)
-    if lost is not None:
-        yield Claim("comes to rest", "refuted", "while nobody says anything, timers lead round for ever", lost)
+    found = lost(space)
+    if found:
+        yield Claim("comes to rest", "refuted", "while nobody says anything, timers lead round for ever", found[0])
 
 
 def _options(mission: Mission, space: Space) -> Iterator[Claim]:

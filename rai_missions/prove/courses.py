@@ -10,6 +10,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from rai_missions.prove.explored import Own, State
 from rai_missions.prove.happening import HappeningKind
+from rai_missions.prove.loops import Loop
 from rai_missions.prove.reached import Way
 
 __all__ = ("Arrival", "Course", "Courses", "Known", "Made", "Needs", "value_of")
@@ -24,6 +25,7 @@ class Arrival(NamedTuple):
     way: Way
     kind: HappeningKind
     has_moved: bool
+    """A transition was taken, or a round of a tree's loop has ended that took time."""
     ended: tuple[str, str] | None
     """Outcome and why; None where the mission goes on."""
     core: bytes = b""
@@ -31,6 +33,8 @@ class Arrival(NamedTuple):
     written: Own | None = None
     telling: tuple[str, ...] = ()
     mode: str = ""
+    levels: tuple[tuple[Loop, int, bytes], ...] = ()
+    """Loops that run, how many of their rounds have ended, and the core but for this."""
 
 
 class Made(NamedTuple):

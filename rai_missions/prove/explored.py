@@ -16,6 +16,7 @@ from rai_missions.chart.configuration import Configuration
 from rai_missions.chart.node import Node
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.mission import Mission
+from rai_missions.prove.loops import Loop
 from rai_missions.prove.parts import guards_in, parts
 from rai_missions.prove.remembered import plain, told, told_timer
 from rai_missions.prove.resting import PURSUED, Resting
@@ -48,6 +49,8 @@ class Explored(Resting):
         self.own_fade = any(mission.blackboard[key].max_age_s is not None for key in self.own_keys)
         """Some of them grow stale."""
         self._own_order: dict[frozenset[str], tuple[str, ...]] = {}
+        self.loops: tuple[Loop, ...] = ()
+        """The loops of which a few rounds may stand for all."""
 
     # -- ages -----------------------------------------------------------------------------------------------------
 
@@ -150,6 +153,44 @@ class Explored(Resting):
         entries = ((name, own.get(name)) for name in telling)
         return _digest((core, [None if entry is None else name in idle or entry[0] for name, entry in entries]))
 
+    # -- rounds of loops ------------------------------------------------------------------------------------------
+
+    def levels(self) -> tuple[tuple[Loop, int, bytes], ...]:
+        """Each loop that runs, how many of its rounds have ended, and the core but for this number."""
+        found = []
+        for loop in self.loops:
+            ended = self._rounds_of(loop)
+            if ended is not None:
+                running = self._running
+                self._running = {**running, loop.state: _counting(running[loop.state], loop, None)}
+                found.append((loop, ended, self.core()))
+                self._running = running
+        return tuple(found)
+
+    def _rounds_of(self, loop: Loop) -> int | None:
+        """How many rounds of a loop have ended; None where it does not run."""
+        state = self._running.get(loop.state)
+        memory = state.tree.nodes.get(loop.path, NONE) if state is not None else NONE
+        return memory.get(loop.word, 0) if memory.get("status") == "running" else None
+
+    def uncounted(self) -> bytes:
+        """The same for two states that differ in the rounds of loops alone."""
+        running = self._running
+        for loop in self.loops:
+            if self._rounds_of(loop) is not None:
+                self._running = {**self._running, loop.state: _counting(self._running[loop.state], loop, None)}
+        key = self.key(self.core(), self.own(), self.telling()) if self.outcome is None else b""
+        self._running = running
+        return key
+
+    def go_round(self, loop: Loop, more: int) -> None:
+        """So many more rounds of a loop have ended; nothing where it does not run."""
+        ended = self._rounds_of(loop)
+        if ended is not None:
+            self._running[loop.state] = _counting(self._running[loop.state], loop, ended + more)
+
+    # -- what tells states apart ----------------------------------------------------------------------------------
+
     def _told_run(self) -> tuple[Any, ...]:
         timers, recalls = self._timers, self.later.recalls
         return (
@@ -183,6 +224,14 @@ class Explored(Resting):
             sorted(view.answer.items()) if view.answer else (),
             [(n, None if entry is None else n in idle or plain(entry[0])) for n, entry in board],
         )
+
+
+def _counting(state: Any, loop: Loop, ended: int | None) -> Any:
+    """A tree's state with another number of rounds of a loop; without one where there is none."""
+    memory = {word: value for word, value in state.tree.nodes[loop.path].items() if word != loop.word}
+    if ended is not None:
+        memory[loop.word] = ended
+    return state._replace(tree=state.tree._replace(nodes={**state.tree.nodes, loop.path: memory}))
 
 
 def _digest(parts: tuple[Any, ...]) -> bytes:

@@ -29,6 +29,7 @@ from rai_missions.prove.watched import NOW
 from rai_missions.states.compound import Each
 from rai_missions.states.goals import Goal
 from rai_missions.states.pursuit import Pursuit, PursuitMachine
+from rai_missions.states.tending import limit_of
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 
@@ -81,6 +82,11 @@ class Resting(Handed):
         self._wait()
         self._cap()
         self.view.event = {}
+
+    @property
+    def restless(self) -> list[str]:
+        """The states whose trees rest only because they have gone round as often as a step allows."""
+        return [name for name, state in self._running.items() if limit_of(state) == "writes"]
 
     @property
     def listening(self) -> frozenset[str]:
@@ -233,7 +239,7 @@ class Resting(Handed):
     def make(self, happens: Callable[[], None]) -> None:
         """Let something happen; what it did can be read until the next."""
         self._clear()
-        self.ticks = 0
+        self.ticks, self.has_turned = 0, False
         several = len(self._timers) + len(self._calls) + len(self._ledger.goals) >= MANY
         before = {words: keys for words, keys in self._alike().items() if len(keys) >= MANY} if several else {}
         happens()

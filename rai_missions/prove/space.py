@@ -15,6 +15,7 @@ from rai_missions.prove.explored import Own, State
 from rai_missions.prove.free import RESUME, Free
 from rai_missions.prove.happening import Happening, HappeningKind
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
+from rai_missions.prove.loops import Level, Loop
 from rai_missions.prove.reached import Reached, Way
 
 __all__ = ("CANCEL", "KILL", "START", "Flaw", "Space", "Way")
@@ -61,6 +62,8 @@ class Space(Reached):
         self.ends: dict[int, str] = {}
         """Number of a state → the outcome with which the run has ended in it."""
         self.canceling: set[int] = set()
+        self.levels: dict[int, dict[Loop, Level]] = {}
+        """Number of a state → how far the loops are there of which a few rounds may stand for all."""
         self.taken: set[str] = set()
         """JSON pointers of the rows that were taken."""
         self.entered: set[str] = set()
@@ -197,12 +200,14 @@ class Space(Reached):
         return Made(arrival, needs, chart.choices.next())
 
     def _arrival(self, way: Way, kind: HappeningKind, before: Own) -> Arrival:
-        chart, has_moved = self.chart, bool(self.chart.moves)
+        chart = self.chart
+        has_moved = bool(chart.moves or chart.has_turned)
         if chart.outcome is not None:
             return Arrival(way, kind, has_moved, (chart.outcome, chart.why))
         written = {key: entry for key, entry in chart.own().items() if before.get(key) is not entry}
         return Arrival(
-            way, kind, has_moved, None, chart.core(), chart.save(), written, chart.telling(), chart.mode
+            way, kind, has_moved, None, chart.core(), chart.save(), written, chart.telling(), chart.mode,
+            chart.levels() if chart.loops else (),
         )  # fmt: skip
 
     def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:
@@ -224,6 +229,9 @@ class Space(Reached):
                 self.ends[number] = ended[0]
             else:
                 self._frontier.append((number, arrival.core, arrival.state, own))
+                if arrival.levels:
+                    self.levels[number] = {loop: Level(ended, self.chart.key(core, own, arrival.telling))
+                                           for loop, ended, core in arrival.levels}  # fmt: skip
                 if arrival.mode == "canceling":
                     self.canceling.add(number)
         is_circle = source == number and not (arrival.kind == "time" and arrival.has_moved)
@@ -254,6 +262,9 @@ class Space(Reached):
         for place, value in chart.looked:
             chart.seen.setdefault(place, set()).add(value)
         if chart.outcome is None:
+            if restless := chart.restless:
+                sentence = f"the tree in '{restless[0]}' goes round without end: it rests at the limit of a step"
+                self._flaw("comes to rest", source, sentence, way)
             return
         self._end(source, way)
         if chart.why.startswith("invariant ") and is_paused:

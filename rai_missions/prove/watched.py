@@ -57,6 +57,8 @@ class Watched(Chart):
         """The place of a guard that makes something possible → what it has said."""
         self.ticks = 0
         """Ticks of trees in this step."""
+        self.has_turned = False
+        """A round of a tree's loop that has taken time has ended in this step."""
         self.answered: set[tuple[str, str]] = set()
         """Who asks, and an option that was taken there."""
         self.schemas: dict[tuple[str, str], Mapping[str, Any]] = {}
@@ -219,12 +221,14 @@ class Watched(Chart):
                 self._watch(limb.machine, f"{place}/tree/{path}")
 
     def _count(self, machine: TendingMachine) -> None:
-        """Have the ticks of a tree counted: a step may take many."""
+        """Have the ticks of a tree counted, and the rounds of its loops noticed."""
         tick = machine.ticker.tick
 
         def counted(*given: Any) -> Any:
             self.ticks += 1
-            return tick(*given)
+            ticked = tick(*given)
+            self.has_turned = self.has_turned or any(not each.at_once for each in ticked.rounds)
+            return ticked
 
         machine.ticker.tick = counted  # type: ignore[method-assign,assignment]
 

@@ -24,7 +24,7 @@ from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import Ask, CallService, StartBehaviour, StartGoal, Step
 
-__all__ = ("Player", "Scene", "scenes")
+__all__ = ("Player", "Scene", "go", "scenes", "ways_to")
 
 SLICE = 0.4
 """Facts are said again after this part of the time for which they can be believed."""
@@ -54,10 +54,14 @@ class Scene(NamedTuple):
     why: str
 
 
-def scenes(space: Space, claim: Claim) -> list[Scene]:
+def ways_to(space: Space, claim: Claim) -> list[Way]:
     """The shortest way to where a claim is refuted."""
-    way = [*space.path(claim.state), *([claim.way] if claim.way is not None else [])]
-    chart = space.chart
+    return [*space.path(claim.state), *([claim.way] if claim.way is not None else [])]
+
+
+def scenes(space: Space, claim: Claim) -> list[Scene]:
+    """What happens on the shortest way to where a claim is refuted."""
+    chart, way = space.chart, ways_to(space, claim)
     chart.load(*space.fresh)
     told = []
     for each in way:
@@ -67,23 +71,39 @@ def scenes(space: Space, claim: Claim) -> list[Scene]:
     return told
 
 
-def _scene(chart: Free, way: Way) -> Scene:
+def go(chart: Free, way: Way) -> tuple[str, str]:
+    """Let happen again what led one way.
+
+    Returns:
+        Whose goal, call, question or behaviour it is about, and the key that goes stale; empty for none.
+
+    Raises:
+        LookupError: That cannot happen here.
+    """
     state, own = chart.save(), chart.own()
     happening = list(chart.happenings())[way.at] if way.at >= 0 else None
-    assert happening is None or happening.words == way.words
+    if happening is not None and happening.words != way.words:
+        raise LookupError(way.words)
     chart.load(state, own)
     chart.choices.begin(way.trail)
     chart.said, chart.found = None, ""
     commands = {START: chart.begin, CANCEL: chart.ordering("cancel"), KILL: chart.ordering("kill")}
-    owner = chart.owner_of(happening.number) if happening is not None else ""
-    chart.make(happening.do if happening is not None else commands[way.words])
+    if happening is None:
+        chart.make(commands[way.words])
+        return "", ""
+    owner = chart.owner_of(happening.number)
+    chart.make(happening.do)
+    return owner, happening.stale
+
+
+def _scene(chart: Free, way: Way) -> Scene:
+    owner, stale = go(chart, way)
     said = {place[6:]: value for place, value in chart.looked if place.startswith("named:")}
     possible = chart.is_possible  # it may look at more
     assert possible
     facts = {name: _plain(entry) for name, entry in chart.board.entries() if name in chart.open_keys}
     said_event: Event | None = chart.said
     event = said_event._replace(data=dict(said_event.data)) if said_event is not None else None
-    stale = happening.stale if happening is not None else ""
     return Scene(way.words, event, owner, stale, facts, chart.found, said, chart.active, chart.outcome, chart.why)
 
 

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run of a mission whose loops were explored with few rounds, made one of the mission as it is written.
+
+Rule: a run is told only if the mission does it. Where a loop's last round needs more rounds before it, one of the run's
+own rounds, after which everything is as before it but for the count, is gone as often as that takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple, TypeVar
+
+from rai_missions.prove.explored import Own, State
+from rai_missions.prove.free import Free
+from rai_missions.prove.loops import Level, Loop
+from rai_missions.prove.reached import Way
+from rai_missions.prove.witness import go
+
+__all__ = ("Rounds", "repeated", "unrolled")
+
+MOST_SCENES = 50_000
+"""A run of more steps than this is not told."""
+
+Item = TypeVar("Item")
+
+
+class Rounds(NamedTuple):
+    """A part of a run that is gone again and again."""
+
+    first: int
+    """The first step that is gone again."""
+    last: int
+    times: int
+
+
+def unrolled(few: Free, every: Free, ways: Sequence[Way], rounds: Mapping[Loop, int]) -> list[Rounds] | None:
+    """The rounds that are missing in a run; None where none of its own rounds does.
+
+    Args:
+        few: The mission with few rounds, before the start; it does the run.
+        every: The mission with all its rounds, before the start.
+        ways: The run.
+        rounds: How many rounds of each loop there are in the first.
+    """
+    every.loops = few.loops
+    missing: list[Rounds] = []
+    levels: list[Mapping[Loop, Level]] = []
+    for way in ways:
+        before = every.save(), every.own()
+        go(few, way)
+        if not _follows(every, way, few):
+            found = _round_before(every, before, few, way, levels, rounds)
+            if found is None:
+                return None
+            missing.append(found)
+        _rest(few)
+        _rest(every)
+        levels.append(_levels(few))
+    return missing
+
+
+def _follows(chart: Free, way: Way, other: Free) -> bool:
+    """Go a way; whether that leads where the other chart is."""
+    try:
+        go(chart, way)
+    except LookupError:
+        return False
+    return (chart.outcome, chart.why, chart.uncounted()) == (other.outcome, other.why, other.uncounted())
+
+
+def _round_before(
+    every: Free, before: tuple[State, Own], few: Free, way: Way, levels: Sequence[Mapping[Loop, Level]],
+    rounds: Mapping[Loop, int],
+) -> Rounds | None:  # fmt: skip
+    """The round that must be gone more often before a way leads where it should."""
+    for loop, many in rounds.items():
+        found = _round(loop, levels)
+        if found is None or loop.rounds == many:
+            continue
+        every.load(*before)
+        every.go_round(loop, loop.rounds - many)
+        if _follows(every, way, few):
+            return Rounds(found[0] + 1, found[1], loop.rounds - many)
+    return None
+
+
+def _round(loop: Loop, levels: Sequence[Mapping[Loop, Level]]) -> tuple[int, int] | None:
+    """The last two steps of a run between which one round has ended and nothing else has changed."""
+    for last in range(len(levels) - 1, 0, -1):
+        if loop not in levels[last]:
+            return None
+        for first in range(last - 1, -1, -1):
+            if loop not in levels[first] or levels[first][loop].ended > levels[first + 1][loop].ended:
+                break
+            one, other = levels[first][loop], levels[last][loop]
+            if one.rest == other.rest and one.ended + 1 == other.ended:
+                return first, last
+    return None
+
+
+def _rest(chart: Free) -> None:
+    chart.settle()
+    chart.load(chart.save(), chart.own())
+
+
+def _levels(chart: Free) -> dict[Loop, Level]:
+    own, telling = chart.own(), chart.telling() if chart.outcome is None else ()
+    found = chart.levels() if chart.outcome is None else ()
+    return {loop: Level(ended, chart.key(core, own, telling)) for loop, ended, core in found}
+
+
+def repeated(items: Sequence[Item], rounds: Sequence[Rounds]) -> list[Item] | None:
+    """A run with its missing rounds; None where it would be too long to be told."""
+    found: list[Item] = []
+    for item in _repeated(items, 0, len(items) - 1, list(rounds)):
+        found.append(item)
+        if len(found) > MOST_SCENES:
+            return None
+    return found
+
+
+def _repeated(items: Sequence[Item], first: int, last: int, rounds: list[Rounds]) -> Iterator[Item]:
+    for at in range(first, last + 1):
+        yield items[at]
+        for each in [each for each in rounds if each.last == at and each.first >= first]:
+            inner = [other for other in rounds if other is not each and other.first >= each.first]
+            for _ in range(each.times):
+                yield from _repeated(items, each.first, each.last, inner)
