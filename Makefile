@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles fresh drill fuzz audit lock bench pictures weights clean
+.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles fresh drill mutate fuzz audit lock bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -69,6 +69,9 @@ drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simul
 	@echo "seed $(SEED); to repeat: make drill SEED=$(SEED)"
 	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest --hypothesis-seed=$(SEED) -n $(WORKERS) --dist loadgroup -m "" --timeout 3600 $(TESTS)
 
+mutate: .venv/.ready-mutate ## Break the code in small ways and see that the tests notice: COUNT=300, MUTANTS=1 (a seed), JOBS=2
+	$(BIN)/python scripts/mutate.py --count $(or $(COUNT),300) --seed $(or $(MUTANTS),1) --jobs $(or $(JOBS),2)
+
 fuzz: .venv/.ready-fuzz ## Fuzz what opens missions, profiles, journals and recordings: SECONDS_EACH=600, TARGET=mission
 	@found=0; for each in $(or $(TARGET),mission profile rows journal recording identity); do \
 	    echo "== $$each"; $(BIN)/python -m tests.fuzz.drive $$each --seconds $(or $(SECONDS_EACH),600) || found=1; \
@@ -114,6 +117,10 @@ clean: ## Remove what was made
 
 .venv/.ready-fuzz: $(RECIPE)
 	@scripts/setup.sh sim,draw,local,browser,dev,fuzz
+	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
+
+.venv/.ready-mutate: $(RECIPE)
+	@scripts/setup.sh sim,draw,local,browser,dev,mutate
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
 
 .venv/.ready-audit: $(RECIPE)

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, Phase, settings
 
 pytest_plugins = ("tests.limits",)
 
-QUICK, FRESH, DEEP = "quick", "fresh", "deep"
+QUICK, FIRST, FRESH, DEEP = "quick", "first", "fresh", "deep"
 settings.register_profile(
     QUICK,
     max_examples=25,
@@ -25,6 +25,8 @@ settings.register_profile(
     derandomize=True,  # the same examples everywhere and every time; `make drill` draws fresh ones
     suppress_health_check=[HealthCheck.too_slow],
 )
+# Where only the verdict counts, as in `make mutate`, a failing example is not made smaller.
+settings.register_profile(FIRST, settings.get_profile(QUICK), phases=[Phase.explicit, Phase.generate])
 settings.register_profile(FRESH, settings.get_profile(QUICK), derandomize=False)
 settings.register_profile(DEEP, max_examples=2000, deadline=None, suppress_health_check=list(HealthCheck))
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", QUICK))

@@ -1,0 +1,309 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Breaks the code in small ways, one at a time, and sees whether the tests of its part notice.
+
+`python scripts/mutate.py --count 300 --seed 1`: draws so many mutants over the parts that `tests/mutants/parts.toml`
+names, with Cosmic Ray's operators and one that deletes a statement. Each is tried in a copy of the checkout. Results
+are kept in `out/mutants.jsonl`; the same seed continues where it was stopped.
+
+Exit status: 0 when at least 95 of 100 are found or listed in `tests/mutants/equivalent.toml`; else 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
+
+import parso
+from cosmic_ray.ast import ast_nodes, get_ast
+from cosmic_ray.mutating import mutate_code
+from cosmic_ray.operators.operator import Operator
+from cosmic_ray.plugins import get_operator
+
+ROOT = Path(__file__).parent.parent
+PARTS = ROOT / "tests/mutants/parts.toml"
+EQUIVALENT = ROOT / "tests/mutants/equivalent.toml"
+ENOUGH = 0.95
+"""The share of mutants that the tests must find."""
+PAIRS = (
+    "Eq_NotEq", "NotEq_Eq", "Lt_LtE", "Lt_GtE", "LtE_Lt", "LtE_Gt", "Gt_GtE", "Gt_LtE", "GtE_Gt", "GtE_Lt",
+    "Is_IsNot", "IsNot_Is",
+)  # fmt: skip
+SIGNS = ("Add_Sub", "Sub_Add", "Mul_Div", "BitOr_BitAnd", "BitAnd_BitOr", "Mod_Mul")
+OPERATORS = (
+    *(f"core/ReplaceComparisonOperator_{each}" for each in PAIRS),
+    *(f"core/ReplaceBinaryOperator_{each}" for each in SIGNS),
+    *(f"core/Replace{each}" for each in ("AndWithOr", "OrWithAnd", "TrueWithFalse", "FalseWithTrue")),
+    *(f"core/Replace{each}" for each in ("BreakWithContinue", "ContinueWithBreak", "UnaryOperator_Delete_Not")),
+    "core/AddNot", "core/NumberReplacer", "core/ZeroIterationForLoop", "statement",
+)  # fmt: skip
+
+
+class StatementDeletion(Operator):  # type: ignore[misc, unused-ignore]
+    """Replaces one statement of a line by `pass`; docstrings, imports and names are left."""
+
+    def mutation_positions(self, node: Any) -> Iterator[tuple[Any, Any]]:
+        if node.type == "simple_stmt" and node.children[0].type not in ("string", "import_name", "import_from", "name"):
+            yield node.start_pos, node.end_pos
+
+    def mutate(self, node: Any, index: int) -> Any:
+        first = node.get_first_leaf()
+        pass_ = parso.parse("pass\n").children[0]
+        pass_.get_first_leaf().prefix = first.prefix
+        return pass_
+
+    @classmethod
+    def examples(cls) -> Any:
+        return ()
+
+
+@dataclass(frozen=True)
+class Mutant:
+    part: str
+    file: str
+    operator: str
+    occurrence: int
+    line: int
+
+
+def operator_of(name: str) -> Any:
+    return StatementDeletion() if name == "statement" else get_operator(name)()
+
+
+class _Left(ast.NodeVisitor):
+    """Collects the lines of a module where no mutant is drawn: what only type checkers and readers use."""
+
+    def __init__(self) -> None:
+        self.spans: list[tuple[tuple[int, int], tuple[int, int]]] = []
+
+    def _leave(self, node: ast.AST | None) -> None:
+        if node is not None:
+            begin, end = (node.lineno, node.col_offset), (node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
+            self.spans.append((begin, end))
+
+    def visit_arg(self, node: ast.arg) -> None:
+        self._leave(node.annotation)
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
+        self._leave(node.annotation if node.value else node)
+        self.generic_visit(node)
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
+        self._leave(node.returns)
+        self.generic_visit(node)
+
+    def visit_Assert(self, node: ast.Assert) -> None:
+        self._leave(node)
+
+    def visit_If(self, node: ast.If) -> None:
+        if ast.unparse(node.test) == "TYPE_CHECKING":
+            self._leave(node)
+        self.generic_visit(node)
+
+    def visit_Assign(self, node: ast.Assign) -> None:
+        if any(ast.unparse(target) in ("__all__", "__slots__") for target in node.targets):
+            self._leave(node)
+        self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> None:
+        if ast.unparse(node.func) in ("TypeVar", "cast", "NewType"):
+            self._leave(node)
+        self.generic_visit(node)
+
+
+def drawable(part: str, file: str) -> Iterator[tuple[tuple[int, int], Mutant]]:
+    """Every mutant of a file with its place."""
+    source = (ROOT / file).read_text(encoding="utf-8")
+    left = _Left()
+    left.visit(ast.parse(source))
+    tree = get_ast(source)
+    nodes = list(ast_nodes(tree))
+    for name in OPERATORS:
+        operator = operator_of(name)
+        positions = (place for node in nodes for place, _ in operator.mutation_positions(node))
+        for occurrence, place in enumerate(positions):
+            if not any(begin <= tuple(place) < end for begin, end in left.spans):
+                yield tuple(place), Mutant(part, file, name, occurrence, place[0])
+
+
+@cache
+def source_of(file: str) -> str:
+    return (ROOT / file).read_text(encoding="utf-8")
+
+
+def lines_of(mutant: Mutant) -> tuple[str, list[str], list[str]]:
+    """The broken module, and the lines that it lost and gained."""
+    source = source_of(mutant.file)
+    broken = mutate_code(source, operator_of(mutant.operator), mutant.occurrence)
+    assert broken is not None
+    before, after = source.splitlines(), broken.splitlines()
+    head = next(
+        (i for i, (a, b) in enumerate(zip(before, after, strict=False)) if a != b), min(len(before), len(after))
+    )
+    tail = next((i for i, (a, b) in enumerate(zip(before[::-1], after[::-1], strict=False)) if a != b), 0)
+    tail = min(tail, len(before) - head, len(after) - head)
+    strip = [[line.strip() for line in each[head : len(each) - tail]] for each in (before, after)]
+    return broken, strip[0], strip[1]
+
+
+def draw(parts: dict[str, Any], count: int, seed: int) -> list[Mutant]:
+    """So many mutants, spread over the parts by the places that they have; at most one a place."""
+    places: dict[tuple[str, tuple[int, int]], list[Mutant]] = {}
+    for part, each in parts.items():
+        for pattern in each["files"]:
+            for path in sorted(ROOT.glob(pattern)):
+                file = path.relative_to(ROOT).as_posix()
+                for place, mutant in drawable(part, file):
+                    places.setdefault((file, place), []).append(mutant)
+    chance = random.Random(seed)
+    chosen = chance.sample(sorted(places), min(count, len(places)))
+    return [chance.choice(places[place]) for place in chosen]
+
+
+class Copies:
+    """Copies of the checkout, one for each mutant that is tried at the same time."""
+
+    def __init__(self, count: int) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix="mutants-"))
+        self.free: SimpleQueue[Path] = SimpleQueue()
+        files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout.decode()
+        for number in range(count):
+            copy = self.folder / str(number) / "checkout"
+            for name in filter(None, files.split("\0")):
+                if (ROOT / name).is_file():
+                    (copy / name).parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copy2(ROOT / name, copy / name)
+            self.free.put(copy)
+
+    def try_one(self, mutant: Mutant, tests: list[str], limit_s: float) -> tuple[str, float]:
+        """`found`, `found: time` or `not found`, and how long that took."""
+        copy = self.free.get()
+        target = copy / mutant.file
+        whole, began = target.read_text(encoding="utf-8"), time.monotonic()
+        target.write_text(lines_of(mutant)[0], encoding="utf-8")
+        try:
+            result = {None: "found: time", 0: "not found"}.get(self.run(copy, tests, limit_s), "found")
+        finally:
+            target.write_text(whole, encoding="utf-8")
+            self.free.put(copy)
+        return result, time.monotonic() - began
+
+    @staticmethod
+    def run(copy: Path, tests: list[str], limit_s: float, output: int = subprocess.DEVNULL) -> int | None:
+        """The exit status of the tests in a copy; None where they are not over in time."""
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-x",
+            "-q",
+            "-n",
+            "0",
+            "-p",
+            "no:cacheprovider",
+            "--timeout",
+            "120",
+            *tests,
+        ]
+        process = subprocess.Popen(
+            command, cwd=copy, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True,
+            env={**os.environ, "PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_PROFILE": "first"},
+        )  # fmt: skip
+        try:
+            return process.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            return None
+        finally:
+            subprocess.run(["pkill", "-9", "-s", str(process.pid)], check=False)
+            process.wait()
+
+    def whole(self, parts: dict[str, Any], limit_s: float) -> str:
+        """The part whose tests fail where nothing is broken, or empty."""
+        copy = self.free.get()
+        try:
+            return next((name for name, each in parts.items() if self.run(copy, each["tests"], limit_s, 2)), "")
+        finally:
+            self.free.put(copy)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--part", action="append", help="only these parts")
+    parser.add_argument("--limit", type=float, default=600, help="seconds after which a mutant counts as found")
+    parser.add_argument("--results", type=Path, default=ROOT / "out/mutants.jsonl")
+    parser.add_argument("--trust", action="store_true", help="do not see first that the tests pass as they are")
+    given = parser.parse_args()
+
+    parts = {
+        name: each for name, each in tomllib.loads(PARTS.read_text()).items() if not given.part or name in given.part
+    }
+    known = tomllib.loads(EQUIVALENT.read_text())["mutant"] if EQUIVALENT.exists() else []
+    equivalent = {(each["file"], each["before"].strip(), each["after"].strip()) for each in known}
+    mutants = draw(parts, given.count, given.seed)
+    given.results.parent.mkdir(parents=True, exist_ok=True)
+    lines = given.results.read_text().splitlines() if given.results.exists() else []
+    done = {(row["file"], tuple(row["before"]), tuple(row["after"])): row for row in map(json.loads, lines)}
+    copies = Copies(given.jobs)
+    if not given.trust and (part := copies.whole(parts, 2 * given.limit)):
+        print(f"the tests of '{part}' fail before anything is broken", file=sys.stderr)
+        return 2
+    rows: list[dict[str, Any]] = []
+
+    def one(mutant: Mutant) -> None:
+        _, before, after = lines_of(mutant)
+        row = done.get((mutant.file, tuple(before), tuple(after)))
+        if row is None:
+            if (mutant.file, "\n".join(before).strip(), "\n".join(after).strip()) in equivalent:
+                row = {**asdict(mutant), "before": before, "after": after, "result": "equivalent", "seconds": 0}
+            else:
+                result, seconds = copies.try_one(mutant, parts[mutant.part]["tests"], given.limit)
+                row = {
+                    **asdict(mutant),
+                    "before": before,
+                    "after": after,
+                    "result": result,
+                    "seconds": round(seconds, 1),
+                }
+            with given.results.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+        rows.append(row)
+        print(
+            f"{len(rows)}/{len(mutants)} {row['result']:<11} {row['seconds']:6.1f} s  {mutant.file}:{mutant.line}",
+            flush=True,
+        )
+
+    try:
+        with ThreadPoolExecutor(given.jobs) as pool:
+            list(pool.map(one, mutants))
+    finally:
+        shutil.rmtree(copies.folder, ignore_errors=True)
+    missed = [row for row in rows if row["result"] == "not found"]
+    for row in missed:
+        print(f"\n{row['file']}:{row['line']} ({row['operator']})")
+        print(*(f"  - {line}" for line in row["before"]), *(f"  + {line}" for line in row["after"]), sep="\n")
+    real = [row for row in rows if row["result"] != "equivalent"]
+    share = 1 - len(missed) / max(1, len(real))
+    print(f"\n{len(real) - len(missed)} of {len(real)} found ({100 * share:.1f} %); {len(rows) - len(real)} equivalent")
+    return 0 if share >= ENOUGH else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
