@@ -31,7 +31,7 @@ definitions() { find "$sources/$1" -mindepth 2 -maxdepth 2 \( -name '*.msg' -o -
 # What a build was made from: the package's files, and the Python and the generators that it was made with.
 fingerprint() {
     {
-        find "$sources/$1" -type f | sort | xargs sha256sum | sed "s#$sources/##"
+        find "$sources/$1" -type f ! -name COLCON_IGNORE | sort | xargs sha256sum | sed "s#$sources/##"
         "$venv/bin/python" -c 'import sys; print(sys.version_info[:2])'
         "$venv/bin/python" -m pip list 2>/dev/null | grep -E '^ros-rosidl-generator-(c|py) ' || true
     } | sha256sum | cut -d' ' -f1
@@ -73,8 +73,16 @@ explain_sourced() {
         if prefix="$(sourced "$package")"; then
             say "$package: in $prefix"
         else
-            say "$package: not in the sourced ROS ${ROS_DISTRO:-}; build it there: colcon build --paths interfaces/$package"
             missing=1
+            if [ -e "$sources/$package/COLCON_IGNORE" ]; then
+                # Part of another's package: colcon at the root must not put it in front of the whole one.
+                say "$package: not in the sourced ROS ${ROS_DISTRO:-}; install the whole package:" \
+                    "apt-get install ros-${ROS_DISTRO:-jazzy}-${package//_/-}; or, for the parts that are used here alone:" \
+                    "COLCON_EXTENSION_BLOCKLIST=colcon_core.package_identification.ignore" \
+                    "colcon build --paths interfaces/$package"
+            else
+                say "$package: not in the sourced ROS ${ROS_DISTRO:-}; build it there: colcon build --paths interfaces/$package"
+            fi
         fi
     done
     return $missing

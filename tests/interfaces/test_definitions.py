@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import importlib
 import re
+import shutil
+import subprocess
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -137,3 +139,16 @@ def test_a_package_depends_on_what_its_definitions_name(package: Path) -> None:
     recipe = (package / "CMakeLists.txt").read_text(encoding="utf-8")
     assert all(f"find_package({name} REQUIRED)" in recipe for name in declared)
     assert re.search(rf"DEPENDENCIES {' '.join(sorted(map(str, declared)))}\)", recipe)
+
+
+def test_colcon_at_the_root_finds_no_part_of_anothers_package() -> None:
+    ignored = {package.name for package in PACKAGES if (package / "COLCON_IGNORE").exists()}
+    assert ignored == {package.name for package in PACKAGES} - {"rai_missions_msgs"}
+    colcon = shutil.which("colcon")
+    if colcon is None:
+        pytest.skip("no colcon here: pip install colcon-core colcon-ros colcon-recursive-crawl")
+    listed = subprocess.run(
+        [colcon, "--log-base", "/dev/null", "list", "--names-only", "--base-paths", str(INTERFACES.parent)],
+        capture_output=True, text=True, check=True, timeout=60,
+    )  # fmt: skip
+    assert {name for name in listed.stdout.split() if name.endswith("_msgs")} == {"rai_missions_msgs"}
