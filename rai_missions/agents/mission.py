@@ -19,7 +19,7 @@ from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Named
 from rai_missions.check import check, faults_of
 from rai_missions.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
-from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.connector import Connector, Wiretap
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.embodiment import Identity
 from rai_missions.errors import DefinitionError, UsageError
@@ -112,7 +112,7 @@ class Prepared:
             self._header = self._head()
             self.answerers = self._answerers(connector, clock)
             self._clean = hush().known
-            self.recording = self._record(clock)
+            self.recording = self._record(connector, clock)
             self.journal = self._journal()
             on_step, on_status = observers(self.recording, setting.on_step, setting.on_status)
             self._runner = Runner(
@@ -238,13 +238,14 @@ class Prepared:
             header = header._replace(mission=dump(self.mission))
         return header._replace(run=uuid.uuid4().hex[:12])
 
-    def _record(self, clock: Clock) -> Recording | None:
+    def _record(self, connector: Connector | None, clock: Clock) -> Recording | None:
         """Closed after the journal, whose last rows it still takes, and before the world, whose pictures it renders."""
         if self.setting.record is None:
             return None
         about = {"robot": self.robot.name if self.robot else "", "run": self._header.run, "versions": versions()}
         words = {"mission": self.mission, "about": about, "now": clock.now, "clean": self._clean}
-        recording = Recording.create(self.setting.record, **words)
+        of_ros = isinstance(connector, Wiretap)  # its messages are kept in CDR, with their ros2msg definitions
+        recording = Recording.create(self.setting.record, profile="ros2" if of_ros else "", **words)
         self._closes.append(lambda: recording.end(self.journal))
         for raw in self._taken.record.raw() if self._taken is not None else ():
             recording.row(raw, ())

@@ -54,6 +54,8 @@ class RawMessage(NamedTuple):
     data: bytes
     at: float
     """As a `Message`'s."""
+    quality: str = ""
+    """What its topic's publishers offered when the first message was received, as the wire's own recorders write it."""
 
 
 class Reply(NamedTuple):

@@ -22,20 +22,21 @@ class File:
 
     Args:
         stream: Where to write; closed by `finish`.
-
-    MCAP's own `profile` stays empty: that of ROS 2 allows no messages in JSON beside those in CDR.
+        profile: MCAP's own: `ros2` where the robot's messages are those of ROS 2, else empty.
     """
 
-    def __init__(self, stream: IO[bytes]) -> None:
+    def __init__(self, stream: IO[bytes], profile: str = "") -> None:
         self._stream = stream
         self._writer: Any = Writer(stream, compression=CompressionType.ZSTD)
-        self._writer.start(profile="", library="rai_missions")
+        self._writer.start(profile=profile, library="rai_missions")
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
         self._sequence: dict[int, int] = {}
         self.messages = 0
 
-    def channel(self, topic: str, encoding: str, schema: str, schema_encoding: str, text: str) -> int:
+    def channel(
+        self, topic: str, encoding: str, schema: str, schema_encoding: str, text: str, quality: str | None = None
+    ) -> int:
         """The number of a topic's channel; made when it is first asked for.
 
         Args:
@@ -44,13 +45,15 @@ class File:
             schema: The name of what they are.
             schema_encoding: Of `text`: `ros2msg` or `jsonschema`.
             text: What says how to read them.
+            quality: Of a topic of ROS 2: what its publishers offer, as bags write it.
         """
         known = self._schemas.get((schema, text))
         if known is None:
             known = self._writer.register_schema(schema, schema_encoding, text.encode())
             self._schemas[schema, text] = known
         if (topic, known) not in self._channels:
-            self._channels[topic, known] = self._writer.register_channel(topic, encoding, known)
+            words = {} if quality is None else {"offered_qos_profiles": quality}
+            self._channels[topic, known] = self._writer.register_channel(topic, encoding, known, words)
         return self._channels[topic, known]
 
     def add(self, channel: int, data: bytes, log_ns: int, publish_ns: int) -> None:

@@ -56,7 +56,7 @@ class Pen:
 
     def raw(self, message: RawMessage, definition: str, when: When) -> None:
         """A message of ROS, byte for byte."""
-        channel = self._file.channel(message.topic, "cdr", message.type, "ros2msg", definition)
+        channel = self._file.channel(message.topic, "cdr", message.type, "ros2msg", definition, message.quality)
         self._file.add(channel, message.data, when.wall, when.run)
 
     def heard(self, message: Message, type_name: str, when: When) -> None:

@@ -85,11 +85,12 @@ class Recording:
         about: Words about the run, for whoever lists the file's metadata.
         now: Seconds on the run's clock.
         clean: Takes secrets out of what is written as plain data; what came over the wire is kept as it came.
+        profile: MCAP's: `ros2` for a robot of ROS 2.
     """
 
     def __init__(
         self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
-        clean: Callable[[Any], Any] | None = None,
+        clean: Callable[[Any], Any] | None = None, profile: str = "",
     ) -> None:  # fmt: skip
         from rai_missions.recording.file import File  # loads mcap
 
@@ -100,7 +101,7 @@ class Recording:
         self._why, self._size = "", 0
         self._flushed, self._flush_at = True, 0.0
         self._journal: Path | None = None
-        self._file = File(stream)
+        self._file = File(stream, profile)
         self._pen = Pen(self._file, mission)
         words = {"format": FORMAT, "mission": mission.name, "version": mission.version, "began_ns": str(self._began_ns)}
         self._file.say("rai_missions", {**words, **about})

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml  # type: ignore[import-untyped, unused-ignore]
 
 from rai_missions.agents.mission import Setting, prepare
 from rai_missions.recording import journal_of
@@ -24,6 +25,10 @@ pytest.importorskip("mcap")
 __all__ = ("open_ros", "ros")
 
 PATIENCE_S = 30.0
+OF_A_BAG = {
+    "history", "depth", "reliability", "durability", "deadline", "lifespan", "liveliness", "liveliness_lease_duration",
+    "avoid_ros_namespace_conventions",
+}  # fmt: skip
 ROBOT = Robot.model_validate(
     {
         "name": "a lamp",
@@ -44,6 +49,37 @@ def decoded(path: Path, topic: str) -> list[Any]:
     with path.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         return [message for _, _, _, message in reader.iter_decoded_messages(topics=[topic])]
+
+
+def profile_of(path: Path) -> str:
+    from mcap.reader import make_reader
+
+    with path.open("rb") as file:
+        return str(make_reader(file).get_header().profile)
+
+
+def robots_channels(path: Path) -> dict[str, dict[str, str]]:
+    """Topic → metadata, of those that `mcap filter` leaves where the mission's own are taken out."""
+    from mcap.reader import make_reader
+
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+        assert summary is not None
+        left = [each for each in summary.channels.values() if not each.topic.startswith("/rai_missions/")]
+        assert {each.message_encoding for each in left} == {"cdr"}, "bags of ROS 2 hold one encoding alone"
+        return {each.topic: each.metadata for each in left}
+
+
+def test_a_quality_is_written_as_bags_write_it(open_ros: Callable[..., Any]) -> None:
+    from rclpy.qos import QoSProfile, qos_profile_sensor_data
+
+    from rai_missions.connectors.ros2.offers import offered_quality
+
+    text = offered_quality([qos_profile_sensor_data, QoSProfile(depth=3)])
+    best_effort, usual = yaml.safe_load(text)
+    assert (best_effort["reliability"], best_effort["depth"], best_effort["history"]) == ("best_effort", 5, "keep_last")
+    assert usual["avoid_ros_namespace_conventions"] is False and usual["depth"] == 3
+    assert offered_quality([]) == ""
 
 
 def battery(share: float) -> dict[str, Any]:
@@ -100,6 +136,12 @@ def test_messages_of_ros_are_kept_as_they_came_and_decoded_by_others(
     assert [round(each.percentage, 3) for each in decoded(path, "/battery")] == [0.9, 0.125]
     assert (decoded(path, "/battery")[0].header.frame_id, decoded(path, "/battery")[0].location) == ("base", "back")
     assert bytes(decoded(path, "/camera")[0].data) == bytes([7]) * 12
+    assert profile_of(path) == "ros2"
+    offered = {topic: yaml.safe_load(said["offered_qos_profiles"]) for topic, said in robots_channels(path).items()}
+    assert set(offered) == {"/battery", "/camera"}, "all that are no topics of the mission's own are in CDR"
+    for (one,) in offered.values():
+        assert (one["reliability"], one["durability"], one["liveliness"]) == ("reliable", "volatile", "automatic")
+        assert set(one) == OF_A_BAG and one["deadline"] == {"sec": 9223372036, "nsec": 854775807}
     with journal_of(path) as replayed:
         again = replay(replayed.path)
         assert again.holds and again.outcome == "aborted"

@@ -19,6 +19,7 @@ from rclpy.serialization import deserialize_message
 from rai_missions.connectors.connector import Close, Message, RawMessage
 from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.mixed import Mixed
+from rai_missions.connectors.ros2.offers import offered_quality
 from rai_missions.connectors.ros2.options import Quality
 from rai_missions.connectors.ros2.runtime import Runtime, guarded
 from rai_missions.connectors.ros2.topics import profile
@@ -105,6 +106,7 @@ class _Reader:
         self._listeners: tuple[Listener, ...] = ()
         self._last: deque[Any] = deque(maxlen=quality.depth if quality.durability == "latched" else 0)
         self._entities: dict[str, Any] = {}
+        self._offers = ""
         self._mixed = Mixed(runtime.later, self._heard, self._count_reliable)
         self._is_open = True
         self._is_puzzled = self._is_fitted = self._is_heard = False
@@ -148,6 +150,12 @@ class _Reader:
 
     def _publishers(self) -> list[Any]:
         return list(self._runtime.node.get_publishers_info_by_topic(self._topic))
+
+    def _offered(self) -> str:
+        """The quality that its publishers offer, asked for once there is one."""
+        if not self._offers:
+            self._offers = offered_quality([each.qos_profile for each in self._publishers()])
+        return self._offers
 
     def _look_after(self, waits: tuple[float, ...]) -> None:
         """Say it if what is published there is of another type: ROS itself keeps silent."""
@@ -201,7 +209,7 @@ class _Reader:
             return
         message = deserialize_message(heard, self._class) if self._is_raw else heard
         at, age_s = self._date(message)
-        raw = RawMessage(self._topic, name_of(self._class), heard, at) if self._is_raw else None
+        raw = RawMessage(self._topic, name_of(self._class), heard, at, self._offered()) if self._is_raw else None
         told = Message(self._topic, to_data(message, f"{self._topic}@{at:.3f}"), at, age_s, is_kept)
         for each in listeners:
             each.tell(raw, told)
