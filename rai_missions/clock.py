@@ -30,10 +30,13 @@ class Mailbox:
 
     Args:
         clean: Takes out of an event's data what nobody may read later, as it is taken.
+        now: The run's clock. With it each event gets the instant at which it enters here, in the order in which they
+            enter: once the mailbox is seen empty, nothing comes that is older than what the clock said before.
     """
 
-    def __init__(self, clean: Callable[[Any], Any] | None = None) -> None:
-        self._clean = clean
+    def __init__(self, clean: Callable[[Any], Any] | None = None, now: Callable[[], float] | None = None) -> None:
+        self._clean, self._now = clean, now
+        self._entrance = threading.RLock()  # a signal may come on the thread that is posting
         self._queue: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
         self._urgent: deque[Event] = deque()
         self._front: deque[Event] = deque()
@@ -46,6 +49,10 @@ class Mailbox:
 
     def post(self, event: Event) -> None:
         """Put it behind what waits; of what the robot says of a key while far too much does, the newest is kept."""
+        with self._entrance:
+            self._enter(event if self._now is None else event._replace(at=self._now()))
+
+    def _enter(self, event: Event) -> None:
         if event.kind != "write":
             self._queue.put(event)
         elif self._queue.qsize() < _most(event):

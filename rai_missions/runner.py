@@ -82,7 +82,7 @@ class Runner(Steered):
             raise DefinitionError(faults, robot.name)
         self.mission, self.run_id = mission, run or uuid.uuid4().hex[:12]
         self.clock: Clock = clock if clock is not None else WallClock()
-        self.mailbox, self._clean = Mailbox(clean), clean or (lambda said: said)
+        self.mailbox, self._clean = Mailbox(clean, self.clock.now), clean or (lambda said: said)
         self.lifecycle = Lifecycle()
         self._resumed = resumed
         self.chart = resumed.chart if resumed is not None else Chart(
@@ -216,8 +216,13 @@ class Runner(Steered):
     def _do_due(self) -> None:
         """What is asked of the runner itself, and what its time has come for."""
         self._do_asked()
-        if self.clock.now() >= self._due:
+        if self._settled() >= self._due:
             self._write_carried()
+
+    def _settled(self) -> float:
+        """Until when all that has happened is known: what waits in the mailbox happened before the clock's present."""
+        now = self.clock.now()  # looked at first, so that what enters the mailbox meanwhile is not older
+        return max(now, self.chart.at) if self.mailbox.empty else self.chart.at
 
     def _do_asked(self) -> None:
         while self._requests:
@@ -338,7 +343,7 @@ class Runner(Steered):
     def _write_carried(self) -> None:
         """Have what travels written down: with a step in which only time passes."""
         if self._due < math.inf:
-            self._step(lambda: self.chart.send(Tick(max(self.clock.now(), self.chart.at))), quiet=False)
+            self._step(lambda: self.chart.send(Tick(self._settled())), quiet=False)
 
     def _lose_journal(self, error: Exception) -> None:
         """What cannot be written down does not go on."""
