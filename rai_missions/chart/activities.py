@@ -111,19 +111,19 @@ class Activities(Core):
                 yield name, machine, self._running[name]
 
     def _poll(self) -> bool:
-        """Let those machines look whom a key that was written, a goal's end or the time concerns; whether one spoke."""
+        """Let those machines look whom a key, a state, a goal's end or the time concerns; whether one spoke."""
         if self.outcome is not None or self.mode == "paused":
             return False
-        if not self._due and not self._ledger.changed and self._polled == len(self.written) and not self._news:
+        if not (self._due or self._ledger.changed or self._shifted or self._news or self._polled < len(self.written)):
             return False
-        ended = {GOALS} if self._ledger.changed else NO_KEYS
-        keys = frozenset(key for key, _ in self.written[self._polled :]).union(ended, self._news)
+        changed = self._shifted.union({GOALS} if self._ledger.changed else NO_KEYS)
+        keys = frozenset(key for key, _ in self.written[self._polled :]).union(changed, self._news)
         due, self._due, self._polled, self._ledger.changed = self._due, NO_KEYS, len(self.written), False
-        news, self._news, spoke = self._news, {}, False
+        news, self._news, self._shifted, spoke = self._news, {}, set(), False
         for name, machine, state in self._live() if keys or due else ():
             if not (name in due or concerns(machine.reads(state), keys)):
                 continue
-            of_others = ended | {key for key, by in news.items() if by != name}
+            of_others = changed | {key for key, by in news.items() if by != name}
             tick = Event("tick", self.view.at, {"keys": keys, "news": frozenset(of_others)}, "tick")
             turn = machine.hear(state, tick, self)
             if turn is not None:
@@ -178,7 +178,7 @@ class Activities(Core):
                 self._complete(None)
 
     def _reads(self) -> frozenset[str]:
-        """The keys whose change may change something now."""
+        """What may change something now when it changes: keys, and states that a machine asks for."""
         reads = self._config.reads | self._graph.invariant_reads
         for _, machine, state in self._live():
             reads |= machine.reads(state)

@@ -150,7 +150,7 @@ class Chart(Saving):
         if not rows:
             return self._quiet(event, at, tuple(looked))
         leap = config.leaps.get((tuple(rows), name))
-        if leap is None or not leap.plain:
+        if leap is None or not leap.plain or not leap.shifts.isdisjoint(self._listening):
             return self._send(event)
         self._config = leap.config
         view.active = leap.config.active

@@ -102,7 +102,9 @@ class Compiled:
         self.named |= site.named
         for name in site.clocked:
             (self.nodes[name] if name else self.root).clocked = True
-        return Condition(place, guard, test, frozenset(site.reads), tuple(site.instants), dict(site.holds))
+        return Condition(
+            place, guard, test, frozenset(site.reads), site.watched, tuple(site.instants), dict(site.holds)
+        )
 
     def configuration(self, atomic: Iterable[Node]) -> Configuration:
         """The one `Configuration` of these innermost states."""

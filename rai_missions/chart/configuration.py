@@ -17,7 +17,7 @@ class Leap:
     """What taking certain rows in a configuration does: a `Move` and all that the chart needs to make it."""
 
     __slots__ = (
-        "acts", "config", "entered", "exited", "move", "moves", "plain", "remember",
+        "acts", "config", "entered", "exited", "move", "moves", "plain", "remember", "shifts",
     )  # fmt: skip
 
     def __init__(self, move: Move, config: Configuration, acts: tuple[Act, ...]) -> None:
@@ -26,6 +26,8 @@ class Leap:
         self.entered: tuple[Node, ...] = ()
         self.remember: tuple[tuple[int, tuple[Node, ...]], ...] = ()
         """History state and what it leads back to from now on."""
+        self.shifts: frozenset[str] = frozenset()
+        """The states that it makes active or inactive, by their `presence`."""
         self.plain = False
         """Nothing but the move and its acts: no timer, activity, final, history, or row without an event."""
 
@@ -62,7 +64,10 @@ class Configuration:
         self.reads = frozenset[str]().union(*(condition.reads for condition in waiting), *(
             row.condition.reads for row in rows if row.condition and row.condition.holds
         ))  # fmt: skip
-        self.instants = tuple(instant for condition in waiting for instant in condition.instants)
+        lasting = [
+            row.condition for row in rows if row.condition and row.condition.holds and not row.transition.eventless
+        ]
+        self.instants = tuple(instant for condition in (*waiting, *lasting) for instant in condition.instants)
         self.watchful = bool(self.eventless or self.holds)
 
     def _candidates(self, wanted: Callable[[Row], bool]) -> tuple[tuple[Row, ...], ...]:

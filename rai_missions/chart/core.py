@@ -156,6 +156,8 @@ class Core:
         self.written: list[tuple[str, Any]] = []
         self._polled = 0
         """How many of these the machines have been told of."""
+        self._shifted: set[str] = set()
+        """The states that have become active or inactive since the machines were told, by their `presence`."""
         self._news: dict[str, str] = {}
         """Key that has another value than when the machines last looked → the state whose machine alone wrote it."""
         self._tree_rounds: dict[str, Rounds] = {}

@@ -13,6 +13,7 @@ from typing import Any
 from rai_missions.chart.compiled import Compiled
 from rai_missions.chart.configuration import Configuration, Leap
 from rai_missions.chart.node import Act, Memory, Node, Row
+from rai_missions.guards.guard import presence
 from rai_missions.states.history import History
 from rai_missions.step import Move
 
@@ -132,6 +133,7 @@ class Graph(Compiled):
         move = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
         leap = Leap(move, target, every)
         leap.exited, leap.entered = out, into
+        leap.shifts = frozenset(presence(node.name) for node in exited ^ entered)
         leap.remember = tuple(self._remembered(config, out))
         quiet = not any(node.timed or node.activity or node.clocked or node.control for node in (*out, *into))
         ends = any(node.is_final or node.is_each for node in into)

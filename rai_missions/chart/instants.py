@@ -21,17 +21,19 @@ class Instants(Modes):
 
     def _catch_up(self, at: float) -> None:
         """Let everything that was due until `at` happen, each at its own instant."""
-        same = 0
+        same, moved = 0, False
         if unfinished := self._unfinished():
-            self._due = unfinished
+            self._due, moved = unfinished, True
             self._instant()
         while (due := self._next_instant()) <= at and same < MOST_MICROSTEPS:
-            same = same + 1 if due <= self.view.at else 0
+            same, moved = same + 1 if due <= self.view.at else 0, True
             self._due = self._unfinished().union(self._woken(due))
             self.view.at = max(self.view.at, due)
             self._instant()
         if same >= MOST_MICROSTEPS:
             self._endless()
+        if moved:
+            self._listening = self._reads()  # what comes now finds what time has made of it
 
     def _woken(self, due: float) -> Iterable[str]:
         """The states whose machines asked for an instant not later than this."""
@@ -110,8 +112,8 @@ class Instants(Modes):
             soonest = min(soonest, until)
         for instant in self._config.instants:
             soonest = min(soonest, _later(instant(self.view), now))
-        if self._final is not None and self._final.requires is not None:
-            for instant in self._final.requires.instants:
+        for final in [*map(self._graph.nodes.__getitem__, self._settling), *([self._final] if self._final else [])]:
+            for instant in final.requires.instants if final.requires is not None else ():
                 soonest = min(soonest, _later(instant(self.view), now))
         for _, machine, state in self._live():
             soonest = min(soonest, machine.wake_at(state, self.view))

@@ -116,6 +116,7 @@ class Microsteps(Endings):
         self._memory.update(leap.remember)
         self._config = leap.config
         self.view.active = leap.config.active
+        self._shifted |= leap.shifts
         self.moves.append(leap.move)
         for act in leap.acts:
             act(self)

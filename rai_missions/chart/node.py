@@ -27,6 +27,9 @@ class Condition(NamedTuple):
     guard: Guard
     test: Test
     reads: frozenset[str]
+    """The keys that it looks at."""
+    watched: frozenset[str]
+    """All but time by which it is woken (`Site.watched`)."""
     instants: tuple[Instant, ...]
     holds: Mapping[str, Test]
 

@@ -7,13 +7,13 @@ Rule: a guard reads a `View` and nothing else. What is missing or stale makes it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, Protocol
 
 from rai_missions.blackboard import Blackboard, Key
 from rai_missions.written import Kind
 
-__all__ = ("Guard", "Instant", "Operand", "Site", "Test", "Truth", "View", "made")
+__all__ = ("Guard", "Instant", "Operand", "Site", "Test", "Truth", "View", "concerns", "made", "presence")
 
 Truth = bool | None
 """True, False, or None: unknown."""
@@ -53,6 +53,18 @@ class View(Protocol):
         """The value of a predicate of the user's program."""
 
 
+def presence(state: str) -> str:
+    """What stands among watched keys for whether a state is active; no key begins so."""
+    return f"#in {state}"
+
+
+def concerns(watched: Collection[str], changed: Collection[str]) -> bool:
+    """Whether a change is one by which a guard is woken; `*` watches every key."""
+    return not frozenset(watched).isdisjoint(changed) or (
+        "*" in watched and any(not name.startswith("#") for name in changed)
+    )
+
+
 Test = Callable[[View], Truth]
 Instant = Callable[[View], float]
 """The next instant after now at which a guard may change without an event; infinity for never."""
@@ -79,6 +91,14 @@ class Site:
         self.named: set[str] = set()
         self.states: set[str] = set()
         """The states whose activity it asks for."""
+
+    @property
+    def watched(self) -> frozenset[str]:
+        """All but time whose change may change the guard: keys (`*` for every key), and states by their `presence`.
+
+        Whatever waits for a guard is woken by these and by `instants`, and by nothing else.
+        """
+        return frozenset(self.reads).union(map(presence, self.states))
 
 
 class Guard(Kind, family="guard"):

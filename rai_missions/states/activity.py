@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from rai_missions.event import Event
-from rai_missions.guards.guard import View
+from rai_missions.guards.guard import View, concerns
 
 if TYPE_CHECKING:
     from rai_missions.states.rounds import Rounds
@@ -90,7 +90,8 @@ class Machine(Protocol):
         """Something happened; None where it does not concern this.
 
         A `tick` says that an instant has come for which `wake_at` asked, or that the `keys` in its data were written;
-        those of them that have another value now are its `news`.
+        those of them that have another value now are its `news`. Among both are `GOALS`, and states that have become
+        active or inactive, each by its `presence`.
         """
 
     def leave(self, state: Any, desk: Desk) -> Turn:
@@ -100,7 +101,7 @@ class Machine(Protocol):
         """The next instant at which a `tick` may change something; infinity for none."""
 
     def reads(self, state: Any) -> frozenset[str]:
-        """The keys whose change it wants to hear of."""
+        """What it wants to hear of: changes of keys, of states (`presence`), of goals (`GOALS`)."""
 
     def awaits(self, state: Any) -> frozenset[int]:
         """The numbers of the starts and questions whose answer it waits for."""
@@ -112,8 +113,3 @@ class Machine(Protocol):
 NO_KEYS: frozenset[str] = frozenset()
 GOALS = "#goals"
 """Stands among the keys for the ledger: a goal has ended or was given up."""
-
-
-def concerns(reads: frozenset[str], keys: frozenset[str]) -> bool:
-    """Whether a change of keys is one that a reader of others wants to hear of; `*` reads every key."""
-    return not reads.isdisjoint(keys) or ("*" in reads and bool(keys - {GOALS}))

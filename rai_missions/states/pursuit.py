@@ -59,11 +59,11 @@ class PursuitMachine:
         self.definition: Pursued = definition
         self.owner, self.site = owner, site
         self.achieved: Test | None = definition.achieved.compile(site) if definition.achieved is not None else None
-        self.settling_reads, self.settling_instants = frozenset(site.reads), tuple(site.instants)
+        self.settling_reads, self.settling_instants = site.watched, tuple(site.instants)
         composed = Site(site.place, site.keys, site.state)
         self.succeeded = succeeded.compile(composed) if succeeded is not None else None
         self.failed = failed.compile(composed) if failed is not None else None
-        self.composed_reads, self.composed_instants = frozenset(composed.reads), tuple(composed.instants)
+        self.composed_reads, self.composed_instants = composed.watched, tuple(composed.instants)
 
     def begin(self, desk: Desk) -> Turn:
         return self._start(desk) or Turn(Pursuit("waiting"))
@@ -129,7 +129,7 @@ class PursuitMachine:
         return Turn(None, outcome=Outcome("unverified", state.result, why))
 
     def _unknown(self, view: View) -> str:
-        keys = sorted(key for key in self.settling_reads if key not in view.board)
+        keys = sorted(key for key in self.site.reads if key not in view.board)
         return f"never heard: {', '.join(keys)}" if keys else "stale"
 
     def _results(self, state: Pursuit) -> tuple[tuple[str, Any], ...]:

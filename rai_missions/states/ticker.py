@@ -100,7 +100,7 @@ class Ticker(Protocol):
         """The next instant at which a wait, a timeout or a guard's age can change something; infinity for none."""
 
     def reads(self, state: TreeState) -> frozenset[str]:
-        """The keys at which the next tick may look, so that another value of one wants a tick; `*` for any."""
+        """What wants a tick once it is another: keys at which the next may look (`*` for any), `presence` of states."""
 
     def shifted(self, state: TreeState, by_s: float) -> TreeState:
         """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""

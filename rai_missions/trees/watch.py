@@ -60,8 +60,8 @@ class Watch:
         return sight
 
     def reads(self, root: Behaviour) -> frozenset[str]:
-        """The keys at which the next tick may look, and those on which a duration depends."""
-        return frozenset(key for site in self._sites(root) for key in site.reads)
+        """What the next tick may look at, and on what a duration depends: keys, and states by their `presence`."""
+        return frozenset[str]().union(*(site.watched for site in self._sites(root)))
 
     def wake_at(self, root: Behaviour, sight: Sight) -> float:
         """The next deadline of what runs, or instant at which a guard's facts grow old."""

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An event is handled at its own instant: one jump in time is many small ticks, and nobody looks too seldom."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.chart import Chart, instants, microsteps
+from rai_missions.event import Event, Tick
+from rai_missions.mission import Mission
+from rai_missions.states.terms import Terms
+from rai_missions.step import Move
+from rai_missions.trees import PyTrees
+from tests.chart.charts import chart, row, sent, ticked
+from tests.laws.drawn import GRID_S, Answers, Happening, document, happenings, is_far, terms
+
+Json = dict[str, Any]
+PASSING = ("seq", "_wake", "_quick", "_listening")
+"""What a snapshot has of how the run was looked at, not of the run."""
+AFTER_S = 5.0
+"""Seconds that are still watched once everything has happened."""
+seeds = st.integers(0, 2**32)
+
+
+class Recorded(Chart):
+    """A chart that notes at which instant each move was made."""
+
+    def _jump(self, leap: Any) -> None:
+        self.trail.append((self.view.at, leap.move))
+        super()._jump(leap)
+
+    @property
+    def trail(self) -> list[tuple[float, Move]]:
+        made: list[tuple[float, Move]] = self.__dict__.setdefault("_trail", [])
+        return made
+
+
+class Diligent(Recorded):
+    """The same chart without its economies: it looks at everything, at each event and each instant of the grid."""
+
+    def _look_ahead(self) -> None:
+        super()._look_ahead()
+        self._quick, self._listening = False, self._reads()
+
+    def _reads(self) -> frozenset[str]:
+        return frozenset({"*"})
+
+    def _next_instant(self) -> float:
+        soonest = super()._next_instant()
+        if self.mode in ("ready", "ended"):
+            return soonest
+        return min(soonest, (self.view.at // GRID_S + 1) * GRID_S)
+
+    def _poll(self) -> bool:
+        self._due |= {name for name in self._running if self._graph.nodes[name].family != "tree"}
+        return super()._poll()
+
+    def _handle(self, event: Event) -> None:
+        super()._handle(event)
+        if self.outcome is None and self.mode in ("running", "canceling"):
+            self._complete(None)
+
+
+def play(
+    seed: int, kind: type[Recorded], *, ticks: bool, events: list[Event] | None = None
+) -> tuple[Recorded, list[Event], list[Any]]:
+    """A run of what a number draws.
+
+    Args:
+        seed: The number.
+        kind: The chart.
+        ticks: Time is told at each instant of the grid; else in one jump from event to event.
+        events: Raw events to repeat; drawn by default.
+    """
+    rng = random.Random(seed)
+    made, script, robot = document(rng), happenings(rng), terms(rng)
+    one, answers, seen = started(made, robot, kind), Answers(), list[Any]()
+    answers.learn(one.start(0.0))
+    for happening in [*script, Happening("tick", (), script[-1].at + AFTER_S)]:
+        while ticks and one.at + GRID_S < happening.at:
+            answers.learn(one.send(Tick(one.at + GRID_S)))
+        event = events[len(seen)] if events is not None else answers.event(happening)
+        answers.learn(one.send(event))
+        seen.append((event, one.active, one.outcome, dict(one.view.board)))
+    return one, [each[0] for each in seen], seen
+
+
+def started(made: Json, robot: Terms, kind: type[Recorded]) -> Recorded:
+    return kind(Mission.model_validate(made), PyTrees(), terms=robot, named={"is_far": is_far})
+
+
+def remembered(one: Chart) -> Json:
+    return {name: value for name, value in one.snapshot().items() if name not in PASSING}
+
+
+def agree(seed: int, kind: type[Recorded]) -> None:
+    """A jumping chart, given the events of a chart that is ticked, makes the same moves at the same instants."""
+    with pytest.MonkeyPatch.context() as limits:  # what goes round for ever is found sooner
+        for module in (microsteps, instants):
+            limits.setattr(module, "MOST_MICROSTEPS", 100)
+        small, events, seen = play(seed, kind, ticks=True)
+        far, _, others = play(seed, Recorded, ticks=False, events=events)
+    assume(not any("without end" in each.why for each in (small, far)))  # where that is noticed depends on the step
+    assert others == seen
+    assert remembered(far) == remembered(small)
+
+
+@given(seeds)
+@settings(max_examples=60)
+def test_one_jump_in_time_is_many_small_ticks(seed: int) -> None:
+    agree(seed, Recorded)
+
+
+@given(seeds)
+@settings(max_examples=60)
+def test_who_looks_at_everything_all_the_time_sees_nothing_else_happen(seed: int) -> None:
+    agree(seed, Diligent)
+
+
+@pytest.mark.drill
+@pytest.mark.parametrize("kind", [Recorded, Diligent])
+@pytest.mark.timeout(3600)
+def test_ten_thousand_runs_agree(kind: type[Recorded]) -> None:
+    from hypothesis.errors import UnsatisfiedAssumption
+
+    skipped = 0
+    for seed in range(10_000):
+        try:
+            agree(seed, kind)
+        except UnsatisfiedAssumption:
+            skipped += 1
+    assert skipped < 1_000
+
+
+# -- the smallest cases -----------------------------------------------------------------------------------------------
+
+
+def test_a_write_that_comes_after_a_due_timer_is_looked_at() -> None:
+    states = {
+        "s1": {"transitions": [row(to="s2", after_s=1)]},
+        "s2": {"transitions": [row(to="s3", when={"key": "a", "==": True})]},
+        "s3": {},
+    }
+    made = chart(states, blackboard={"a": {"type": "boolean"}})
+    assert made.write("a", True, at=2.0).entered == ("s2", "s3")
+
+
+def test_a_guard_that_must_have_held_is_watched_where_only_an_event_asks_for_it() -> None:
+    states = {"a": {"transitions": [row("e", "b", when={"held": {"fresh": "x"}, "for_s": 2})]}, "b": {}}
+    keys = {"x": {"type": "integer", "max_age_s": 1}}
+    made = chart(states, blackboard=keys)
+    made.write("x", 1, at=0.5)
+    made.write("x", 1, at=2.0)  # stale for half a second before
+    assert sent(made, "e", at=2.75).entered == ()
+
+
+def test_a_final_inside_that_waits_for_its_requires_sees_the_instant_at_which_time_makes_it_true() -> None:
+    inside = {"x": {"final": "succeeded", "requires": {"elapsed_s": 1}}}
+    states = {"a": {"initial": "x", "states": inside, "transitions": [row("succeeded", "b")]}, "b": {}}
+    made = chart(states, settle_s=5)
+    assert ticked(made, 1.5).entered == ("b",)
+
+
+def test_leaving_a_state_wakes_a_tree_that_asks_for_it() -> None:
+    tree = {"eternal_guard": {"in": "x1"}, "child": {"wait_s": 60}}
+    regions = {
+        "r1": {"initial": "x1", "states": {"x1": {"transitions": [row("e", "x2")]}, "x2": {}}},
+        "r2": {"initial": "t", "states": {"t": {"tree": tree, "transitions": [row("failed", "u")]}, "u": {}}},
+    }
+    made = Chart(mission_of(regions), PyTrees())
+    made.start(0.0)
+    assert "u" in made.send(Event("e", 1.0)).entered
+
+
+@pytest.mark.parametrize("settle_s", [0, 9])
+def test_entering_a_state_wakes_an_action_whose_achieved_asks_for_it(settle_s: float) -> None:
+    action = {"action": "go", "achieved": {"in": "x2"}, "settle_s": settle_s}
+    states = {"t": {**action, "transitions": [row("succeeded", "u"), row("unverified", "v")]}, "u": {}, "v": {}}
+    regions = {
+        "r1": {"initial": "x1", "states": {"x1": {"transitions": [row("e", "x2")]}, "x2": {}}},
+        "r2": {"initial": "t", "states": states},
+    }
+    made = Chart(mission_of(regions))
+    made.start(0.0)
+    (number,) = made.awaited
+    made.send(Event("succeeded", 1.0, {}, "result", number))
+    made.send(Event("e", 2.0))
+    assert ("u" in made.active) is (settle_s > 0)
+
+
+def mission_of(regions: Json) -> Mission:
+    states = {"p": {"parallel": regions}}
+    return Mission.model_validate({"name": "tried", "initial": "p", "states": states, "events": ["e"]})
