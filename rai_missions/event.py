@@ -15,7 +15,7 @@ __all__ = ("KINDS", "Event", "Image", "Tick")
 NOTHING: Mapping[str, Any] = {}
 KINDS = (
     "event", "tick", "write", "accepted", "feedback", "result", "proposal", "control", "behaviour", "command",
-    "doubt",
+    "doubt", "refused", "lost", "contested", "stray", "over",
 )  # fmt: skip
 """What sort of happening an event can be; `Event.kind` says what each means."""
 
@@ -40,6 +40,11 @@ class Event(NamedTuple):
     | `accepted`   | the action or call that was accepted              | number of start   |
     | `feedback`   | the action that reports on its way                | number of start   |
     | `result`     | `succeeded`, `failed`, `canceled`, `rejected`     | number of start   |
+    | `refused`    | the action whose server refuses a cancel          | number of start   |
+    | `lost`       | the action whose server is gone; its `result` comes next | number of start |
+    | `contested`  | the action that a second server serves            | number of start   |
+    | `stray`      | the action that executes though its end was reported (`data["owner"]`) | number of start |
+    | `over`       | the action that executes nowhere any more, after it was lost or stray  | number of start |
     | `proposal`   | the answerer that answers, declines or fails      | number of question|
     | `control`    | who holds control now                             | –                 |
     | `behaviour`  | `behaviour`; its end stands in `data["status"]`   | number of start   |

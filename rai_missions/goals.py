@@ -26,6 +26,8 @@ log = logging.getLogger(__name__)
 CANCELED_S = 5.0
 """How long other calls wait for the reply of the service that ends a composed action."""
 ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
+WATCHED = {"cancel_rejected": "refused", "contested": "contested", "stray": "stray", "over": "over"}
+"""What a connector reports of a goal beside its course → the kind of the event that tells the mission."""
 BAD_REPLIES = ("failed", "timed_out", "unavailable")
 
 
@@ -50,6 +52,9 @@ class Goals:
         self._entries: dict[int, ActionEntry] = {}
         self._unwanted: set[int] = set()
         """Goals whose end was asked for: while one is looked for, its server may know nothing of it yet."""
+        self._starting: set[int] = set()
+        """Composed actions whose `start` has not been answered: it may take effect after a later `cancel`."""
+        self._is_closed = False
         self._lock = threading.Lock()
         self._ending: set[int] = set()
         self._behind: list[Callable[[], None]] = []
@@ -57,6 +62,11 @@ class Goals:
     def goal_id(self, number: int, owner: str) -> str:
         """The id under which a start's goal goes to its server."""
         return uuid.uuid5(uuid.NAMESPACE_URL, f"{self._run}/{owner}/{number}").hex
+
+    def close(self) -> None:
+        """The run is over: what has not ended, or is accepted from now on, belongs to no state, and is canceled."""
+        self._is_closed = True
+        self.cut_off()
 
     def start(self, effect: StartGoal) -> None:
         """Send a goal; raises what the connector raises."""
@@ -128,8 +138,8 @@ class Goals:
         entry = self._entry(effect.action)
         if entry is None or self._connector is None:
             return
+        self._unwanted.add(effect.number)
         if entry.action is not None:
-            self._unwanted.add(effect.number)
             self._connector.cancel_goal(self._ids.get(effect.number, ""))
         elif entry.cancel is None:
             self._end(effect.number, "canceled", {})
@@ -139,7 +149,7 @@ class Goals:
             try:
                 self._connector.call(
                     entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), timeout_s=CANCELED_S,
-                    answered=lambda reply: self._canceled(entry, effect.number, reply),
+                    answered=lambda reply: self._canceled(entry, effect, reply),
                 )  # fmt: skip
             except Exception:
                 self._let_others_call(effect.number)
@@ -186,7 +196,7 @@ class Goals:
         """A goal's id, and whom its server tells."""
         self._entries[effect.number] = entry
         goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
-        return goal_id, lambda report: self._reported(effect.number, goal_id, report)
+        return goal_id, lambda report: self._reported(effect, goal_id, report)
 
     def _compose(self, entry: ActionEntry, effect: StartGoal) -> None:
         """An action made of services: its `start` accepts, its guards end it, its `cancel` confirms."""
@@ -194,33 +204,55 @@ class Goals:
         start = entry.start
         self._composed[effect.action] = CancelGoal(effect.number, effect.action)
 
+        self._starting.add(effect.number)
+
         def answered(reply: Reply) -> None:
+            self._starting.discard(effect.number)
             outcome, why = outcome_of(start, reply)
             if outcome == "succeeded":
-                self._tell("accepted", "accepted", effect.number, {})
+                self._accepted(effect, {})
             else:
                 self._end(effect.number, "rejected", {"why": why or outcome})
 
         self._connector.call(start.service, start.type, start.request_of(effect.goal), answered=answered)
 
-    def _canceled(self, entry: ActionEntry, number: int, reply: Reply) -> None:
+    def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
+        """A server has taken a goal; once the run is over, there is no state that could cancel it."""
+        self._tell("accepted", "accepted", effect.number, data)
+        if self._is_closed:
+            with suppress(Exception):  # a connector is not trusted to behave
+                self.cancel(CancelGoal(effect.number, effect.action))
+
+    def _canceled(self, entry: ActionEntry, cancel: CancelGoal, reply: Reply) -> None:
         assert entry.cancel is not None
+        number, action = cancel
         try:
-            if outcome_of(entry.cancel, reply)[0] == "succeeded":
+            outcome, why = outcome_of(entry.cancel, reply)
+            if outcome == "failed":
+                self._tell("refused", action, number, {"why": why} if why else {})
+            elif outcome == "succeeded" and number not in self._starting:
                 self._end(number, "canceled", {})
         finally:
             self._let_others_call(number)
 
-    def _reported(self, number: int, goal_id: str, report: Report) -> None:
+    def _reported(self, effect: StartGoal, goal_id: str, report: Report) -> None:
+        number = effect.number
         if report.goal_id != goal_id:
             log.warning("goal %d: what was said of the goal '%s' is not said of it", number, report.goal_id)
-        elif report.said in ("accepted", "feedback"):
-            self._tell(report.said, report.said, number, told(report.data))
+        elif report.said == "accepted":
+            self._accepted(effect, told(report.data))
+        elif report.said == "feedback":
+            self._tell("feedback", "feedback", number, told(report.data))
         elif report.said in ENDS:
             outcome = "failed" if report.said == "lost" else report.said
             why = {"why": in_words(report.why)} if report.why else {}
+            if report.said == "lost" and report.may_run:
+                self._tell("lost", effect.action, number, why)
             self._end(number, outcome, {**self._result_of(number, report), **why})
-        elif report.said != "cancel_rejected":
+        elif report.said in WATCHED:
+            why = {"why": in_words(report.why)} if report.why else {}
+            self._tell(WATCHED[report.said], effect.action, number, {"owner": effect.owner, **why})
+        else:
             log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.said)
 
     def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
@@ -233,6 +265,7 @@ class Goals:
     def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
         self._ids.pop(number, None)
         self._unwanted.discard(number)
+        self._starting.discard(number)
         for action, cancel in list(self._composed.items()):
             if cancel.number == number:
                 del self._composed[action]

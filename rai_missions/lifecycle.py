@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from transitions import Machine, MachineError
 
 from rai_missions.errors import UsageError
+from rai_missions.states.goals import OpenGoal
 from rai_missions.step import Step
 
 __all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
@@ -57,6 +58,8 @@ class Status(NamedTuple):
     why: str = ""
     waits: str = ""
     """Which states wait for somebody to have control, in words; empty where none does."""
+    open_goals: tuple[OpenGoal, ...] = ()
+    """The goals that may still be executing although nothing waits for them: the robot may still move."""
 
 
 def is_operator(by: str) -> bool:
@@ -159,8 +162,9 @@ class Lifecycle:
         return ""
 
     def observe(
-        self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING
-    ) -> Status | None:
+        self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
+        open_goals: tuple[OpenGoal, ...] = (),
+    ) -> Status | None:  # fmt: skip
         """Follow a step; the new status if anything in it changed.
 
         Args:
@@ -169,6 +173,7 @@ class Lifecycle:
             holder: Who holds control.
             active: The active states, in the order in which they are to be shown; a set is sorted by name.
             waiting: State → who must have control before what it does can go on.
+            open_goals: The goals that may still be executing although nothing waits for them.
 
         Raises:
             UsageError: The step went a way that no mission may go.
@@ -183,7 +188,7 @@ class Lifecycle:
             outcome, why = self._last[3:5]
         waits = _waits(waiting, holder) if mode != "ended" else ""
         shown = tuple(sorted(active) if isinstance(active, AbstractSet) else active)
-        status = (target, holder, shown, outcome, why, waits)
+        status = (target, holder, shown, outcome, why, waits, open_goals)
         if status == self._last:
             return None
         self._last = status

@@ -121,6 +121,7 @@ class Performer:
     def close(self) -> None:
         """Stop listening, and take back every question."""
         self._senses.close()
+        self._goals.close()
         self.handovers.close()
         self._behaviours.close()
         for number in list(self._open):

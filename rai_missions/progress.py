@@ -14,6 +14,7 @@ from rai_missions.event import Event, Image
 from rai_missions.lifecycle import Status
 from rai_missions.mission import Mission
 from rai_missions.runner import Result
+from rai_missions.states.goals import OpenGoal, may_move
 from rai_missions.step import Ask, CallService, CancelGoal, Handover, LogLine, PublishMessage, SayAloud, StartGoal, Step
 from rai_missions.verdict import Answerer
 
@@ -76,6 +77,7 @@ class Lines:
         self._reasons = _reasons(mission)
         self._chart: Chart | None = None
         self._is_waiting = False
+        self._open_goals: tuple[OpenGoal, ...] = ()
 
     def begin(self, robot: str, answerers: str, journal: str, *, model: str | None, goes_on: str = "") -> None:
         """The head of a run: what runs on what, who answers, where it is written down, from where it goes on."""
@@ -102,7 +104,10 @@ class Lines:
             person.stop()
 
     def status(self, status: Status) -> None:
-        """The run's mode, control or states have changed."""
+        """The run's mode, control or states have changed, or which goals may still move the robot."""
+        if status.open_goals and status.open_goals != self._open_goals:
+            self._print(f"{'':13}{trimmed(may_move(status.open_goals), 400)}")
+        self._open_goals = status.open_goals
 
     def step(self, step: Step) -> None:
         """One step; those that changed nothing are left out unless all are wanted."""
@@ -140,6 +145,8 @@ class Lines:
         """How it ended, and where everything is."""
         self._print("")
         self._print(f"{result.outcome}: {trimmed(result.why, 400)}")
+        if result.warning:
+            self._print(trimmed(result.warning, 400))
         said = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
         self._print(
             f"steps {result.steps} · questions {self._asked} (answers that counted: {said}) · {result.duration_s:.1f} s"

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
 from rai_missions.event import Event
+from rai_missions.states.goals import OpenGoal, may_move
 
 __all__ = ("Commands", "Result")
 
@@ -27,6 +28,13 @@ class Result(NamedTuple):
     decisions: int = 0
     """Questions that were asked."""
     duration_s: float = 0.0
+    open_goals: tuple[OpenGoal, ...] = ()
+    """The goals of the run that may still be executing: the robot may still move."""
+
+    @property
+    def warning(self) -> str:
+        """What a person near the robot has to know: which goals may still move it; empty if none does."""
+        return may_move(self.open_goals)
 
 
 class Commands(Protocol):

@@ -23,6 +23,7 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.cut import cut
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.event import Event, Tick
+from rai_missions.interrupts import interruptible
 from rai_missions.journal.scribe import Book, Scribe, raised_by
 from rai_missions.lifecycle import Lifecycle, Status
 from rai_missions.mission import Mission
@@ -32,6 +33,7 @@ from rai_missions.rebuild import default_ticker
 from rai_missions.result import Commands, Result
 from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, missing, terms
+from rai_missions.states.goals import OpenGoal, may_move
 from rai_missions.states.ticker import Trees
 from rai_missions.steered import Steered
 from rai_missions.step import Step
@@ -103,7 +105,8 @@ class Runner(Steered):
         self._later: list[tuple[float, int, Callable[[], None]]] = []
         self._order = itertools.count()
         self._requests: deque[Callable[[], None]] = deque()
-        self._notes: deque[str] = deque()
+        self._notes: deque[tuple[str, Any]] = deque()
+        self._loose: tuple[OpenGoal, ...] = self.chart.loose_goals
         self._decisions = resumed.decisions if resumed is not None else 0
 
     def later(self, at: float, do: Callable[[], None]) -> None:
@@ -118,7 +121,12 @@ class Runner(Steered):
         Raises:
             ConnectorError: The robot cannot be reached.
             UsageError: The robot did not say what the mission needs to know before it starts; the names stand in it.
+            KeyboardInterrupt: Ctrl-C was pressed, and the run has ended: the first cancels it, the second kills it.
         """
+        with interruptible(self):
+            return self._run()
+
+    def _run(self) -> Result:
         began = self.clock.now() if self._resumed is None else self._resumed.began
         ours = self._connector is not None and not self._connector.running
         try:
@@ -305,11 +313,16 @@ class Runner(Steered):
 
     def _tell_status(self, step: Step) -> None:
         chart = self.chart
+        if chart.loose_goals != self._loose:
+            self._loose = chart.loose_goals
+            data = {"open_goals": [goal.data() for goal in self._loose]}
+            self.note(may_move(self._loose) or "no goal may still move the robot", data)
         status = self.lifecycle.observe(
             step,
             mode=chart.mode,
             holder=chart.holder,
             waiting=chart.waiting,
+            open_goals=chart.loose_goals,
             active=tuple(name for name in self._names if name in chart.active),
         )
         if status is not None and status.control == "nobody" and step.event.kind != "control":
@@ -357,5 +370,5 @@ class Runner(Steered):
         chart = self.chart
         return Result(
             chart.outcome or "failed", chart.why, chart.seq, self._scribe.path, self.run_id,
-            tuple(sorted(chart.active)), self._decisions, self.clock.now() - began,
+            tuple(sorted(chart.active)), self._decisions, self.clock.now() - began, chart.loose_goals,
         )  # fmt: skip

@@ -20,6 +20,7 @@ from rai_missions.lifecycle import Status
 from rai_missions.mission import Mission
 from rai_missions.progress import Lines, Person, trimmed
 from rai_missions.runner import Result
+from rai_missions.states.goals import may_move
 from rai_missions.step import Ask, Step
 from rai_missions.verdict import Answerer, Question
 
@@ -57,7 +58,8 @@ class Screen(Lines):
         super().close()
 
     def status(self, status: Status) -> None:
-        """The run's mode, control or states have changed."""
+        """The run's mode, control or states have changed, or which goals may still move the robot."""
+        super().status(status)
         self._status = status
 
     def step(self, step: Step) -> None:
@@ -111,6 +113,8 @@ class Screen(Lines):
         head.append(f"   control: {status.control if status else ''}", style="dim")
         if status is not None and status.waits:
             head.append(f"\n{'':13}{status.waits}", style="bold yellow")
+        if status is not None and status.open_goals:
+            head.append(f"\n{'':13}{trimmed(may_move(status.open_goals), 400)}", style="bold red")
         facts = Table.grid(padding=(0, 2))
         for key, entry in sorted(chart.view.board.items()):
             if self._mission.blackboard[key].source == "robot":

@@ -30,7 +30,7 @@ class Steered:
     performer: Performer
     _requests: deque[Callable[[], None]]
     """What is to be done on the run's thread before its next event."""
-    _notes: deque[str]
+    _notes: deque[tuple[str, Any]]
     """What is to be written down then."""
     _scribe: Scribe
     _lose_journal: Callable[[Exception], None]
@@ -71,15 +71,20 @@ class Steered:
         self._requests.append(do)
         self.mailbox.wake()
 
-    def note(self, text: str) -> None:
-        """Have a sentence written into the journal, in its turn; whoever says so waits for no disk."""
-        self._notes.append(text)
+    def note(self, text: str, data: Any = None) -> None:
+        """Have a sentence written into the journal, in its turn; whoever says so waits for no disk.
+
+        Args:
+            text: For people.
+            data: The same for programs.
+        """
+        self._notes.append((text, data))
         self.soon(self._write_notes)
 
     def _write_notes(self) -> None:
         while self._notes:
-            text = self._notes.popleft()
-            if lost := raised_by(lambda text=text: self._scribe.note(text)):  # type: ignore[misc]
+            each = self._notes.popleft()
+            if lost := raised_by(lambda each=each: self._scribe.note(*each)):  # type: ignore[misc]
                 self._lose_journal(lost)
 
     def _command(self, name: str, by: str) -> None:

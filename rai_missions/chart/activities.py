@@ -20,6 +20,14 @@ from rai_missions.wording import suggestion
 
 __all__ = ("Activities",)
 
+WATCHED = {
+    "refused": "its server refuses to cancel it",
+    "lost": "its server is gone",
+    "contested": "more than one server has it",
+    "stray": "it is executing although its end was reported; it is canceled",
+    "over": "it is executing nowhere any more",
+}
+"""What is noted of a goal where its server gives no words."""
 HOLDERS = (*get_args(Controller), "nobody")
 """Who can hold control."""
 
@@ -176,6 +184,19 @@ class Activities(Core):
                 self.notes.append(f"goal {number} has ended: {event.name}")
             if (self._poll() or self._internal) and self.outcome is None:
                 self._complete(None)
+
+    def _watch_goal(self, event: Event) -> None:
+        """What a goal's servers do outside its course: refuse a cancel, be two, execute it after its end, stop it."""
+        why = str(event.data.get("why", "")) or WATCHED[event.kind]
+        known = event.number in self._ledger.goals
+        if not known and event.kind != "stray":
+            self._refused = f"stale: nothing that was started as {event.number} is running"
+            return
+        self.notes.append(f"goal {event.number} of '{event.name}': {why}")
+        self.effects += self._ledger.hear(event)
+        self._poll()
+        if self._internal and self.outcome is None:
+            self._complete(None)
 
     def _reads(self) -> frozenset[str]:
         """What may change something now when it changes: keys, and states that a machine asks for."""

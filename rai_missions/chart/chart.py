@@ -18,6 +18,7 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.mission import Mission
+from rai_missions.states.goals import OpenGoal
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
 from rai_missions.step import Step
@@ -70,8 +71,13 @@ class Chart(Saving):
 
     @property
     def open_goals(self) -> int:
-        """Goals whose end has not been confirmed and that are not given up as orphaned."""
-        return sum(goal.phase != "orphaned" for goal in self._ledger.goals.values())
+        """How many goals have an end that has not been confirmed and that the run waits for."""
+        return self._ledger.awaited
+
+    @property
+    def loose_goals(self) -> tuple[OpenGoal, ...]:
+        """The goals that may still be executing, and that no cancel can be relied on to end."""
+        return self._ledger.loose
 
     @property
     def awaited(self) -> frozenset[int]:
@@ -270,6 +276,8 @@ class Chart(Saving):
             self._command(event)
         elif kind in ("accepted", "result"):
             self._report(event)
+        elif kind in ("refused", "lost", "contested", "stray", "over"):
+            self._watch_goal(event)
         elif self.outcome is not None:
             self._refused = "the mission has ended"
         elif kind == "write":

@@ -112,8 +112,9 @@ class Watch:
         desk = PageDesk(self._course, answers=self._operator, note=runner.note)
         closed = Closed(prepared.mission)
         self._feed = RunFeed(
-            self._look, runner.clock.now, lambda: closed.now(self._asked(), runner.chart, runner.clock.now())
-        )
+            self._look, runner.clock.now, lambda: closed.now(self._asked(), runner.chart, runner.clock.now()),
+            lambda: runner.chart.loose_goals,
+        )  # fmt: skip
         path = str(journal.path) if journal is not None else ""
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
         self._page.start(prepared.mission, self._feed, desk, about)

@@ -88,6 +88,7 @@ def run(given: argparse.Namespace) -> int:
         }
         told |= {"state": ", ".join(innermost), "steps": result.steps, "decisions": result.decisions}
         told |= {"duration_s": result.duration_s, "journal": result.journal}
+        told |= {"open_goals": [goal.data() for goal in result.open_goals]}
         print(json.dumps(told | ({"recording": given.record} if given.record else {})))
     else:
         lines.end(result, given.picture or "")

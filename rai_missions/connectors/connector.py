@@ -71,15 +71,22 @@ class Reply(NamedTuple):
 class Report(NamedTuple):
     """What an action's server says of one goal.
 
-    `failed` is an action's `aborted`; `lost` says that the server is gone and nothing more will be heard. After
-    `rejected`, `succeeded`, `failed`, `canceled` and `lost` nothing more is reported. `cancel_rejected` says that
-    the server goes on.
+    `failed` is an action's `aborted`; `lost` says that the server is gone or knows nothing of the goal. These two,
+    `rejected`, `succeeded` and `canceled` are ends: one of them is reported, and no other report follows but two.
+    `stray`: the goal is executing at some server although its end was reported; it is canceled there. `over`: a goal
+    that was lost or stray is executing nowhere any more. `cancel_rejected` says that the server does not cancel the
+    goal, `contested` that a second server of the action was seen while the goal was under way.
     """
 
     goal_id: str
-    said: Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
+    said: Literal[
+        "accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost", "contested",
+        "stray", "over",
+    ]  # fmt: skip
     data: Data
     why: str = ""
+    may_run: bool = True
+    """Of a lost goal: whether it may be executing; it may not where its server is there and knows nothing of it."""
 
 
 class ActionServer(Protocol):

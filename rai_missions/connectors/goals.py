@@ -99,8 +99,8 @@ class Goal:
             report(Report(self.goal_id, "accepted", {}))
 
     def silence(self) -> None:
-        """Nothing more is reported."""
-        self._is_over = True
+        """Nothing more is reported; what is accepted nevertheless is canceled, as any unwanted goal."""
+        self._report, self._is_unwanted = _to_nobody, True
 
     def _accept(self, goal: Data) -> None:
         try:
@@ -124,6 +124,11 @@ class Goal:
             self.hear(Report(self.goal_id, "cancel_rejected", {}, f"{type(fault).__name__}: {fault}"))
 
     def _pass_on(self, report: Report) -> None:
+        is_lost = self.end is not None and self.end.said == "lost"
+        if is_lost and report.goal_id == self.goal_id and report.said in ENDS and report.said != "lost":
+            self.end = report
+            self._report(Report(self.goal_id, "over", {}, f"its server reports that it has ended: {report.said}"))
+            return
         if self._is_over or report.goal_id != self.goal_id or (report.said == "accepted" and self._is_accepted):
             return
         if not self._is_accepted and report.said not in ("accepted", "rejected", "lost"):
@@ -135,3 +140,7 @@ class Goal:
         self._report(report)
         if report.said == "accepted" and self._is_unwanted:
             self._calls.post(self._cancel_now)
+
+
+def _to_nobody(_report: Report) -> None:
+    """Nobody listens any more."""

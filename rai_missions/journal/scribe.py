@@ -86,10 +86,10 @@ class Scribe:
         if (book := self._book) is not None:
             self._clerk.do(lambda: book.confirm(seq, how))
 
-    def note(self, text: str) -> None:
-        """Write down why there is no run, or why it broke off; raises what the journal raises."""
+    def note(self, text: str, data: Any = None) -> None:
+        """Write down why there is no run, why it broke off, what may still move; raises what the journal raises."""
         if (book := self._book) is not None:
-            self._clerk.do(lambda: book.note(text))
+            self._clerk.do(lambda: book.note(text, data))
 
     def call(self) -> None:
         """There is an emergency: a runner that waits for the disk is told so at once; from any thread."""

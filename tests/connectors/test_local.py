@@ -162,7 +162,7 @@ def test_a_report_under_another_goals_id_is_dropped(connector: LocalConnector) -
     assert reports == []
 
 
-def test_goals_are_lost_when_their_server_goes(connector: LocalConnector) -> None:
+def test_goals_are_lost_when_their_server_goes_and_over_when_it_ends_them_later(connector: LocalConnector) -> None:
     server = PatientServer()
     reports: list[Report] = []
     close = connector.offer("/a", "", server)
@@ -170,8 +170,11 @@ def test_goals_are_lost_when_their_server_goes(connector: LocalConnector) -> Non
     server.say("g", "accepted")
     close()
     close()
-    server.say("g", "succeeded")
+    server.say("g", "feedback")
     assert [report.said for report in reports] == ["accepted", "lost"]
+    server.say("g", "succeeded")
+    server.say("g", "succeeded")
+    assert [report.said for report in reports] == ["accepted", "lost", "over"]
 
 
 def test_a_cancel_from_inside_a_report_reaches_the_server_after_accept_returns(connector: LocalConnector) -> None:

@@ -221,7 +221,10 @@ def test_a_call_that_is_answered_twice_wrongly_or_never(answers: list[tuple[Any,
     assert len(rig.stale()) == (len(answers) - 1 if end == "over" else 0)
 
 
-REPORTS = ["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost", "exploded"]
+REPORTS = [
+    "accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost", "exploded",
+    "contested", "stray", "over",
+]  # fmt: skip
 
 
 @given(st.lists(st.tuples(st.integers(1, 60), st.integers(0, 3), st.sampled_from(REPORTS)), max_size=15), st.booleans())
@@ -232,7 +235,7 @@ def test_whatever_servers_say_a_goal_is_never_another_goals_and_the_run_ends(
     goals: list[Callable[..., None]] = []
 
     def send_goal(action: str, kind: str, goal: Any, *, goal_id: str, report: Callable[..., None]) -> None:
-        goals.append(lambda word: report(type("R", (), {"goal_id": goal_id, "said": word, "data": {}, "why": ""})()))
+        goals.append(lambda word: report(Report(goal_id, word, {})))
 
     rig = Rig(MOVING, connector=Connector(send_goal=send_goal) if raw else None)
     say = (lambda which, word: goals[which](word)) if raw else (lambda which, word: rig.move.say(word, which))

@@ -7,9 +7,10 @@ Rule: `step` runs on the engine's thread. It does no more than append, and wakes
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
+from rai_missions.states.goals import OpenGoal
 from rai_missions.step import Step
 from visualize.live.scene import TAIL, Scene
 
@@ -45,6 +46,7 @@ class RunFeed:
         look: Says how the run stands, from any thread. What it says is at least as new as the step it names.
         now: The run's clock.
         closed: Says which options of open questions would be refused now, from any thread.
+        loose: Says which goals may still move the robot although nothing waits for them, from any thread.
     """
 
     def __init__(
@@ -52,8 +54,9 @@ class RunFeed:
         look: Callable[[], Scene],
         now: Callable[[], float],
         closed: Callable[[], Mapping[int, Mapping[str, str]]] = dict,
+        loose: Callable[[], Sequence[OpenGoal]] = tuple,
     ) -> None:
-        self._look, self._now, self._closed = look, now, closed
+        self._look, self._now, self._closed, self._loose = look, now, closed, loose
         self._waiting: deque[Step] = deque(maxlen=MOST_WAITING)
         self._past: deque[Step] = deque(maxlen=TAIL)
         self._wake: Callable[[], None] | None = None
@@ -80,6 +83,7 @@ class RunFeed:
             try:
                 step = self._waiting.popleft()
             except IndexError:
+                scene.loosen([goal.data() for goal in self._loose()])
                 return scene
             if step.seq > scene.seq + 1:
                 self._waiting.clear()
@@ -98,5 +102,6 @@ class RunFeed:
 
     def _whole(self) -> Scene:
         scene = self._look()
+        scene.loosen([goal.data() for goal in self._loose()])
         scene.recall(step for step in tuple(self._past) if step.seq <= scene.seq)
         return scene

@@ -131,6 +131,8 @@ class JournalFeed:
             return
         if isinstance(row, StepRow):
             self._scene.take(row.step, row.before)
+        elif isinstance(row, Note) and isinstance(row.data, dict) and isinstance(row.data.get("open_goals"), list):
+            self._scene.loosen(row.data["open_goals"])
         elif isinstance(row, Note) and row.text.startswith("the run breaks off"):
             self._scene.fault(row.text)
 

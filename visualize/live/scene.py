@@ -52,6 +52,8 @@ class Scene:
         """Question's number, as text → option → why it would be refused if it were taken now."""
         self.faults: list[str] = []
         """What keeps the page from showing all of the run."""
+        self.open_goals: list[Json] = []
+        """The goals that may still move the robot although nothing waits for them, as the journal has them."""
         self.tail: deque[Json] = deque(maxlen=TAIL)
         """The last steps that did something."""
         self._answered: set[int] = set()
@@ -94,6 +96,12 @@ class Scene:
         if sentence != self.cut:
             self.cut = sentence
             self._fields.add("cut")
+
+    def loosen(self, goals: list[Json]) -> None:
+        """Say which goals may still move the robot although nothing waits for them."""
+        if goals != self.open_goals:
+            self.open_goals = goals
+            self._fields.add("open_goals")
 
     def close(self, options: Mapping[int, Mapping[str, str]]) -> None:
         """Say which options would be refused now, and why."""
@@ -204,7 +212,8 @@ class Scene:
 
     def whole(self) -> Json:
         """All of it."""
-        names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults")
+        names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults",
+                 "open_goals")  # fmt: skip
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {"board": board, "steps": list(self.tail)}
 
@@ -225,7 +234,7 @@ class Scene:
         if name == "questions":
             return [question_data(each) for each in self.questions.values()]
         value = getattr(self, name)
-        return sorted(value) if name == "active" else bounded(value) if name == "closed" else value
+        return sorted(value) if name == "active" else bounded(value) if name in ("closed", "open_goals") else value
 
 
 def _stamp(step: Step, key: str) -> float:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.cut import cut
 from rai_missions.journal.codec import encode
+from rai_missions.states.goals import OpenGoal
 from rai_missions.step import Step
 from rai_missions.verdict import Question
 
@@ -71,6 +72,8 @@ class Bulletin(NamedTuple):
     why: str = ""
     waits: str = ""
     """Which states wait for somebody to have control."""
+    open_goals: tuple[OpenGoal, ...] = ()
+    """The goals that may still be executing although nothing waits for them: the robot may still move."""
     fault: str = ""
     """Why the node's last transition failed."""
     at: float = 0.0
@@ -79,7 +82,8 @@ class Bulletin(NamedTuple):
     def data(self) -> dict[str, Any]:
         """As JSON has it."""
         questions = [each.data() for each in self.questions]
-        written = self._asdict() | {"active": list(self.active), "questions": questions}
+        open_goals = [goal.data() for goal in self.open_goals]
+        written = self._asdict() | {"active": list(self.active), "questions": questions, "open_goals": open_goals}
         return written | {"question": questions[0] if questions else None, "why": cut(self.why, CUT)}
 
     def fields(self) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Any
 from rai_missions.agents.node.bulletin import Bulletin
 from rai_missions.cut import cut
 from rai_missions.readings import SourceState, in_words
+from rai_missions.states.goals import may_move
 
 __all__ = ("ERROR", "OK", "WARN", "array_of", "level")
 
@@ -33,7 +34,10 @@ def level(
     if bulletin.fault:
         return ERROR, bulletin.fault
     if bulletin.mode in ("failed", "aborted"):
-        return ERROR, f"{bulletin.mode}: {bulletin.why}"
+        moving = f"; {may_move(bulletin.open_goals)}" if bulletin.open_goals else ""
+        return ERROR, f"{bulletin.mode}: {bulletin.why}{moving}"
+    if bulletin.open_goals:
+        return ERROR, may_move(bulletin.open_goals)
     if strangers:
         return WARN, f"another node is called {bulletin.node} too; give one of them another name with --node"
     if bulletin.mode in ("paused", "canceling"):
@@ -82,6 +86,7 @@ def array_of(
         "active": ", ".join(bulletin.active), "revision": str(bulletin.revision), "stale": ", ".join(stale),
         "clock offsets": _offsets(sources), "not understood": cut(_misread(sources), 1000),
         "instance": bulletin.instance,
+        "open_goals": may_move(bulletin.open_goals),
     }  # fmt: skip
     status = {
         "level": found,

@@ -3,6 +3,7 @@
 
 const FADES_MS = 4000, TICK_MS = 200;
 const HANDOVER_MS = 1000; // one that is acknowledged sooner is no news
+const LOOSE = { orphaned: "its end was not confirmed", refused: "its server refuses to cancel it", lost: "its server is gone" };
 const ACTIVE = new Set(["action", "call", "tree", "decision"]);
 
 class Live {
@@ -162,7 +163,7 @@ class Live {
   }
 
   status() {
-    const { mode, control, outcome, why, cut, faults } = this.state;
+    const { mode, control, outcome, why, cut, faults, open_goals: loose } = this.state;
     const away = !this.reached && !this.isOver;
     this.lineWord();
     byId("mode").textContent = cut ? "cut short" : away && GOES_ON.includes(mode) ? `${mode}?` : mode;
@@ -171,8 +172,10 @@ class Live {
     byId("control").dataset.control = control;
     byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why)
       : cut ? make("p", { class: "outcome" }, make("b", {}, "the run was cut short: "), cut) : "");
-    byId("banner").hidden = !faults.length;
-    byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)));
+    const moving = (loose || []).map(({ number, action, reason }) => `goal ${number} of '${action}' (${LOOSE[reason] || reason})`);
+    const warnings = [...(moving.length ? [`the robot may still move: ${moving.join(", ")}`] : []), ...faults];
+    byId("banner").hidden = !warnings.length;
+    byId("banner").replaceChildren(...warnings.slice(0, 4).map((fault) => make("div", {}, "⚠ ", fault)));
     document.body.classList.toggle("unheard", away);
     document.body.classList.toggle("over", this.isOver);
     document.title = shown(`${outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
