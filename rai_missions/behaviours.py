@@ -8,25 +8,13 @@ from typing import TYPE_CHECKING
 
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.mission import Mission
-from rai_missions.states.tree import BehaviourLeaf, Tree, tree_paths
+from rai_missions.states.tree import BehaviourLeaf
 from rai_missions.step import StartBehaviour, StopBehaviour
 
 if TYPE_CHECKING:
     from rai_missions.trees.live import LiveBehaviour
 
-__all__ = ("Behaviours", "behaviour_leaves")
-
-
-def behaviour_leaves(mission: Mission) -> Mapping[str, BehaviourLeaf]:
-    """`state#path` → the leaf there that is written in Python."""
-    return {
-        f"{name}#{path}": node
-        for _, name, state in mission.walk()
-        if isinstance(state, Tree)
-        for path, node in tree_paths(state.tree)
-        if isinstance(node, BehaviourLeaf)
-    }
+__all__ = ("Behaviours",)
 
 
 class Behaviours:

@@ -15,7 +15,7 @@ from rai_missions.blackboard import Key
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard
 from rai_missions.states.state import Rows, State, States, descendants
-from rai_missions.states.tree import ONLY_IN_PYTHON
+from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf, Tree, tree_paths
 from rai_missions.written import Name, Names, OneOf, Seconds, Text, Written
 
 __all__ = ("BUILT_IN_EVENTS", "Declared", "Mission")
@@ -89,6 +89,12 @@ class Mission(Written):
     def walk(self) -> Iterator[tuple[str, str, State]]:
         """Every state in document order as (JSON pointer, name, state), outer before inner."""
         return descendants(self.states)
+
+    def behaviours(self) -> Mapping[str, BehaviourLeaf]:
+        """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""
+        trees = ((name, state.tree) for _, name, state in self.walk() if isinstance(state, Tree))
+        leaves = ((f"{name}#{path}", node) for name, tree in trees for path, node in tree_paths(tree))
+        return {place: node for place, node in leaves if isinstance(node, BehaviourLeaf)}
 
     def state(self, name: str) -> State:
         """The state of a name.

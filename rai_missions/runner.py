@@ -16,7 +16,6 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from rai_missions.arguments import accepted
-from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Chart, Named
 from rai_missions.clock import Clock, Mailbox, WallClock
 from rai_missions.connectors.connector import Connector
@@ -93,7 +92,7 @@ class Runner(Steered):
         self.performer = Performer(
             run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}), post=self.post,
             later=self.later, now=self.clock.now, allow=lambda to: self.lifecycle.control.request(to, "mission"),
-            leaves=behaviour_leaves(mission), keys=mission.blackboard, note=self.note,
+            leaves=mission.behaviours(), keys=mission.blackboard, note=self.note,
         )  # fmt: skip
         self._connector, self._scribe = connector, Scribe(journal, self._stop_at_once)
         self.mailbox.alarm = self._scribe.call

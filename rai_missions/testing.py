@@ -7,7 +7,8 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rai_missions.agents.contract import QUESTION, Told, answer_fault, check_agent, check_answerer
+    from rai_missions.agents.agent_contract import check_agent
+    from rai_missions.agents.contract import QUESTION, Told, answer_fault, check_answerer
     from rai_missions.agents.doubles import (
         BabblingModel,
         HangingModel,
@@ -33,7 +34,8 @@ __all__ = (
 )  # fmt: skip
 
 ROOMS = {
-    "agents.contract": ("QUESTION", "Told", "answer_fault", "check_agent", "check_answerer"),
+    "agents.agent_contract": ("check_agent",),
+    "agents.contract": ("QUESTION", "Told", "answer_fault", "check_answerer"),
     "agents.doubles": (
         "BabblingModel", "HangingModel", "LyingModel", "RaisingModel", "ScriptedModel", "SilentModel", "ToolFloodModel",
         "WordyModel", "call",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every agent and every answerer must do, as functions that their tests call."""
+"""What every answerer must do, as functions that their tests call."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.agents.agent import Agent
 from rai_missions.cut import cut_repr
 from rai_missions.verdict import Answerer, Evidence, Limits, Offer, Question
 
-__all__ = ("QUESTION", "Told", "answer_fault", "check_agent", "check_answerer")
+__all__ = ("QUESTION", "Told", "answer_fault", "at_once", "check_answerer")
 
 AT_ONCE_S = 1.0
 """Longer is waiting, even on a busy machine."""
@@ -103,17 +102,17 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
     """
     answerer = make()
     first, second = Told(), Told()
-    _at_once("withdraw", lambda: answerer.withdraw(question.number))
-    _at_once("ask", lambda: answerer.ask(question, first))
-    _at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 1), second))
+    at_once("withdraw", lambda: answerer.withdraw(question.number))
+    at_once("ask", lambda: answerer.ask(question, first))
+    at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 1), second))
     for told in (first, second):
         fault = answer_fault(told.wait(within_s))
         assert not fault, fault
-    _at_once("withdraw", lambda: answerer.withdraw(question.number))
-    _at_once("withdraw", lambda: answerer.withdraw(question.number))
+    at_once("withdraw", lambda: answerer.withdraw(question.number))
+    at_once("withdraw", lambda: answerer.withdraw(question.number))
     third = Told()
-    _at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 2), third))
-    _at_once("withdraw", lambda: answerer.withdraw(question.number + 2))
+    at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 2), third))
+    at_once("withdraw", lambda: answerer.withdraw(question.number + 2))
     answerer.ask(question._replace(number=question.number + 3), last := Told())
     last.wait(within_s)
     for told in (first, second, third, last):
@@ -123,27 +122,7 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
         stop()
 
 
-def check_agent(make: Callable[[], Agent], *, within_s: float = 5.0) -> None:
-    """Hold an agent to the contract of `Agent`: it runs and stops, as often as it is told, and leaves no thread behind.
-
-    Args:
-        make: Gives a fresh agent, not running.
-        within_s: How long `run` and `stop` may take each.
-
-    Raises:
-        AssertionError: A promise is broken; the text says which.
-    """
-    before = set(threading.enumerate())
-    agent = make()
-    for act, times in (("stop", 1), ("run", 2), ("stop", 2), ("run", 1), ("stop", 1)):
-        for _ in range(times):
-            _at_once(act, getattr(agent, act), within_s)
-    for thread in set(threading.enumerate()) - before:
-        thread.join(within_s)
-        assert not thread.is_alive(), f"stop leaves the thread '{thread.name}' behind"
-
-
-def _at_once(what: str, act: Callable[[], object], within_s: float = AT_ONCE_S) -> None:
+def at_once(what: str, act: Callable[[], object], within_s: float = AT_ONCE_S) -> None:
     """Do it on a thread of its own, so that what waits for ever fails the check instead of hanging it."""
     raised: list[BaseException] = []
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.agents.resuming import TakenUp, take_up
 from rai_missions.arguments import accepted
-from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Named
 from rai_missions.check import check, faults_of
 from rai_missions.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
@@ -234,7 +233,7 @@ class Prepared:
         header = Header("", dump_profile(self.robot) if self.robot is not None else "", dict(self.setting.arguments))
         if self.setting.journal is None and self.setting.record is None:
             return header
-        if not behaviour_leaves(self.mission):  # one with behaviours in Python has no JSON; a replay is given its file
+        if not self.mission.behaviours():  # one with behaviours in Python has no JSON; a replay is given its file
             header = header._replace(mission=dump(self.mission))
         return header._replace(run=uuid.uuid4().hex[:12])
 

@@ -82,7 +82,6 @@ def _progress() -> Callable[[int, int], None]:
 
 def _journals(given: argparse.Namespace, mission: Mission, robot: Any, of_robot: Any, proof: Any) -> dict[str, Any]:
     """Claim that was refuted → the journal of the run that refutes it, and whether it shows there too."""
-    from rai_missions.behaviours import behaviour_leaves
     from rai_missions.journal import Header
     from rai_missions.prove import record
     from rai_missions.rebuild import default_ticker
@@ -92,7 +91,7 @@ def _journals(given: argparse.Namespace, mission: Mission, robot: Any, of_robot:
     for name, scenes in proof.ways.items():
         arguments = {key: value for scene in scenes[:1] for key, value in scene.facts.items()
                      if mission.blackboard[key].source == "argument"}  # fmt: skip
-        whole = "" if behaviour_leaves(mission) else dump(mission)
+        whole = "" if mission.behaviours() else dump(mission)
         header = Header(whole, dump_profile(robot) if robot is not None else "", arguments)
         path = _path(given, mission, name, only=len(proof.ways) == 1)
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -10,6 +10,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.cut import cut_repr
+
 __all__ = ("Dated", "dated", "stamp_of")
 
 
@@ -55,5 +57,5 @@ def dated(stamp: float | None, *, now: float, sender_now: float) -> Dated:
 
 def _whole(number: Any) -> int:
     if isinstance(number, bool) or not isinstance(number, int | float):
-        raise ValueError(f"{number!r:.60} is no number")
+        raise ValueError(f"{cut_repr(number, 60)} is no number")
     return int(number)

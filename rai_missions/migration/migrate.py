@@ -13,7 +13,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.behaviours import behaviour_leaves
 from rai_missions.chart import Chart
 from rai_missions.chart.packing import packed
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -181,7 +180,7 @@ def _header(record: Record, naming: Naming, robot: Robot | None, to: Path) -> He
         "journal": os.path.relpath(record.path, to.parent), "seal": record.seal, "mission": naming.was.name,
         "version": naming.was.version, "map": json.dumps(naming.map.written()),
     }  # fmt: skip
-    text = "" if behaviour_leaves(naming.now) else dump(naming.now)
+    text = "" if naming.now.behaviours() else dump(naming.now)
     profile = dump_profile(robot) if robot is not None else ""
     return Header(text, profile, arguments, run=header.run, started=header.started, migrated=origin)
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.agents.resuming import TakenUp, take_up
-from rai_missions.behaviours import behaviour_leaves
 from rai_missions.clock import Clock, ContinuedClock, Mailbox, SimulatedClock
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
@@ -315,7 +314,7 @@ def live(
     coroner = coroner or Coroner()
     taken = take_up(path, mission=mission, named=named) if path.exists() else None
     if taken is None:
-        text = "" if behaviour_leaves(mission) else dump(mission)
+        text = "" if mission.behaviours() else dump(mission)
         journal = Journal.create(path, Header(text, dump_profile(robot), run="run"))
     else:
         coroner.found(taken)
