@@ -10,7 +10,7 @@ import inspect
 from collections.abc import Callable, Collection, Iterable
 from typing import NamedTuple
 
-from rai_missions.check import bounds, cycles, facts, keys, names, outcomes, reach, rows, shape, stale, types
+from rai_missions.check import bounds, cycles, facts, keys, loops, names, outcomes, reach, rows, shape, stale, types
 from rai_missions.check.finding import Finding, Severity
 from rai_missions.check.order import document_order
 from rai_missions.check.survey import Survey
@@ -62,6 +62,8 @@ RULES: tuple[Rule, ...] = (
     Rule("impossible-guard", "error", rows.impossible_guards),
     Rule("unwatched-held", "error", rows.unwatched_holds),
     Rule("endless-cycle", "error", cycles.endless_cycles),
+    Rule("waitless-loop", "error", loops.waitless_loops),
+    Rule("long-loop", "error", loops.long_loops),
     Rule("missing-requires", "error", facts.missing_requires),
     Rule("unfounded-success", "error", facts.unfounded_success),
     Rule("unbounded-action", "error", bounds.unbounded_actions),

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Loops of trees: what one without a number waits for, and how often one with a number goes round."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from rai_missions.blackboard import Key
+from rai_missions.check.places import guard_parts, guard_reads, pointer
+from rai_missions.check.survey import Survey
+from rai_missions.guards import Elapsed, Guard, Held, In
+from rai_missions.guards.named import Named
+from rai_missions.states import Tree
+from rai_missions.states.tree import (
+    CheckLeaf,
+    Condition,
+    Decorator,
+    EternalGuard,
+    FailureIsRunning,
+    FailureIsSuccess,
+    Inverter,
+    OneShot,
+    ParallelTree,
+    PublishLeaf,
+    Repeat,
+    Retry,
+    RunningIsFailure,
+    RunningIsSuccess,
+    Selector,
+    Sequence,
+    SetLeaf,
+    SuccessIsFailure,
+    SuccessIsRunning,
+    TreeNode,
+    WaitLeaf,
+    tree_paths,
+)
+
+__all__ = ("MOST_TIMES", "long_loops", "waitless_loops")
+
+Found = Iterator[tuple[str, str]]
+Ends = frozenset[str]
+"""How a node may stand after the tick that begins it: `success`, `failure`, `running` where it takes time; with `waits`
+where that depends on what may change: a key, the time, a state."""
+MOST_TIMES = 10_000
+ENDED = frozenset({"success", "failure"})
+WAITS = frozenset({"waits"})
+SAYS: Mapping[type[TreeNode], Mapping[str, str]] = {
+    Inverter: {"success": "failure", "failure": "success"},
+    FailureIsSuccess: {"failure": "success"},
+    SuccessIsFailure: {"success": "failure"},
+    RunningIsFailure: {"running": "failure"},
+    RunningIsSuccess: {"running": "success"},
+}
+"""What a decorator makes of the status of its child."""
+
+
+def long_loops(survey: Survey) -> Found:
+    """A loop with a number goes round 10000 times at most."""
+    for place, node in _nodes(survey):
+        times = node.num_success if isinstance(node, Repeat) else node.num_failures if isinstance(node, Retry) else 0
+        if times > MOST_TIMES:
+            instead = '"repeat": -1' if isinstance(node, Repeat) else "'failure_is_running'"
+            yield (
+                f"{place}/{node.word}",
+                f"{times} rounds are more than {MOST_TIMES}; give a smaller number, or {instead} for any number",
+            )
+
+
+def waitless_loops(survey: Survey) -> Found:
+    """A loop without a number has something to wait for between its rounds: a leaf that takes time, or a key."""
+    for place, node in _nodes(survey):
+        goes_on = _goes_on(node)
+        if goes_on and isinstance(node, Decorator):
+            ends = _ends(node.child, survey.mission.blackboard)
+            if ends <= ENDED and ends & goes_on:
+                yield (
+                    place,
+                    f"'{node.word}' has nothing to wait for: each round would end at once, so no second one begins; "
+                    'add {"wait_s": 1} to its child, or a check of what it waits for',
+                )
+
+
+def _nodes(survey: Survey) -> Iterator[tuple[str, TreeNode]]:
+    for spot in survey.spots:
+        if isinstance(spot.state, Tree):
+            for path, node in tree_paths(spot.state.tree):
+                yield pointer(spot.place, "tree") + (f"/{path}" if path else ""), node
+
+
+def _goes_on(node: TreeNode) -> Ends:
+    """The ends of its child after which a loop without a number begins it again; none for any other node."""
+    if isinstance(node, FailureIsRunning):
+        return frozenset({"failure"})
+    if isinstance(node, SuccessIsRunning) or (isinstance(node, Repeat) and node.num_success < 0):
+        return frozenset({"success"})
+    return ENDED - {node.status} if isinstance(node, Condition) else frozenset()
+
+
+def _ends(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
+    if isinstance(node, Sequence):
+        return _in_turn(node.sequence, "success", keys)
+    if isinstance(node, Selector):
+        return _in_turn(node.selector, "failure", keys)
+    if isinstance(node, ParallelTree):
+        return _together(node, keys)
+    if isinstance(node, EternalGuard):
+        waits = frozenset() if _is_settled(node.guard, keys) else WAITS
+        return _ends(node.child, keys) | {"failure"} | waits
+    if isinstance(node, Decorator):
+        return _decorated(node, _ends(node.child, keys))
+    return _of_leaf(node, keys)
+
+
+def _of_leaf(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
+    if isinstance(node, CheckLeaf):
+        return ENDED if _is_settled(node.check, keys) else ENDED | WAITS
+    if isinstance(node, SetLeaf) and (source := node.effect().source) is not None:
+        return ENDED if _lasts(source, keys) else ENDED | WAITS
+    at_once = isinstance(node, PublishLeaf | SetLeaf) or (isinstance(node, WaitLeaf) and node.wait_s == 0)
+    return frozenset({"success" if at_once else "running"})
+
+
+def _in_turn(children: tuple[TreeNode, ...], onward: str, keys: Mapping[str, Key]) -> Ends:
+    """One after the other, while each says what leads on."""
+    found = Ends()
+    for child in children:
+        ends = _ends(child, keys)
+        found |= ends - {onward}
+        if onward not in ends:
+            return found
+    return found | {onward}
+
+
+def _together(node: ParallelTree, keys: Mapping[str, Key]) -> Ends:
+    each = [_ends(child, keys) for child in node.parallel]
+    if frozenset({"failure"}) in each:
+        return frozenset({"failure"})
+    if any("waits" in ends for ends in each):
+        return ENDED | {"running"} | WAITS
+    found = frozenset({"failure"} if any("failure" in ends for ends in each) else ())
+    if node.policy == "success_on_one":
+        may, must = any("success" in ends for ends in each), frozenset({"success"}) in each
+    else:
+        wanted = each if node.policy == "success_on_all" else [each[int(number)] for number in node.policy]
+        may, must = all("success" in ends for ends in wanted), all(ends == {"success"} for ends in wanted)
+    return found | ({"success"} if may else set()) | (set() if must else {"running"})
+
+
+def _decorated(node: Decorator, ends: Ends) -> Ends:
+    """What a decorator says; a loop that begins its child again runs."""
+    if type(node) in SAYS:
+        return frozenset(SAYS[type(node)].get(end, end) for end in ends)
+    if isinstance(node, OneShot) and node.policy == "on_completion" and "running" not in ends:
+        return ends - WAITS  # its first end is for good
+    if isinstance(node, Condition):
+        said = {"success"} if node.status in ends else set()
+        return frozenset(said | (ends & WAITS) | ({"running"} if ends - WAITS - {node.status} else set()))
+    goes_on = _goes_on(node)
+    return (ends - goes_on) | {"running"} if ends & goes_on else ends
+
+
+def _is_settled(guard: Guard, keys: Mapping[str, Key]) -> bool:
+    """Whether nothing can make a guard say something else in the course of a run."""
+    if any(isinstance(part, Elapsed | Held | In | Named) for _, part in guard_parts(guard, "")):
+        return False
+    return all(_lasts(path, keys) for path, _ in guard_reads(guard, ""))
+
+
+def _lasts(path: str, keys: Mapping[str, Key]) -> bool:
+    key = keys.get(path.partition(".")[0])
+    return key is None or (key.source == "argument" and key.max_age_s is None)
