@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""After each step nothing is left that could fire or tick, whoever wrote what made it so.
+
+It is looked for by brute force: the guard of each transition without an event, one more tick of each tree on a copy,
+what each goal and each final waits for. A leaf that has ended may be begun again by that tick, which in the chart only
+an event that concerns the tree does (`docs/guide/trees.md`); it is taken to end as it did.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.chart import Chart
+from rai_missions.event import Event, Tick
+from rai_missions.mission import Mission
+from rai_missions.states.pursuit import Pursuit, PursuitMachine
+from rai_missions.states.tending import Tending
+from rai_missions.states.ticker import Ticked, TreeState
+from rai_missions.states.tree import Tree
+from rai_missions.step import CallService, StartGoal, Step
+from rai_missions.trees import PyTrees
+from tests.laws.test_chart import Robot, happenings
+from tests.strategies import mission_documents
+from tests.trees.growing import FACTS, is_true
+from tests.trees.polling import COUNTERS, FLAGS, polled_trees
+
+Json = dict[str, Any]
+lenient = settings(suppress_health_check=list(HealthCheck))
+
+# -- what is left ---------------------------------------------------------------------------------------------------
+
+
+def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
+    """What could fire or tick, in words.
+
+    Args:
+        chart: After the step.
+        step: The step.
+        ends: Owner of a leaf → how it has ended.
+    """
+    if chart.mode not in ("running", "canceling") or chart.outcome is not None or chart._final is not None:
+        return
+    for row in chart._enabled(chart._config.eventless, []):
+        yield f"{row.place} could fire"
+    for name in chart._settling:
+        requires = chart._graph.nodes[name].requires
+        assert requires is not None
+        if requires.test(chart.view) is True:
+            yield f"'{name}' could be reached"
+    for name, machine, state in chart._live():
+        if isinstance(state, Tending):
+            if name not in step.resting:
+                yield from unticked(chart, name, state, ends)
+            for path, tended in state.leaves.items():
+                yield from unsettled(chart, f"{name}#{path}", machine.limbs[path].machine, tended.state)  # type: ignore[attr-defined]
+        else:
+            yield from unsettled(chart, name, machine, state)
+
+
+def unsettled(chart: Chart, name: str, machine: Any, state: Any) -> Iterator[str]:
+    if isinstance(machine, PursuitMachine) and isinstance(state, Pursuit):
+        if state.phase == "settling" and (machine.achieved is None or machine.achieved(chart.view) is True):
+            yield f"'{name}' has achieved what it is for"
+        if state.phase == "waiting" and chart.obstruction(machine.definition.action) != "busy":
+            yield f"'{name}' could start"
+
+
+def unticked(chart: Chart, name: str, state: Tending, ends: dict[str, str]) -> Iterator[str]:
+    """Whether a tick would make another tree: what runs, and what it counts and remembers."""
+    node = chart._graph.nodes[name]
+    assert isinstance(node.state, Tree)
+    ticker = PyTrees().compile(node.state.tree, f"{node.place}/tree", chart.mission.blackboard, name)
+    ticked = ticker.tick(state.tree, chart.view, {})
+    for _ in range(20):
+        if not (begun := again(name, ticked, state.tree, ends)):
+            break
+        ticked = ticker.tick(ticked.state, chart.view, begun)
+    if what_runs(ticked.state) != what_runs(state.tree) or ticked.status != "running":
+        yield f"the tree in '{name}' could tick: {what_runs(state.tree)} → {ticked.status} {what_runs(ticked.state)}"
+
+
+def again(name: str, ticked: Ticked, before: TreeState, ends: dict[str, str]) -> dict[str, str]:
+    """The leaves that a tick has begun though they have ended before, with how they end."""
+    refused = {path: "rejected" for path, memory in before.nodes.items() if memory.get("refused")}
+    return {
+        path: refused.get(path) or ends[f"{name}#{path}"]
+        for path in ticked.started
+        if path in refused or f"{name}#{path}" in ends
+    }
+
+
+def what_runs(tree: TreeState) -> Any:
+    passing = ("run", "until", "began", "held", "refused")
+    running = {
+        path: {word: value for word, value in memory.items() if word not in passing}
+        for path, memory in tree.nodes.items()
+        if memory["status"] == "running" and path
+    }
+    return running, sorted(tree.leaves)
+
+
+class Run:
+    """A chart to which things happen, and how its leaves have ended."""
+
+    def __init__(self, document: Json) -> None:
+        self.chart = Chart(Mission.model_validate(document), PyTrees())
+        self.owners: dict[int, str] = {}
+        self.ends: dict[str, str] = {}
+        self.robot = Robot()
+        self.take(self.chart.start(0.0))
+
+    def send(self, event: Event) -> Step:
+        if event.kind == "result" and event.number in self.owners and event.number in self.chart.awaited:
+            self.ends[self.owners[event.number]] = event.name
+        return self.take(self.chart.send(event))
+
+    def take(self, step: Step) -> Step:
+        for effect in self.robot.hear(step).effects:
+            if isinstance(effect, StartGoal | CallService) and effect.owner:
+                self.owners[effect.number] = effect.owner
+        assert not list(left(self.chart, step, self.ends))
+        return step
+
+
+def live(document: Json, script: list[tuple[Any, float]]) -> None:
+    run, at = Run(document), 0.0
+    for drawn, wait in script:
+        at += wait
+        run.send(run.robot.event(drawn, at))
+
+
+# -- what is drawn --------------------------------------------------------------------------------------------------
+
+keys: Json = {key: {"type": "boolean", "source": "robot", "max_age_s": 3} for key in FACTS}
+keys |= {key: {"type": "boolean", "initial": False} for key in FLAGS}
+keys |= {key: {"type": "integer", "initial": 0} for key in COUNTERS}
+guards = st.one_of(
+    st.sampled_from((*FACTS, *FLAGS)).map(is_true),
+    st.sampled_from(FLAGS).map(lambda key: {"not": is_true(key)}),
+    st.builds(lambda key, number: {"key": key, ">": number}, st.sampled_from(COUNTERS[:3]), st.integers(0, 3)),
+    st.builds(lambda key, seconds: {"held": is_true(key), "for_s": seconds}, st.sampled_from(FLAGS), st.integers(1, 2)),
+)
+effects = st.lists(
+    st.one_of(
+        st.builds(lambda key, value: {"set": key, "value": value}, st.sampled_from(FLAGS), st.booleans()),
+        st.builds(lambda key: {"set": key, "add": 1}, st.sampled_from(COUNTERS[:3])),
+    ),
+    max_size=2,
+)
+
+
+def tree_region(number: int, tree: Json, back: Json, do: list[Json]) -> Json:
+    work, idle = f"work{number}", f"idle{number}"
+    ends = {"on": ["succeeded", "failed"], "to": idle}
+    states = {work: {"tree": tree, "transitions": [ends]}, idle: {"transitions": [{**back, "to": work, "do": do}]}}
+    return {"initial": work, "states": states}
+
+
+def row_region(number: int, rows: list[tuple[Json, list[Json]]]) -> Json:
+    """States in a line, each left by a transition that waits for its guard, the last by an event."""
+    names = [f"s{number}_{index}" for index in range(len(rows) + 1)]
+    states: Json = {
+        name: {"transitions": [{"when": guard, "to": after, "do": do}]}
+        for name, after, (guard, do) in zip(names, names[1:], rows, strict=False)
+    }
+    states[names[-1]] = {"transitions": [{"on": "poke", "to": names[0], "do": rows[0][1]}]}
+    return {"initial": names[0], "states": states}
+
+
+backs = st.one_of(st.just({"on": "poke"}), st.just({"after_s": 1}), guards.map(lambda guard: {"when": guard}))
+tree_regions = st.builds(tree_region, st.integers(10, 10_000), polled_trees, backs, effects)
+row_regions = st.builds(
+    row_region, st.integers(10, 10_000), st.lists(st.tuples(guards, effects), min_size=1, max_size=3)
+)
+
+
+def beside(trees: list[Json], rows: list[Json]) -> Json:
+    regions = {f"region{number}": region for number, region in enumerate((*trees, *rows))}
+    states = {"all": {"parallel": regions}}
+    return {"name": "m", "initial": "all", "blackboard": keys, "events": {"poke": {}}, "states": states}
+
+
+def named_once(regions: tuple[list[Json], list[Json]]) -> bool:
+    names = [name for region in (*regions[0], *regions[1]) for name in region["states"]]
+    return len(set(names)) == len(names)
+
+
+with_trees = (
+    st.tuples(st.lists(tree_regions, min_size=1, max_size=2), st.lists(row_regions, max_size=2))
+    .filter(named_once)
+    .map(lambda regions: beside(*regions))
+)
+things = st.one_of(
+    st.tuples(st.just("write"), st.sampled_from(FACTS), st.booleans()),
+    st.tuples(st.just("write"), st.sampled_from(FLAGS), st.booleans()),
+    st.tuples(st.just("result"), st.integers(0, 3), st.sampled_from(["succeeded", "failed"])),
+    st.just(("event", "poke")),
+    st.just(("tick", "")),
+)
+scripts = st.lists(st.tuples(things, st.sampled_from([0.0, 0.0, 0.5, 1.0, 2.5, 7.0])), max_size=10)
+
+
+@settings(lenient, max_examples=60)
+@given(with_trees, scripts)
+def test_after_each_step_nothing_is_left_where_trees_and_transitions_write(document: Json, script: Any) -> None:
+    live(document, script)
+
+
+@lenient
+@given(mission_documents(), happenings(commands=False))
+def test_after_each_step_nothing_is_left_in_a_mission_of_every_kind(document: Json, script: Any) -> None:
+    live(document, script)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(3600)
+@settings(lenient, max_examples=5000)
+@given(with_trees, scripts)
+def test_nothing_is_left_in_many_missions_with_trees(document: Json, script: Any) -> None:
+    live(document, script)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(3600)
+@settings(lenient, max_examples=5000)
+@given(mission_documents(), happenings(commands=False))
+def test_nothing_is_left_in_many_missions(document: Json, script: Any) -> None:
+    live(document, script)
+
+
+def test_a_tree_that_nobody_has_ticked_is_found() -> None:
+    tree = {"selector": [{"check": is_true("f")}, {"wait_s": 9}]}
+    run = Run(beside([tree_region(1, tree, {"on": "poke"}, [])], []))
+    run.chart.view.board["f"] = run.chart.view.board["f"]._replace(value=True)
+    assert list(left(run.chart, run.chart.send(Tick(0.0)), {}))
