@@ -48,6 +48,10 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         metavar="PROVIDER:NAME",
         help="who answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, local[:FILE.gguf]",
     )
+    run.add_argument(
+        "--model-memory", metavar="GIB", type=float, default=2.0,
+        help="how much memory the model's process may use, with what it starts (default: 2)",
+    )  # fmt: skip
     run.add_argument("--no-operator", action="store_true", help="ask no operator, on the terminal or elsewhere")
     run.add_argument("--guards", metavar="FILE.py", help="predicates for guards that are 'named'; executed")
     run.add_argument("--no-python", action="store_true", help="refuse a mission and guards that are Python")

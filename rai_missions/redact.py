@@ -16,7 +16,7 @@ from functools import lru_cache
 from typing import Any
 from urllib.parse import quote, quote_plus, unquote, urlsplit
 
-__all__ = ("Redaction", "held_by", "keep_secret", "longest_secret", "open_environment", "redacted")
+__all__ = ("Redaction", "held_by", "keep_secret", "longest_secret", "redacted", "secrets_kept", "variables")
 
 HIDDEN = "[hidden]"
 SHORTEST = 6
@@ -67,9 +67,14 @@ def longest_secret() -> int:
     return max(map(len, _known()), default=0)
 
 
-def open_environment() -> dict[str, str]:
-    """The variables of this process that hold no secret: what another process may be begun with."""
-    return {name: value for name, value in os.environ.items() if not any(_of_variable(name, value))}
+def secrets_kept() -> list[str]:
+    """What was given to `keep_secret`."""
+    return sorted(KEPT)
+
+
+def variables(*, secret: bool) -> dict[str, str]:
+    """The variables of this process that hold a secret, or those that hold none: what others may read of a process."""
+    return {name: value for name, value in os.environ.items() if any(_of_variable(name, value)) is secret}
 
 
 class Redaction:

@@ -15,11 +15,12 @@ from typing import Any, Literal, get_args
 from langchain_core.language_models import BaseChatModel
 from langchain_core.tools import BaseTool
 
+from rai_missions.agents.chat import Absent, Chat, Ended, Raised, Spent, ThreadChat
 from rai_missions.agents.lookup import is_read_only
-from rai_missions.agents.modes import Mode, takes_images
+from rai_missions.agents.modes import Mode
 from rai_missions.agents.pending import Pending
 from rai_missions.agents.reading import Reading
-from rai_missions.agents.thought import Manner, Spent, Thought
+from rai_missions.agents.thought import Manner, Thought
 from rai_missions.agents.watch import DeadlineWatch
 from rai_missions.cut import cut, first_line
 from rai_missions.embodiment.identity import Identity
@@ -38,7 +39,7 @@ class DecisionAgent:
     """Asks a langchain chat model, each question on a thread of its own.
 
     Args:
-        model: Who is asked.
+        model: Who is asked: a model of langchain's, asked on that thread, or a `ModelProcess`.
         identity: Who the model is, as an embodied being; shown with each question.
         tools: What it may look things up with, where a question names it; each is marked as one that only looks.
         mode: How it is asked: by a JSON Schema, by one function an option, in plain text; `auto` finds out.
@@ -52,7 +53,7 @@ class DecisionAgent:
 
     def __init__(
         self,
-        model: BaseChatModel,
+        model: BaseChatModel | Chat,
         identity: Identity | None = None,
         tools: Sequence[BaseTool] = (),
         *,
@@ -73,13 +74,15 @@ class DecisionAgent:
                 raise UsageError(
                     f"the tool '{tool.name}' is not marked as one that only looks ({marks}): a decision takes no other"
                 )
-        self._redaction: Redaction = hush(held_by(model))
+        own = isinstance(model, BaseChatModel)
+        self._redaction: Redaction = hush(held_by(model) if own else ())
+        self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
         self._manner = Manner(
-            model,
+            self._chat,
             mode,
             {tool.name: tool for tool in tools},
             identity,
-            takes_images(model) if images == "auto" else images == "yes",
+            images,
             self._redaction.text,
         )
         self._at_once, self._longest_s = at_once, longest_s
@@ -90,16 +93,21 @@ class DecisionAgent:
         self._watch = DeadlineWatch()
 
     def run(self) -> None:
-        """Nothing to begin: a question finds its own thread."""
+        """Have the model get ready; a question finds its own thread, whether this was called or not."""
+        self._chat.open()
 
     def stop(self, within_s: float = 1.0) -> None:
-        """Drop every question and wait for those that think, so long at most: what hangs never holds up the program."""
+        """Drop every question, end the model's process and wait for the threads, so long at most.
+
+        A model given as a Python object that hangs keeps its thread, which does not hold up the program's end.
+        """
         with self._lock:
             dropped, threads = list(self._pending.values()), list(self._threads)
             self._pending.clear()
         for pending in dropped:
             pending.close()
         self._watch.look()
+        self._chat.close()
         ends = time.monotonic() + within_s
         for thread in threads:
             if thread is not threading.current_thread():
@@ -145,9 +153,13 @@ class DecisionAgent:
     def _answer(self, thought: Thought) -> dict[str, Any]:
         try:
             reading = thought.think()
-        except Spent as spent:
-            reading = Reading(failed=str(spent))
-        except BaseException as error:  # noqa: BLE001 - even an exit that the model asks for is only a failed answer
+        except Absent as absent:
+            return self._told(thought, {"absent": cut(absent, LONGEST_WHY)})
+        except (Spent, Ended) as ended:
+            reading = Reading(failed=str(ended))
+        except Raised as error:
+            reading = Reading(failed=f"the model raised {error.kind}: {first_line(error.what)}")
+        except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
             reading = Reading(failed=f"the model raised {type(error).__name__}: {first_line(error)}")
         if reading.wish:
             self._unfit.update(thought.unfit)

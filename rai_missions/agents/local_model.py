@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.errors import UsageError
+from rai_missions.redact import variables
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
@@ -64,6 +65,7 @@ class ModelServer:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
+            env=variables(secret=False),  # what a process is begun with, others may read
             start_new_session=True,  # an interrupt at the terminal is for the mission, which then closes this
         )
         try:

@@ -28,7 +28,6 @@ from rai_missions.lifecycle import Status
 from rai_missions.load import dump, load
 from rai_missions.mission import Mission
 from rai_missions.recording import Recording, observers, recorded
-from rai_missions.redact import held_by
 from rai_missions.resume import Resumption
 from rai_missions.robot import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
 from rai_missions.runner import Result, Runner
@@ -39,6 +38,8 @@ from rai_missions.written import suggestion
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
+
+    from rai_missions.agents.model_process.model import ModelProcess
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +55,13 @@ class Setting:
     robot: Robot | str | Path | None = None
     arguments: Mapping[str, Any] = field(default_factory=dict)
     model: BaseChatModel | str | None = None
-    """`provider:name`, `local`, or a langchain chat model; it answers as `agent`."""
+    """Who answers as `agent`: `provider:name` or `local`, asked in a process of its own, or a langchain chat model.
+
+    A model given as an object is asked on a thread of this process: one that hangs in native code, holds the
+    interpreter's lock or crashes takes the run along.
+    """
+    model_memory_gib: float = 2.0
+    """How much memory the process of a model that is named may be resident in."""
     operator: Answerer | None = None
     """Who answers as `operator`."""
     answerers: Mapping[str, Answerer] = field(default_factory=dict)
@@ -213,18 +220,26 @@ class Prepared:
 
     def _model(self, model: BaseChatModel | str, connector: Connector | None, clock: Clock) -> Answerer:
         from rai_missions.agents.decision import DecisionAgent
-        from rai_missions.agents.models import open_model
         from rai_missions.agents.toolset import open_toolbox
 
         identity = Identity.read(self._folder) if self._folder is not None else None
         box = open_toolbox(self.mission, self.robot, connector, clock.now)
         if box is not None:
             self._closes.append(box.close)
-        opened = open_model(model) if isinstance(model, str) else model
-        hush(held_by(opened))
-        agent = DecisionAgent(opened, identity, box.read_only if box is not None else ())
+        chat = self._process_of(model) if isinstance(model, str) else model
+        agent = DecisionAgent(chat, identity, box.read_only if box is not None else ())
         self._closes.append(agent.stop)
+        agent.run()
         return agent
+
+    def _process_of(self, model: str) -> ModelProcess:
+        """A model that is named: a process of its own, which opens it while the run begins."""
+        from rai_missions.agents.model_process.model import ModelProcess
+        from rai_missions.agents.models import check_model
+
+        memory_gib = self.setting.model_memory_gib
+        check_model(model, memory_gib=memory_gib)
+        return ModelProcess(model, memory_gib=memory_gib)
 
     def _head(self) -> Header:
         """What is needed to run it all again, where it is written down."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import inspect
+import math
 import os
 import pkgutil
 import re
@@ -23,7 +24,7 @@ from rai_missions.written import suggestion
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
 
-__all__ = ("open_model", "providers")
+__all__ = ("check_model", "open_model", "providers")
 
 EXTRAS = ("anthropic", "ollama", "openai")
 """The providers that are an extra of this package."""
@@ -53,21 +54,62 @@ def open_model(spec: str) -> BaseChatModel:
         UsageError: The name is not of that form, the provider is unknown or not installed, its key is missing, or it
             refuses the name.
     """
-    provider, _, name = (part.strip() for part in spec.partition(":"))
+    provider, name = _parts(spec)
     if provider == "local":
         from rai_missions.agents.local_model import local_model
 
-        return local_model(Path(os.path.expanduser(name)) if name else None)
-    if not provider or not name:
-        raise UsageError(f"'{spec}' names no model: say PROVIDER:NAME, such as openai:gpt-4o, or local")
+        return local_model(_file(name))
     offered = chat_class(package_of(provider))
-    variable = KEYS.get(provider)
-    if variable and not os.environ.get(variable):
-        raise UsageError(f"the model '{spec}' needs a key: set the environment variable {variable}")
+    _need_key(spec, provider)
     try:
         return offered(model=name)  # type: ignore[call-arg]  # every provider's class takes `model`
     except Exception as error:  # whatever the provider's package raises, the caller named the model
         raise UsageError(f"the model '{spec}' cannot be opened: {_why(error)}") from error
+
+
+def check_model(spec: str, *, memory_gib: float) -> None:
+    """See whether a model can be opened, as far as that is known without importing its package.
+
+    Args:
+        spec: As `open_model` takes it.
+        memory_gib: How much memory it may be resident in.
+
+    Raises:
+        UsageError: As `open_model`; or a file of weights is larger than the memory that it may be in.
+    """
+    if not 0 < memory_gib < math.inf:
+        raise UsageError(f"a model's memory is a number of GiB above 0, not {memory_gib:g}")
+    provider, name = _parts(spec)
+    if provider != "local":
+        _find(provider)
+        _need_key(spec, provider)
+        return
+    from rai_missions.agents.local_model import gguf, packaged_weights
+
+    size_gib = gguf(_file(name) or packaged_weights()).stat().st_size / 2**30
+    if size_gib > memory_gib:
+        raise UsageError(
+            f"the model '{spec}' has {size_gib:.1f} GiB of weights and may use {memory_gib:g} GiB of memory;"
+            f" allow it more: --model-memory {math.ceil(size_gib * 1.5)}"
+        )
+
+
+def _parts(spec: str) -> tuple[str, str]:
+    """The provider, and what it calls the model."""
+    provider, _, name = (part.strip() for part in spec.partition(":"))
+    if provider != "local" and not (provider and name):
+        raise UsageError(f"'{spec}' names no model: say PROVIDER:NAME, such as openai:gpt-4o, or local")
+    return provider, name
+
+
+def _file(name: str) -> Path | None:
+    return Path(os.path.expanduser(name)) if name else None
+
+
+def _need_key(spec: str, provider: str) -> None:
+    variable = KEYS.get(provider)
+    if variable and not os.environ.get(variable):
+        raise UsageError(f"the model '{spec}' needs a key: set the environment variable {variable}")
 
 
 def providers() -> tuple[str, ...]:
@@ -82,6 +124,15 @@ def is_provider(module: str) -> bool:
 
 def package_of(provider: str) -> ModuleType:
     """The provider's package, imported."""
+    module = _find(provider)
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise UsageError(f"the package '{module}' is installed but does not import: {_why(error)}") from error
+
+
+def _find(provider: str) -> str:
+    """The name of the provider's package, which is installed."""
     module = f"langchain_{provider}"
     if not re.fullmatch("[a-z][a-z0-9_]*", provider) or not is_provider(module):
         raise UsageError(f"no model provider '{provider}'{suggestion(provider, providers())}")
@@ -91,10 +142,7 @@ def package_of(provider: str) -> ModuleType:
         near = suggestion(provider, providers())
         more = "" if "did you mean" in near else f"; another comes with its package: pip install {distribution(module)}"
         raise UsageError(f"no model provider '{provider}'{near}{more}")
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise UsageError(f"the package '{module}' is installed but does not import: {_why(error)}") from error
+    return module
 
 
 def distribution(module: str) -> str:

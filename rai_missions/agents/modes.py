@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from langchain_core.language_models import BaseChatModel
 from langchain_core.runnables import Runnable, RunnableSequence
@@ -21,8 +21,8 @@ from rai_missions.apart import apart
 from rai_missions.verdict import Offer, Question
 
 __all__ = (
-    "Bound", "Mode", "bound", "calls_tools", "fills_schemas", "modes_of", "takes_images", "tool_specifications",
-    "wish_schema",
+    "Bound", "Form", "Mode", "bound", "calls_tools", "fills_schemas", "form_of", "modes_of", "takes_images",
+    "tool_specifications", "wish_schema",
 )  # fmt: skip
 
 Bound = Runnable[Any, Any]
@@ -32,18 +32,39 @@ WHY = {"type": "string", "maxLength": 120, "description": "The reason, in a few 
 NO_PARAMETERS = {"type": "object", "properties": {}, "additionalProperties": False}
 
 
-def modes_of(model: BaseChatModel, wanted: str, *, uses_tools: bool) -> tuple[Mode, ...]:
+class Form(NamedTuple):
+    """What an answer may be, as data."""
+
+    schema: Mapping[str, Any]
+    """The JSON Schema of a wish for one of the options."""
+    tools: Sequence[Mapping[str, Any]] = ()
+    """The read-only tools and the options, as functions that every provider's package understands."""
+
+
+def form_of(question: Question, tools: Mapping[str, BaseTool]) -> Form:
+    """What may be answered to a question.
+
+    Args:
+        question: What is asked.
+        tools: The read-only tools that may be called before the answer.
+    """
+    looks = map(convert_to_openai_tool, tools.values())
+    return Form(wish_schema(question.options), [*looks, *tool_specifications(question.options)])
+
+
+def modes_of(*, schemas: bool, tools: bool, wanted: str, uses_tools: bool) -> tuple[Mode, ...]:
     """The ways in which a model can be asked for one option, best first.
 
     Args:
-        model: Whoever is asked.
+        schemas: Its output can be held to a JSON Schema.
+        tools: It can be bound to tools.
         wanted: `auto`, or the one mode to use.
         uses_tools: Read-only tools may be used while it thinks; they need calls of tools.
     """
     if wanted != "auto":
         return (wanted,)  # type: ignore[return-value]  # checked where the agent is made
-    able: list[Mode] = ["json_schema"] if fills_schemas(model) else []
-    if calls_tools(model):
+    able: list[Mode] = ["json_schema"] if schemas else []
+    if tools:
         able.insert(0 if uses_tools else len(able), "tools")
     return (*able, "text")
 
@@ -71,12 +92,12 @@ def _profile(model: BaseChatModel) -> Mapping[str, Any]:
     return getattr(model, "profile", None) or {}
 
 
-def bound(model: BaseChatModel, mode: Mode, question: Question, tools: Mapping[str, BaseTool]) -> Bound:
-    """The model, set up to answer a question in a mode; its answers are messages, to be read by ourselves."""
+def bound(model: BaseChatModel, mode: Mode, form: Form) -> Bound:
+    """The model, set up to answer in a mode; its answers are messages, to be read by ourselves."""
     if mode == "json_schema":
-        return _unparsed(model.with_structured_output(apart(wish_schema(question.options)), method="json_schema"))
+        return _unparsed(model.with_structured_output(apart(form.schema), method="json_schema"))
     if mode == "tools":
-        offered = [*map(convert_to_openai_tool, tools.values()), *tool_specifications(question.options)]
+        offered = list(form.tools)
         try:
             return model.bind_tools(apart(offered), tool_choice="any")
         except (NotImplementedError, TypeError, ValueError):

@@ -42,6 +42,7 @@ class Pending:
         self._answer = answer
         self._lock = threading.Lock()
         self._open = True
+        self._closers: list[Callable[[], None]] = []
 
     @property
     def open(self) -> bool:
@@ -58,10 +59,21 @@ class Pending:
         """Wall time since it was asked."""
         return time.monotonic() - self.began
 
+    def when_closed(self, do: Callable[[], None]) -> None:
+        """Have something done once, as soon as it is closed; at once where it is. It must not wait."""
+        with self._lock:
+            if self._open:
+                self._closers.append(do)
+                return
+        do()
+
     def close(self) -> bool:
         """Whether this call closed it; from now on it tells nothing."""
         with self._lock:
             was, self._open = self._open, False
+            closers, self._closers = self._closers, []
+        for do in closers:
+            do()
         return was
 
     def tell(self, said: Mapping[str, Any]) -> bool:

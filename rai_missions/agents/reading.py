@@ -17,7 +17,9 @@ from rai_missions.verdict import Offer, Question
 if TYPE_CHECKING:
     from langchain_core.messages import AIMessage
 
-__all__ = ("Reading", "callable_name", "read")
+__all__ = (
+    "CALLS", "LONGEST", "Reading", "Said", "callable_name", "plain", "read", "said_of", "too_long", "too_many",
+)  # fmt: skip
 
 LONGEST = 20_000
 """Characters of an answer that are read; more is refused unread."""
@@ -31,6 +33,39 @@ CALLS = 100
 UNREADABLE = "answered with a call whose arguments are not JSON, or are too long"
 THOUGHT = re.compile(r"<think>.*?</think>", re.DOTALL)
 """Thinking aloud is no part of the answer; some models send it along as text."""
+
+
+class Said(NamedTuple):
+    """What a model answered, as far as it is read: plain data."""
+
+    text: str
+    calls: Sequence[Mapping[str, Any]] = ()
+    """Calls of options and tools, as langchain has them: `name`, `args`, `id`."""
+    broken: int = 0
+    """Calls whose arguments are not JSON."""
+    tokens_in: int = 0
+    tokens_out: int = 0
+    model: str = ""
+    """What the provider calls the model that answered."""
+
+
+def said_of(message: AIMessage) -> Said:
+    """A message of langchain's as what is read of it."""
+    used: Mapping[str, Any] = message.usage_metadata or {}
+    about = message.response_metadata or {}
+    name = about.get("model_name") or about.get("model")
+    return Said(
+        message.text,
+        list(message.tool_calls or ()),
+        len(message.invalid_tool_calls or ()),
+        _count(used.get("input_tokens")),
+        _count(used.get("output_tokens")),
+        name if isinstance(name, str) and not name.startswith("/") else "",  # a local server may name a file's path
+    )
+
+
+def _count(tokens: Any) -> int:
+    return max(0, tokens) if isinstance(tokens, int) else 0
 
 
 class Reading(NamedTuple):
@@ -48,18 +83,17 @@ def callable_name(option: str) -> str:
     return f"{option.replace('/', '__'):.{LONGEST_FUNCTION}}"
 
 
-def read(message: AIMessage, question: Question, clean: Callable[[str], str] = str) -> Reading:
+def read(said: Said, question: Question, clean: Callable[[str], str] = str) -> Reading:
     """Read a model's message as an answer to a question.
 
     Args:
-        message: What the model said.
+        said: What the model answered.
         question: What it was asked.
         clean: Takes secrets out of a text; done before a text is cut, so that no half of one is left.
     """
-    if len(message.text) > LONGEST:
-        return Reading(failed=f"answered with {len(message.text)} characters; at most {LONGEST} are read")
-    calls = list(message.tool_calls or ())
-    broken = len(message.invalid_tool_calls or ())
+    if len(said.text) > LONGEST:
+        return Reading(failed=too_long(len(said.text)))
+    calls, broken = said.calls, said.broken
     offers = {callable_name(offer.name): offer for offer in question.options}
     options = [call for call in calls if call["name"] in offers]
     if options and len(calls) + broken > 1:
@@ -70,21 +104,31 @@ def read(message: AIMessage, question: Question, clean: Callable[[str], str] = s
         return _asked_for(calls)
     if broken:
         return Reading(failed=f"answered with {broken} call{'s' * (broken > 1)} whose arguments are not JSON")
-    return _said(clean(message.text), {offer.name for offer in question.options}, clean)
+    return _said(clean(said.text), {offer.name for offer in question.options}, clean)
+
+
+def too_long(characters: int) -> str:
+    """Why an answer of so many characters is not read."""
+    return f"answered with {characters} characters; at most {LONGEST} are read"
+
+
+def too_many(calls: int) -> str:
+    """Why so many calls in one message are not looked at."""
+    return f"asked for {calls} calls of tools at once"
 
 
 def _asked_for(calls: Sequence[Mapping[str, Any]]) -> Reading:
     """Calls of tools, with arguments that are JSON and not long."""
     if len(calls) > CALLS:
-        return Reading(failed=f"asked for {len(calls)} calls of tools at once")
-    plain = tuple({**call, "args": _plain(call["args"])} for call in calls)
-    if any(not isinstance(call["args"], dict) for call in plain):
+        return Reading(failed=too_many(len(calls)))
+    readable = tuple({**call, "args": plain(call["args"])} for call in calls)
+    if any(not isinstance(call["args"], dict) for call in readable):
         return Reading(failed=UNREADABLE)
-    return Reading(calls=plain)
+    return Reading(calls=readable)
 
 
 def _called(offer: Offer, arguments: Any, clean: Callable[[str], str]) -> Reading:
-    given = _plain(arguments)
+    given = plain(arguments)
     if not isinstance(given, dict):
         return Reading(failed=UNREADABLE)
     properties = (offer.parameters or {}).get("properties", {})
@@ -126,7 +170,7 @@ def _wish(option: Any, parameters: Any, why: Any, clean: Callable[[str], str]) -
     return Reading({"option": option, "parameters": parameters, "why": cut(clean(said), LONGEST_WHY)})
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """The value as JSON would bring it back, or None: not JSON, too deep or too long."""
     try:
         text = json.dumps(value, allow_nan=False)

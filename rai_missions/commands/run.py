@@ -123,7 +123,8 @@ def _managed(given: argparse.Namespace) -> int:
     base = Path(given.journal or _journal_of(mission))
     numbers = itertools.count(1)
     setting = Setting(
-        Path(given.mission), given.robot, _arguments(given.set, mission), model=given.model, seed=given.seed,
+        Path(given.mission), given.robot, _arguments(given.set, mission), model=given.model,
+        model_memory_gib=given.model_memory, seed=given.seed,
         named=named_in(given.guards, python=not given.no_python), speed=1.0 if given.speed == "1" else math.inf,
         journal=base,
     )  # fmt: skip
@@ -147,6 +148,7 @@ def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setti
         given.robot,
         {} if given.resume else _arguments(given.set, mission),
         model=given.model,
+        model_memory_gib=given.model_memory,
         operator=_operator(given, lines),
         journal=journal,
         record=record,
