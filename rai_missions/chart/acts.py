@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from rai_missions.blackboard import Key, Stamped
+from rai_missions.blackboard import Key, Stamped, fits, is_number
 from rai_missions.chart.node import Act
 from rai_missions.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 from rai_missions.guards.guard import Operand, Site, View
@@ -33,6 +33,8 @@ class Stage(Protocol):
     def raise_later(self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None) -> None: ...
 
     def drop(self, timer: str) -> None: ...
+
+    def write_key(self, key: str, value: Any) -> bool: ...
 
     def next_call(self, service: str) -> int: ...
 
@@ -59,38 +61,54 @@ def act_of(effect: Effect, place: str, state: str, keys: Mapping[str, Key]) -> A
 
 
 def _set(effect: Set, site: Site) -> Act:
-    key = effect.set
+    """A write that is held to the key's type: here where the mission says the value, else in the step."""
+    name, key = effect.set, site.keys.get(effect.set)
     if effect.add is not None:
-        return _add(key, effect.add)
+        return _add(name, key, effect.add)
     if effect.source is not None:
-        operand = Operand(effect.source, site)
-
-        def copy(chart: Stage) -> None:
-            value = operand.read(chart.view)
-            if value is not None:
-                chart.view.board[key] = stamped(value, chart.view.at)
-                chart.written.append((key, value))
-            else:
-                chart.notes.append(f"'{key}' was not set: {effect.source} is unknown")
-
-        return copy
+        return _copy(name, effect.source, site)
     value = effect.value
+    if key is None or fits(key, value):
+        return lambda chart: chart.write_key(name, value)
 
     def put(chart: Stage) -> None:
-        chart.view.board[key] = stamped(value, chart.view.at)
-        chart.written.append((key, value))
+        chart.view.board[name] = stamped(value, chart.view.at)
+        chart.written.append((name, value))
 
     return put
 
 
-def _add(key: str, amount: float) -> Act:
+def _copy(name: str, source: str, site: Site) -> Act:
+    operand = Operand(source, site)
+
+    def copy(chart: Stage) -> None:
+        value = operand.read(chart.view)
+        if value is not None:
+            chart.write_key(name, value)
+        else:
+            chart.notes.append(f"'{name}' was not set: {source} is unknown")
+
+    return copy
+
+
+def _add(name: str, key: Key | None, amount: float) -> Act:
+    """Adds to a number, which is 0 before it is known; a whole amount leaves an integer whole."""
+    amount = int(amount) if key is not None and key.type == "integer" and amount == int(amount) else amount
+    kind = int if isinstance(amount, int) and key is not None and key.type == "integer" else None
+
     def add(chart: Stage) -> None:
         view = chart.view
         board = view.board
-        entry = board.get(key)
-        value = (entry[0] if entry is not None else 0) + amount
-        board[key] = stamped(value, view.at)
-        chart.written.append((key, value))
+        entry = board.get(name)
+        old = entry[0] if entry is not None else 0
+        if old.__class__ is kind:
+            value = old + amount
+            board[name] = stamped(value, view.at)
+            chart.written.append((name, value))
+        elif is_number(old):
+            chart.write_key(name, old + amount)
+        else:
+            chart.notes.append(f"'{name}' was not written: nothing can be added to {old!r:.80}")
 
     return add
 

@@ -265,7 +265,10 @@ class Core:
         return self._tree_rounds[owner]
 
     def write_key(self, key: str, value: Any, by: str = "") -> bool:
-        """Write a key of the mission; a value of another type is left out, and a note says so."""
+        """Write a key of the mission; a value of another type is refused, and a note says so.
+
+        Rule: whatever comes from outside the mission's own text is written here or by `Chart._write`.
+        """
         why = (
             fits(self.mission.blackboard[key], value)
             if key in self.mission.blackboard

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from rai_missions.blackboard import fits
 from rai_missions.chart.activities import Activities
 from rai_missions.chart.core import Trigger
 from rai_missions.chart.node import Condition, Node
@@ -27,14 +30,25 @@ class Endings(Activities):
                 self._outcome_of(node, Outcome("failed", why=f"the list {node.state.each} is unknown"))
             )
         elif value:
-            self.write_key(node.state.item, value[0])
+            self._set_item(node, value[0])
+
+    def _set_item(self, node: Node, item: Any) -> bool:
+        """Make an item the current one. One that does not fit its key ends the `each`: its round would use another."""
+        assert isinstance(node.state, Each)
+        key = self.mission.blackboard.get(node.state.item)
+        why = fits(key, item) if key is not None else "the mission has no such key"
+        if why and not any(trigger.source is node for trigger in self._internal):
+            why = f"an item cannot be '{node.state.item}': {why}"
+            self._internal.append(self._outcome_of(node, Outcome("failed", why=why)))
+        if not why:
+            self.write_key(node.state.item, item)
+        return not why
 
     def _next_round(self, node: Node) -> None:
         items, index = self._rounds[node.name]
         if index < len(items):
-            assert isinstance(node.state, Each)
-            self.write_key(node.state.item, items[index])
-            self._jump(self._graph.reenter(self._config, node, self._memory))
+            if self._set_item(node, items[index]):
+                self._jump(self._graph.reenter(self._config, node, self._memory))
         elif not any(trigger.source is node for trigger in self._internal):
             self._internal.append(self._outcome_of(node, Outcome("succeeded")))
 

@@ -7,16 +7,17 @@ Rule: options are worked out anew for each attempt, and an answer counts only by
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.blackboard import fits
 from rai_missions.cut import clipped
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.states.activity import NO_KEYS, Desk, Outcome, Turn
 from rai_missions.states.decision import Asked
 from rai_missions.step import Ask, Withdraw
-from rai_missions.verdict import Evidence, Limits, Offer, Proposal, Question, judge
+from rai_missions.verdict import Evidence, Limits, Offer, Proposal, Question, Verdict, judge
 
 __all__ = ("Asking", "AskingMachine")
 
@@ -101,13 +102,26 @@ class AskingMachine:
         given = data.get("parameters")
         proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
         verdict = judge(question, proposal, desk.view, self.tests)
+        if verdict.accepted and (why := self._misfit(proposal.parameters)):
+            verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
         said = f"{who} proposed '{clipped(proposal.option, 60)}'"
         if not verdict.accepted:
             return self._again(state, desk, f"{said}: refused, {verdict.why}", verdict.why)
         outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
-        keys = {name for name, key in self.keys.items() if key.source == "answer"}
-        writes = tuple((name, value) for name, value in proposal.parameters.items() if name in keys)
+        writes = tuple(self._written(proposal.parameters))
         return Turn(None, outcome=outcome, writes=writes, notes=(f"{said}: accepted",))
+
+    def _written(self, parameters: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+        """What an accepted answer writes: the keys of its parameters' names whose source is the answer."""
+        for name, value in parameters.items():
+            key = self.keys.get(name)
+            if key is not None and key.source == "answer":
+                yield name, value
+
+    def _misfit(self, parameters: Mapping[str, Any]) -> str:
+        """Why a parameter cannot be written to its key; empty if each can."""
+        each = (f"{name}: {why}" for name, value in self._written(parameters) if (why := fits(self.keys[name], value)))
+        return next(each, "")
 
     def _again(self, state: Asking, desk: Desk, note: str, why: str = "") -> Turn:
         told = state._replace(question=state.question._replace(refused=(*state.question.refused, why or note)))

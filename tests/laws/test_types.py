@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every write is held to its key's type, wherever it comes from; what does not fit is refused, and the step says so."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rai_missions.blackboard import fits
+from rai_missions.chart import Chart
+from rai_missions.event import Event
+from rai_missions.mission import Mission
+from rai_missions.step import Ask, CallService, StartGoal, Step
+from rai_missions.trees import PyTrees
+
+Json = dict[str, Any]
+TYPES = ("string", "number", "integer", "boolean", "object", "list", "pose")
+VALUES: tuple[Any, ...] = (
+    "seven", "", 7, -1, 0.5, 5.0, 1e308, 10**400, True, False, {}, {"x": 1.0, "y": 2.0}, {"x": "far", "y": 0},
+    [], [1, "a"],
+)  # fmt: skip
+DOORS = ("event", "raised", "later", "add", "robot", "result", "call", "leaf", "answer", "each", "tree", "tree_add")
+"""The ways by which something from elsewhere comes to be written."""
+values = st.sampled_from(VALUES)
+
+
+def mission_of(door: str, type_name: str, amount: float) -> Mission:
+    """A mission in which the key `k` is written through one door, and `free` holds anything."""
+    key: Json = {"type": type_name, **({"source": "answer"} if door == "answer" else {})}
+    take: Json = {"set": "k", "from": "event.v"}
+    options = {"go": {"parameters": {"type": "object"}}, "stay": {}}
+    passed_on: Json = {"raise": "f", "data": {"v": {"from": "event.v"}}}
+    a: Json = {
+        "event": {"transitions": [{"on": "e", "do": [take]}]},
+        "raised": {"transitions": [{"on": "e", "do": [passed_on]}]},
+        "later": {"transitions": [{"on": "e", "do": [{**passed_on, "after_s": 1}]}]},
+        "add": {"transitions": [{"on": "e", "do": [{"set": "k", "add": amount}]}]},
+        "robot": {"transitions": [{"on": "e", "do": [{"set": "k", "from": "r.v"}]}]},
+        "result": {"action": "go", "result": {"k": "v"}}, "call": {"call": "ask", "result": {"k": "v"}},
+        "leaf": {"tree": {"sequence": [{"call": "ask", "result": {"k": "v"}}, {"wait_s": 1}]}},
+        "answer": {"decision": {"question": "?", "options": options, "ask": ["x"], "attempts": 9, "fallback": "stay"}},
+        "each": {"each": "l", "as": "k", "initial": "b", "states": {"b": {}}},
+        "tree": {"tree": {"sequence": [{"set": "k", "from": "r.v"}, {"wait_s": 1}]}},
+        "tree_add": {"tree": {"sequence": [{"set": "k", "add": amount}, {"wait_s": 1}]}},
+    }[door]  # fmt: skip
+    a = {**a, "transitions": [*a.get("transitions", []), {"on": "f", "do": [take]}]}
+    waits = door in ("each", "tree", "tree_add")
+    states = {"w": {"transitions": [{"on": "e", "to": "a"}]}, "a": a} if waits else {"a": a}
+    ends = ["succeeded", "failed", "go", "stay"] if door == "answer" else ["succeeded", "failed"]
+    a["transitions"].append({"on": ends, "to": "z"})
+    keys = {"k": key, "r": {"type": "object", "source": "robot"}, "l": {"type": "list", "source": "robot"}}
+    return Mission.model_validate(
+        {
+            "name": "typed",
+            "initial": next(iter(states)),
+            "states": {**states, "z": {}},
+            "events": ["e", "f"],
+            "blackboard": keys,
+        }
+    )
+
+
+def through(door: str, made: Chart, value: Any) -> list[Step]:
+    """Let a value come in through a door; the steps since."""
+    made.write("r", {"v": value}, at=0.0)
+    made.write("l", [value], at=0.0)
+    first = made.start(0.0)
+    numbers = [each.number for each in first.effects if isinstance(each, StartGoal | CallService)]
+    numbers += [each.question.number for each in first.effects if isinstance(each, Ask)]
+    if door == "answer":
+        said = {"option": "go", "parameters": {"k": value}}
+        return [made.send(Event("x", 1.0, said, "proposal", numbers[0]))]
+    if numbers:
+        return [made.send(Event("succeeded", 1.0, {"v": value}, "result", numbers[0]))]
+    return [made.send(Event("e", 1.0, {"v": value})), made.send(Event("e", 3.0, {"v": value}))]
+
+
+def known(made: Chart) -> Any:
+    entry = made.view.board.get("k")
+    return None if entry is None else entry.value
+
+
+@pytest.mark.parametrize("door", DOORS)
+@given(st.sampled_from(TYPES), values, values, st.sampled_from([1, 2.0, 0.5, 1e308]))
+@settings(max_examples=25)
+def test_a_key_holds_nothing_but_its_type(door: str, type_name: str, before: Any, value: Any, amount: float) -> None:
+    mission = mission_of(door, type_name, amount)
+    made, key = Chart(mission, PyTrees()), mission.blackboard["k"]
+    old = None if fits(key, before) else before
+    made.write("k", before, at=0.0)
+    steps = through(door, made, value)
+    now = known(made)
+    assert now is None or not fits(key, now)
+    if "add" not in door:
+        assert now == (old if fits(key, value) else value)
+        if fits(key, value):
+            assert any(step.notes or any(move.trigger == "failed" for move in step.moves) for step in steps)
+    elif type_name == "integer" and amount == int(amount) and isinstance(old, int):
+        assert now > old and isinstance(now, int)
+
+
+def test_what_is_said_of_a_write_that_does_not_fit() -> None:
+    made = Chart(mission_of("event", "integer", 1), PyTrees())
+    made.write("k", 5, at=0.0)
+    assert through("event", made, "seven")[0].notes == ("'k' was not written: 'seven' is not of type 'integer'",)
+    made = Chart(mission_of("add", "integer", 0.5), PyTrees())
+    made.write("k", 5, at=0.0)
+    assert through("add", made, 0)[0].notes == ("'k' was not written: 5.5 is not of type 'integer'",)
+    made = Chart(mission_of("add", "string", 1), PyTrees())
+    made.write("k", "five", at=0.0)
+    assert through("add", made, 0)[0].notes == ("'k' was not written: nothing can be added to 'five'",)
+
+
+def test_an_item_that_does_not_fit_ends_its_each_instead_of_a_round_with_the_item_before() -> None:
+    made = Chart(mission_of("each", "integer", 1), PyTrees())
+    step = through("each", made, "seven")[0]
+    assert step.entered == ("a", "z")
+
+
+def test_an_answer_that_does_not_fit_its_key_is_refused_as_one_with_other_invalid_parameters() -> None:
+    made = Chart(mission_of("answer", "integer", 1), PyTrees())
+    (step,) = through("answer", made, "seven")
+    assert step.entered == () and step.question is not None
+    why = "the parameters of 'go' are not valid: k: 'seven' is not of type 'integer'"
+    assert step.question.refused == (why,)
