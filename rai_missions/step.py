@@ -172,3 +172,12 @@ class Step(NamedTuple):
     def exited(self) -> tuple[str, ...]:
         """The states left, in order."""
         return tuple(name for move in self.moves for name in move.exited)
+
+    def stamp_of(self, key: str) -> float:
+        """When a value that this step wrote was so, seconds on the run's clock; negative before the run began."""
+        event, stamp = self.event, self.at
+        if event.kind == "write" and event.name == key:
+            stamp = event.data.get("stamp", event.at)
+        elif event.kind == "command" and event.name == "take_up":
+            stamp = event.data.get("heard", {}).get(key, (None, self.at))[1]
+        return min(float(stamp), self.at) if isinstance(stamp, int | float) else self.at

@@ -118,15 +118,22 @@ class Chart(Saving):
         self._complete(None)
         return self._close(Event("start", at, kind="command"))
 
-    def write(self, key: str, value: Any, at: float | None = None) -> Step:
-        """Tell the blackboard what a key is, as of `at`: now, if nothing else is said.
+    def write(self, key: str, value: Any, at: float | None = None, *, stamp: float | None = None) -> Step:
+        """Tell the blackboard what a key is.
+
+        Args:
+            key: Its name.
+            value: Its value.
+            at: When that is received: now, if nothing else is given.
+            stamp: When it was so, also before the run began; `at`, if nothing else is given.
 
         Raises:
             UsageError: The mission has no such key.
         """
         if key not in self.mission.blackboard:
             raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.mission.blackboard)}")
-        return self.send(Event(key, self.view.at if at is None else at, {"value": value}, "write"))
+        data = {"value": value} if stamp is None else {"value": value, "stamp": stamp}
+        return self.send(Event(key, self.view.at if at is None else at, data, "write"))
 
     def send(self, event: Event) -> Step:
         """Let an event happen: everything due before it first, then it, to completion.

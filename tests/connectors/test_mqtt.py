@@ -147,7 +147,7 @@ def test_calls_end_with_the_broker_and_what_was_open_works_when_it_is_back(
 
 
 @needs_broker
-@pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (-30.0, 50.0), (None, 50.0)])
+@pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (3600.0, -3550.0), (-30.0, 50.0), (None, 50.0)])
 def test_a_stamp_is_told_on_the_runs_clock(connector: MqttConnector, age_s: float | None, at: float) -> None:
     heard = Heard[Message]()
     connector.subscribe("/stamped", "", heard)
@@ -157,6 +157,21 @@ def test_a_stamp_is_told_on_the_runs_clock(connector: MqttConnector, age_s: floa
     message = heard.wait(bool, "it was published")[0]
     took_s = time.time() - begin if age_s is not None and age_s >= 0 else 0.0  # what is under way grows older
     assert at - took_s - 1e-3 <= message.at <= at + 1e-3
+
+
+@needs_broker
+def test_a_retained_message_is_as_old_as_its_stamp_and_known_for_what_it_is(
+    broker: Broker, connector: MqttConnector
+) -> None:
+    import paho.mqtt.publish as publish
+
+    payload = encode({"header": {"stamp": {"sec": int(time.time()) - 3600, "nanosec": 0}}, "x": 1})
+    publish.single("/kept", payload, qos=1, retain=True, hostname="127.0.0.1", port=broker.port)
+    heard = Heard[Message]()
+    connector.subscribe("/kept", "", heard)
+    message = heard.wait(bool, "it is retained")[0]
+    assert message.kept and message.at == pytest.approx(50 - 3600, abs=5)
+    assert message.age_s == pytest.approx(3600, abs=5)
 
 
 def test_without_a_broker_one_sentence_says_so() -> None:

@@ -71,7 +71,7 @@ class Scene:
             return
         self.seq, self.at = step.seq, max(self.at, step.at)
         for key, value in step.writes:
-            self._write(key, value, _stamp(step, key))
+            self._write(key, value, step.stamp_of(key))
         self._move(step)
         self._command(step)
         self._ask(step)
@@ -235,14 +235,6 @@ class Scene:
             return [question_data(each) for each in self.questions.values()]
         value = getattr(self, name)
         return sorted(value) if name == "active" else bounded(value) if name in ("closed", "open_goals") else value
-
-
-def _stamp(step: Step, key: str) -> float:
-    """When a written value was so: a robot's says it, the mission's own is of its step."""
-    event = step.event
-    if event.kind == "write" and event.name == key:
-        return min(float(event.data.get("stamp", event.at)), step.at)
-    return step.at
 
 
 def _killed(step: Step) -> bool:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.errors import DefinitionError
-from rai_missions.event import Event, Image
+from rai_missions.event import Image
 from rai_missions.journal import Note, StepRow, verify
 from rai_missions.journal.record import Record
 from rai_missions.mission import Mission
@@ -153,19 +153,13 @@ def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gal
 def _writes(entry: StepRow) -> list[tuple[str, Any, float]]:
     """Key, value and stamp of what was written since the step before, in order."""
     step = entry.step
-    return [*entry.before, *((key, value, _stamp(step.event, key, step.at)) for key, value in step.writes)]
+    return [*entry.before, *((key, value, step.stamp_of(key)) for key, value in step.writes)]
 
 
 def _add_withheld(step: Step, questions: dict[int, Json], offers: Offers) -> None:
     for effect in step.effects:
         if isinstance(effect, Ask) and (withheld := offers.withheld(effect.question)):
             questions[effect.question.number]["withheld"] = withheld
-
-
-def _stamp(event: Event, key: str, at: float) -> float:
-    """When a written value was so: a robot's says it, the mission's own is of its step."""
-    stamp = event.data.get("stamp", event.at) if event.kind == "write" and event.name == key else at
-    return min(float(stamp), at) if isinstance(stamp, int | float) else at
 
 
 def _question(question: Question, index: int, gallery: Gallery) -> Json:
