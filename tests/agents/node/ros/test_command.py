@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from rai_missions.journal import read
 from tests.agents.node.scenes import Client, mission, robot
 
 Run = Callable[..., subprocess.Popen[str]]
@@ -88,3 +89,30 @@ def test_arguments_that_ros_does_not_take_are_told_at_once(run: Run) -> None:
     process = run("--ros-args", "-r", "nonsense")
     _, err = process.communicate(timeout=60)
     assert process.returncode == 2 and "ROS does not start with ['-r', 'nonsense']" in err, err
+
+
+def test_parameters_of_a_launch_file_are_arguments_and_an_unknown_one_ends_the_command(
+    run: Run, open_client: Callable[[str], Client], tmp_path: Path
+) -> None:
+    (tmp_path / "launch_params").write_text("/**:\n  ros__parameters:\n    speed: 2.5\n    use_sim_time: false\n")
+    words = [
+        "--journal",
+        "given.journal",
+        "--json",
+        "--ros-args",
+        "-r",
+        "__node:=given",
+        "--params-file",
+        "launch_params",
+    ]
+    process = run("--node", *words)
+    client = open_client("/given")
+    client.await_status("it runs", mode="running")
+    assert client.call("cancel")["success"]
+    _, err = process.communicate(timeout=60)
+    with read(tmp_path / "given.journal") as record:
+        assert record.header.arguments == {"speed": 2.5}, err
+    wrong = run("--node", "--ros-args", "-r", "__node:=wrong", "-p", "sped:=2.5")
+    _, err = wrong.communicate(timeout=60)
+    assert wrong.returncode == 2
+    assert "parameter 'sped': the mission takes no argument 'sped'; did you mean 'speed'?" in err
