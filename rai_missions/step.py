@@ -175,7 +175,8 @@ class Step(NamedTuple):
 
     def stamp_of(self, key: str) -> float:
         """When a value that this step wrote was so, seconds on the run's clock; negative before the run began."""
-        event, stamp = self.event, self.at
+        event = self.event
+        stamp: Any = self.at
         if event.kind == "write" and event.name == key:
             stamp = event.data.get("stamp", event.at)
         elif event.kind == "command" and event.name == "take_up":
