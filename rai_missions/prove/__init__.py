@@ -13,10 +13,11 @@ from typing import NamedTuple
 
 from rai_missions.journal import Header
 from rai_missions.mission import Mission
+from rai_missions.prove.circles import circling
 from rai_missions.prove.claims import CLAIMS, Claim, claims, lost, stuck
 from rai_missions.prove.free import Free
 from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
-from rai_missions.prove.loops import FEW, long_loops, unlike, with_rounds
+from rai_missions.prove.loops import FEW, Loop, long_loops, unlike, with_rounds
 from rai_missions.prove.space import Space
 from rai_missions.prove.unrolled import repeated, unrolled
 from rai_missions.prove.witness import Player, Scene, scenes, ways_to
@@ -122,8 +123,7 @@ class _Proving:
         while True:
             space = self._explored(progress=self._progress)
             found = claims(self._few, space, is_sampled=bool(space.chart.values.learned.sampled))
-            short = unlike(space, space.levels, self._rounds, (set(stuck(space)), set(lost(space)))) if (
-                space.levels and space.is_whole) else []  # fmt: skip
+            short = self._short(space) if space.levels and space.is_whole else []
             ways = {} if short else {each.name: self._told(space, each) for each in found if each.has_run}
             if None in ways.values() and space.is_whole:
                 short = [loop for loop, many in self._rounds.items() if many < loop.rounds]
@@ -131,6 +131,11 @@ class _Proving:
                 return self._proof(space, found, ways)
             self._rounds |= {loop: min(2 * self._rounds[loop], loop.rounds) for loop in short}
             self._few = with_rounds(self._mission, self._rounds)
+
+    def _short(self, space: Space) -> list[Loop]:
+        """The loops of which more rounds must be explored."""
+        marks = [set(each(space)) for each in (stuck, lost, circling)]
+        return unlike(space, space.levels, self._rounds, marks)
 
     def _proof(self, space: Space, found: list[Claim], told: dict[str, list[Scene] | None]) -> Proof:
         """What was found out, once the rounds that were explored stand for all."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.blackboard import Stamped
 
-__all__ = ("Choices", "OpenBoard", "OpenFields", "Payload")
+__all__ = ("MISSING", "Choices", "OpenBoard", "OpenFields", "Payload")
 
 MISSING: Any = object()
 NOTHING: Mapping[str, Any] = {}

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from rai_missions.mission import Mission
+from rai_missions.prove.circles import circling
 from rai_missions.prove.space import Space, Way
 from rai_missions.states.decision import Decision
 from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
@@ -96,7 +97,7 @@ def _ends(space: Space) -> Iterator[Claim]:
 
 def _rests(space: Space) -> Iterator[Claim]:
     """By time alone a run comes to an end, or to a state in which it waits for somebody."""
-    found = lost(space)
+    found = lost(space) or circling(space)
     if found:
         yield Claim("comes to rest", "refuted", "while nobody says anything, timers lead round for ever", found[0])
 

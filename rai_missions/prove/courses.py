@@ -35,6 +35,8 @@ class Arrival(NamedTuple):
     mode: str = ""
     levels: tuple[tuple[Loop, int, bytes], ...] = ()
     """Loops that run, how many of their rounds have ended, and the core but for this."""
+    kept: frozenset[str] | None = None
+    """Where time passes and the robot is silent: what waits for time on, and not from the beginning."""
 
 
 class Made(NamedTuple):

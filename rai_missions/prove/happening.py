@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 __all__ = ("KINDS", "Happening", "HappeningKind")
 
@@ -24,3 +24,7 @@ class Happening(NamedTuple):
     """Of the goal, call, question or behaviour that it is about."""
     stale: str = ""
     """The key that goes stale."""
+    owner: str = ""
+    """The state in which this waits for time: entered again, or its tree gone round, it waits from the beginning."""
+    timer: tuple[tuple[str, Any], int] | None = None
+    """The timer that runs out: its key, and the order in which it was set; `goal` and a number for a goal's end."""

@@ -40,6 +40,11 @@ class Reached:
         self._way_numbers: dict[Way, int] = {}
         self._sources, self._targets, self._kinds = array("L"), array("L"), bytearray()
         self._depths = array("H")
+        self._set_numbers: dict[frozenset[str], int] = {}
+        self._kept = array("l")
+        """Of each step the number of the set of what waits for time on; -1 where not time alone makes it."""
+        self.waiting: dict[int, int] = {}
+        """Number of a state → that of the set of what waits for time in it."""
 
     @property
     def states(self) -> int:
@@ -58,8 +63,14 @@ class Reached:
         self._depths.append(min(DEEPEST, self._depths[source] + 1 if source >= 0 else 1))
         return number
 
-    def _join(self, source: int, target: int, kind: HappeningKind) -> None:
+    def wait(self, number: int, words: frozenset[str]) -> int:
+        """Note what waits for time in a state; its number among such sets."""
+        self.waiting[number] = self._set_numbers.setdefault(words, len(self._set_numbers))
+        return self.waiting[number]
+
+    def _join(self, source: int, target: int, kind: HappeningKind, kept: frozenset[str] | None = None) -> None:
         """Note a step from one to another."""
+        self._kept.append(-1 if kept is None else self._set_numbers.setdefault(kept, len(self._set_numbers)))
         self._sources.append(source)
         self._targets.append(target)
         self._kinds.append(NUMBERS[kind])
@@ -91,6 +102,17 @@ class Reached:
                     far[source] = far[number] + 1
                     waiting.append(source)
         return far
+
+    def silent(self) -> Iterator[tuple[int, int, int]]:
+        """Source, target and what waits on, of every step that time alone makes while the robot is silent."""
+        for source, target, kept in zip(self._sources, self._targets, self._kept, strict=True):
+            if kept >= 0:
+                yield source, target, kept
+
+    @property
+    def sets(self) -> list[frozenset[str]]:
+        """What waits for time, by number."""
+        return list(self._set_numbers)
 
     def _reversed(self, *, time_only: bool) -> Callable[[int], array[int]]:
         """Target → its sources, in two arrays (compressed sparse rows)."""

@@ -59,6 +59,9 @@ class Space(Reached):
         """Before the start."""
         self._frontier: deque[tuple[int, bytes, State, Own]] = deque()
         self._courses: dict[bytes, list[Courses]] = {}
+        self._here: list[Happening] = []
+        """What waits for time in the state that is left."""
+        self._waits_of: dict[bytes, int] = {}
         self.ends: dict[int, str] = {}
         """Number of a state → the outcome with which the run has ended in it."""
         self.canceling: set[int] = set()
@@ -112,6 +115,7 @@ class Space(Reached):
             self._stop(number, place)
         fitting = [each.course(own) for each in known or ()]
         found = self._happenings(number, place) if known is None or None in fitting else []
+        self._note_waiting(number, core, found)
         if known is None:
             known, fitting = self._room(core, len(found), place), [None] * len(found)
         for at, course in enumerate(fitting):
@@ -123,6 +127,14 @@ class Space(Reached):
             else:
                 place_of = at if found[at].words != CANCEL else -1
                 self._each_way(found[at], place_of, place, number, known[at] if known else None)
+
+    def _note_waiting(self, number: int, core: bytes, found: list[Happening]) -> None:
+        """What waits for time there; the same for all states of a core."""
+        if found:
+            self._here = [each for each in found if each.kind == "time"]
+            self._waits_of[core] = self.wait(number, frozenset(each.words for each in self._here))
+        elif core in self._waits_of:
+            self.waiting[number] = self._waits_of[core]
 
     def _happenings(self, number: int, place: tuple[State, Own]) -> list[Happening]:
         """Everything that can happen there but an emergency stop."""
@@ -141,6 +153,7 @@ class Space(Reached):
             return None
         if len(self._courses) >= MOST_COURSES:
             self._courses.clear()
+            self._waits_of.clear()
         room = self._courses[core] = [Courses() for _ in range(many)]
         return room
 
@@ -191,23 +204,24 @@ class Space(Reached):
         is_possible = chart.is_possible
         read = looked & own_keys
         if is_possible:
+            kept = chart.kept(self._here, happening.words) if happening.kind == "time" and chart.is_silent else None
             chart.settle()
             read |= (looked | chart.asked_at_the_end) & own_keys
             way = Way(happening.words, at, chart.choices.trail)
             self._learn(source, way, is_paused=place[0][1] == "paused" and happening.words != RESUME)
-            arrival = self._arrival(way, happening.kind, place[1])
+            arrival = self._arrival(way, happening.kind, place[1], kept)
         needs = tuple([(key, value_of(place[1], key)) for key in sorted(read)]) if read else ()
         return Made(arrival, needs, chart.choices.next())
 
-    def _arrival(self, way: Way, kind: HappeningKind, before: Own) -> Arrival:
+    def _arrival(self, way: Way, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
         chart = self.chart
-        has_moved = bool(chart.moves or chart.has_turned)
+        has_moved = bool(chart.moves or chart.turned)
         if chart.outcome is not None:
             return Arrival(way, kind, has_moved, (chart.outcome, chart.why))
         written = {key: entry for key, entry in chart.own().items() if before.get(key) is not entry}
         return Arrival(
             way, kind, has_moved, None, chart.core(), chart.save(), written, chart.telling(), chart.mode,
-            chart.levels() if chart.loops else (),
+            chart.levels() if chart.loops else (), kept,
         )  # fmt: skip
 
     def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:
@@ -236,7 +250,7 @@ class Space(Reached):
                     self.canceling.add(number)
         is_circle = source == number and not (arrival.kind == "time" and arrival.has_moved)
         if source >= 0 and not is_circle:  # what changes nothing leads nowhere
-            self._join(source, number, arrival.kind)
+            self._join(source, number, arrival.kind, arrival.kept)
 
     # -- what is wrong --------------------------------------------------------------------------------------------
 

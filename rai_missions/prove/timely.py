@@ -7,11 +7,13 @@ Rule: what is known may go stale at the instant at which something else runs out
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import Any
 
 from rai_missions.mission import Mission
+from rai_missions.prove.choices import MISSING
 from rai_missions.prove.happening import Happening
+from rai_missions.prove.resting import PURSUED
 from rai_missions.prove.told import Told, owned
 from rai_missions.prove.watched import NOW
 from rai_missions.states.asking import Asking
@@ -32,6 +34,48 @@ class Timely(Told):
         keys = mission.blackboard.items()
         self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
         """What a robot must say again and again."""
+        self._spans = self._durations()
+        self._keepers = {memory: node.name for node in self._graph.order for row in node.rows
+                         for memory in (row.condition.holds if row.condition is not None else ())}  # fmt: skip
+        """What remembers for how long a guard has been true → its state."""
+
+    def _durations(self) -> dict[tuple[str, Any], tuple[str, float]]:
+        """The timers that are set when a state is entered → the state, and after how many seconds they run out."""
+        found: dict[tuple[str, Any], tuple[str, float]] = {}
+        for node in self._graph.order:
+            for row in node.rows:
+                if row.transition.after_s is not None:
+                    found["after", row.place] = (node.name, row.transition.after_s)
+            if node.state is not None and node.state.timeout_s is not None:
+                found["timeout", node.name] = (node.name, node.state.timeout_s)
+        return found
+
+    def _comes_later(self, key: tuple[str, Any]) -> bool:
+        """Whether another timer that was set at the same entry of the same state runs out before it."""
+        if key not in self._spans:
+            return False
+        owner, span = self._spans[key]
+        spans = (self._spans[each] for each in self._timers if each in self._spans)
+        return any(name == owner and other < span for name, other in spans)
+
+    @property
+    def is_silent(self) -> bool:
+        """Nothing is known that the robot must say again and again: it has been silent for long."""
+        return all(self.board.known(key) in (None, MISSING) for key in self._passing)
+
+    def kept(self, waiting: Iterable[Happening], taken: str) -> frozenset[str]:
+        """Which of the things that waited for time wait on after a step, and not from the beginning."""
+        begun = {name for move in self.moves for name in (*move.exited, *move.entered)} | self.turned
+        return frozenset(each.words for each in waiting if each.words != taken and self._waits_on(each, begun))
+
+    def _waits_on(self, each: Happening, begun: Collection[str]) -> bool:
+        if each.timer is None:
+            return each.owner not in begun
+        key, order = each.timer
+        if key[0] == "goal":
+            goal = self._ledger.goals.get(order)
+            return goal is not None and goal.phase not in (*PURSUED, "orphaned")
+        return key in self._timers and self._timers[key].order == order
 
     def time_passes(self, *woken: str) -> None:
         """What has run out takes effect; the machines of these states are told that time has passed."""
@@ -79,15 +123,18 @@ class Timely(Told):
     def times(self) -> Iterator[Happening]:
         """Each thing that waits for time gets it, in any order."""
         for key in sorted(self._timers, key=str):
+            if self._comes_later(key):
+                continue
             kind, which = key
             words = {"after": f"the time of row {which} has come", "timeout": f"the time of '{which}' is over"}
             told = words.get(kind, f"'{self._timers[key].name}' is due")
-            yield Happening(told, "time", self.elapse(self._ring(key)))
+            order = self._timers[key].order
+            yield Happening(told, "time", self.elapse(self._ring(key)), timer=(key, order))
         for name, until in list(self._pending.items()):
             if until != math.inf:
-                yield Happening(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)))
+                yield Happening(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)
         for name in list(self._settling):
-            yield Happening(f"'{name}' has not settled", "time", self.elapse(self._unsettled(name)))
+            yield Happening(f"'{name}' has not settled", "time", self.elapse(self._unsettled(name)), owner=name)
         if self._final is not None and not self._settling:
             yield Happening("time passes at the end", "time", self.elapse(lambda: None))
         if self._cancel_by != math.inf:
@@ -99,33 +146,35 @@ class Timely(Told):
         for goal in self.remaining:
             if goal.phase != "orphaned":
                 told = f"'{goal.action}' never confirms its end"
-                yield Happening(told, "time", self.elapse(self._orphan(goal.number)))
+                orphan = self.elapse(self._orphan(goal.number))
+                yield Happening(told, "time", orphan, timer=(("goal", ""), goal.number))
 
     def _ages(self) -> Iterator[Happening]:
         for name in self.aging:
             told = f"'{name or 'the mission'}' has lasted {self.next_age(name):g} s"
-            yield Happening(told, "time", self.elapse(self._aged(name), *self._running))
+            yield Happening(told, "time", self.elapse(self._aged(name), *self._running), owner=name)
         for memory, since in list(self.view.held.items()):
             if since == NOW:
-                yield Happening(f"{memory} has held for long enough", "time", self.elapse(self._mature(memory)))
+                told = f"{memory} has held for long enough"
+                yield Happening(told, "time", self.elapse(self._mature(memory)), owner=self._keepers.get(memory, ""))
 
     def machine_times(self) -> Iterator[Happening]:
         for name, path, state in list(self.inner()):
             owner, tree = owned(name, path), self._running[name]
             if path is not None and tree.leaves[path].deadline != math.inf:
                 over = self.elapse(self._leaf_over(name, path), name)
-                yield Happening(f"the time of '{owner}' is over", "time", over)
+                yield Happening(f"the time of '{owner}' is over", "time", over, owner=name)
             wake = self._machine_of(name, path).wake_at(state, self.view)
             told = f"time passes for '{owner}'"
             if isinstance(state, Asking) and state.deadline != math.inf:
                 wake, told = state.deadline, f"the deadline of '{owner}' has come"
             if NOW < wake < math.inf:
-                yield Happening(told, "time", self.elapse(self._let_pass(name, path, wake), name))
+                yield Happening(told, "time", self.elapse(self._let_pass(name, path, wake), name), owner=name)
         for name, state in list(self._running.items()):
             if limit_of(state) == "rounds":
-                yield Happening(f"the rounds of '{name}' continue", "time", self._continue(name))
+                yield Happening(f"the rounds of '{name}' continue", "time", self._continue(name), owner=name)
             if isinstance(state, Tending) and NOW < state.wake < math.inf:
-                yield Happening(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name))
+                yield Happening(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name), owner=name)
 
     def _continue(self, name: str) -> Callable[[], None]:
         return lambda: self.time_passes(name)

@@ -57,8 +57,8 @@ class Watched(Chart):
         """The place of a guard that makes something possible → what it has said."""
         self.ticks = 0
         """Ticks of trees in this step."""
-        self.has_turned = False
-        """A round of a tree's loop that has taken time has ended in this step."""
+        self.turned: set[str] = set()
+        """The states of whose tree a loop's round that has taken time has ended in this step."""
         self.answered: set[tuple[str, str]] = set()
         """Who asks, and an option that was taken there."""
         self.schemas: dict[tuple[str, str], Mapping[str, Any]] = {}
@@ -227,7 +227,8 @@ class Watched(Chart):
         def counted(*given: Any) -> Any:
             self.ticks += 1
             ticked = tick(*given)
-            self.has_turned = self.has_turned or any(not each.at_once for each in ticked.rounds)
+            if any(not each.at_once for each in ticked.rounds):
+                self.turned.add(machine.owner)
             return ticked
 
         machine.ticker.tick = counted  # type: ignore[method-assign,assignment]

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Circles in which time alone leads a mission, while nobody says anything.
+
+Rule: time is fair. What waits for time gets it in the end, unless it begins to wait again and again. So a circle is one
+for ever only where nothing waits all the way round that is not taken in it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator, Mapping
+
+from rai_missions.prove.reached import Reached
+
+__all__ = ("circling",)
+
+Steps = dict[int, list[tuple[int, int]]]
+"""State → the states to which time alone leads, each with the number of what waits on."""
+
+
+def circling(space: Reached) -> list[int]:
+    """The states through which time alone leads a silent run again and again, ascending."""
+    steps = _endless(space)
+    sets = space.sets
+    found = [each for part in _parts(steps) for each in part if _is_for_ever(part, steps, space.waiting, sets)]
+    return sorted(found)
+
+
+def _endless(space: Reached) -> Steps:
+    """The steps between states from which time alone never has to come to rest."""
+    steps, before = defaultdict[int, list[tuple[int, int]]](list), defaultdict[int, list[int]](list)
+    for source, target, kept in space.silent():
+        steps[source].append((target, kept))
+        before[target].append(source)
+    left = {number: len(after) for number, after in steps.items()}
+    waiting = deque(number for number in before if number not in left)
+    while waiting:
+        for source in before[waiting.popleft()]:
+            left[source] -= 1
+            if not left[source]:
+                waiting.append(source)
+    return {number: [each for each in steps[number] if left.get(each[0])] for number, many in left.items() if many}
+
+
+def _parts(steps: Steps) -> Iterator[list[int]]:
+    """Strongly connected states (R. Tarjan, SIAM J. Comput. 1 (1972) 146), without recursion."""
+    index: dict[int, int] = {}
+    low: dict[int, int] = {}
+    stack: list[int] = []
+    on_stack: set[int] = set()
+    for root in steps:
+        if root in index:
+            continue
+        work = [(root, iter(steps[root]))]
+        index[root] = low[root] = len(index)
+        stack.append(root)
+        on_stack.add(root)
+        while work:
+            number, rest = work[-1]
+            for target, _ in rest:
+                if target not in index:
+                    index[target] = low[target] = len(index)
+                    stack.append(target)
+                    on_stack.add(target)
+                    work.append((target, iter(steps[target])))
+                    break
+                if target in on_stack:
+                    low[number] = min(low[number], index[target])
+            else:
+                work.pop()
+                if work:
+                    low[work[-1][0]] = min(low[work[-1][0]], low[number])
+                if low[number] == index[number]:
+                    yield _popped(stack, on_stack, number)
+
+
+def _popped(stack: list[int], on_stack: set[int], last: int) -> list[int]:
+    part: list[int] = []
+    while not part or part[-1] != last:
+        part.append(stack.pop())
+        on_stack.discard(part[-1])
+    return part
+
+
+def _is_for_ever(part: Iterable[int], steps: Steps, waiting: Mapping[int, int], sets: list[frozenset[str]]) -> bool:
+    """Whether a run can stay among these states for ever though all that waits for time gets it."""
+    states = set(part)
+    inner = {kept for number in states for target, kept in steps[number] if target in states}
+    if not inner:
+        return False
+    all_the_way = [sets[waiting[number]] if number in waiting else frozenset[str]() for number in states]
+    return not frozenset.intersection(*all_the_way, *(sets[kept] for kept in inner))
