@@ -48,8 +48,8 @@ def is_far(known: Json, margin: int) -> bool | None:
 class _Draft:
     """One mission as it is drawn."""
 
-    def __init__(self, rng: random.Random) -> None:
-        self.rng = rng
+    def __init__(self, rng: random.Random, *, alone: bool) -> None:
+        self.rng, self.alone = rng, alone
         self.count = 0
         self.names: list[str] = []
         """States that a transition may name."""
@@ -123,13 +123,15 @@ class _Draft:
             {"raise": "a", "after_s": rng.choice(SPANS), "id": "two"}, {"call": "horn"},
             {"publish": "lamp", "message": {"n": {"from": "n"}}}, {"log": "noted"},
         ]  # fmt: skip
+        known = [each for each in known if not (self.alone and each.keys() & {"call", "publish"})]
         return [rng.choice(known) for _ in range(rng.randint(0, most))]
 
     # -- states -------------------------------------------------------------------------------------------------------
 
     def room(self, depth: int, *, top: bool = False) -> Json:
         rng = self.rng
-        kinds = ["wait"] if self.lean else ["wait", "wait", "action", "call", "decision", "tree"]
+        kinds = ["wait"] if self.lean else ["wait", "wait", "decision", "tree"]
+        kinds += ["action", "call"] if not (self.lean or self.alone) else []
         chosen = [
             rng.choice(kinds + (["compound", "parallel", "each"] if depth else []))
             for _ in range(rng.randint(1 + self.lean, 3 + self.lean))
@@ -162,7 +164,7 @@ class _Draft:
             state["entry"] = self.effects()
         if self.some(0.2):
             state["exit"] = self.effects(1)
-        if self.some(0.15):
+        if not self.alone and self.some(0.15):
             state |= {"control": rng.choice(["autonomy", "agent"]), "handover_s": rng.choice(SPANS)}
         if kind in ("action", "call", "tree", "decision", "compound", "wait") and self.some(0.4):
             state["timeout_s"] = rng.choice([1.0, 2.0, 4.0])
@@ -203,7 +205,8 @@ class _Draft:
 
     def node(self, depth: int) -> Json:
         rng = self.rng
-        leaves = ["check", "check", "wait_s", "set", "publish", "call", "action", "decision"]
+        leaves = ["check", "check", "wait_s", "set", "decision"]
+        leaves += ["publish", "call", "action"] if not self.alone else []
         inner = ["sequence", "selector", "memoryless", "parallel", "inverter", "eternal_guard", "timeout", "retry"]
         word = rng.choice(leaves + inner * 2 if depth else leaves)
         if word in ("sequence", "selector", "parallel"):
@@ -300,9 +303,9 @@ class _Draft:
         return rows
 
 
-def document(rng: random.Random) -> Json:
-    """A mission as JSON has it."""
-    draft = _Draft(rng)
+def document(rng: random.Random, *, alone: bool = False) -> Json:
+    """A mission as JSON has it; `alone` for one that needs no robot, so that nothing comes back of what it does."""
+    draft = _Draft(rng, alone=alone)
     states = draft.room(1 if draft.lean else 2, top=True)
     for state, kind, later in draft.done:
         if rows := draft.transitions(kind, state, later):
