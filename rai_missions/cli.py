@@ -145,9 +145,11 @@ def _add_reviews(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )  # fmt: skip
     draw.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     replay = commands.add_parser(
-        "replay", help="do the run of a journal or a recording again and compare every step", epilog=EXIT
+        "replay", help="do runs again from their journals or recordings and compare every step", epilog=EXIT
     )
-    replay.add_argument("journal", metavar="JOURNAL", help="a journal, or a recording (.mcap)")
+    replay.add_argument(
+        "journal", metavar="JOURNAL", help="a journal, a recording (.mcap), or a folder of them: a verdict each"
+    )
     replay.add_argument("--mission", metavar="FILE.py", help="the mission, where it has behaviours in Python; executed")
     replay.add_argument("--no-python", action="store_true", help="refuse a mission that is Python")
     replay.add_argument("--json", action="store_true", help="print one object at the end")

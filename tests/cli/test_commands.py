@@ -152,6 +152,28 @@ def test_a_journal_that_was_altered_is_not_replayed(folder: Path, capsys: pytest
     assert "row 2" in capsys.readouterr().err
 
 
+def test_every_run_of_a_folder_gets_a_verdict(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "runs/older").mkdir(parents=True)
+    main(["run", "lamp.json", "--journal", "runs/a.journal"])
+    ran_and_altered(folder / "z.journal", capsys)
+    (folder / "z.journal").rename(folder / "runs/older/z.journal")
+    (folder / "runs/notes.txt").write_text("no run")
+    assert main(["replay", "runs"]) == 1
+    first, second, last = capsys.readouterr().out.splitlines()
+    assert first.startswith("a.journal: ") and "all the same" in first
+    assert second.startswith("older/z.journal: cannot be read: ") and "row 2" in second
+    assert last == "1 of 2 runs are the same"
+    assert main(["replay", "runs", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [(each["run"], each["holds"]) for each in found["runs"]] == [("a.journal", True), ("older/z.journal", False)]
+
+
+def test_a_folder_without_a_run_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "empty").mkdir()
+    assert main(["replay", "empty"]) == 2
+    assert "no run in 'empty'" in capsys.readouterr().err
+
+
 def test_a_picture_of_an_altered_journal_is_refused_and_the_page_is_named_that_shows_it(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
