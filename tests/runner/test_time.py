@@ -156,6 +156,34 @@ def test_a_mission_whose_answers_lead_round_for_ever_in_an_instant_still_comes_t
     assert len(rig.called) > 100
 
 
+ROUND_IN_A_TREE: dict[str, Any] = {
+    "busy": {"tree": {"repeat": -1, "child": {"call": "horn", "timeout_s": 5}}, "transitions": [
+        {"on": "succeeded", "to": "over"}, {"after_s": 3, "to": "over"}]},
+    "over": {"final": "aborted"},
+}  # fmt: skip
+
+
+def test_a_tree_whose_calls_are_answered_in_an_instant_comes_to_its_timer() -> None:
+    rig = Rig(ROUND_IN_A_TREE)
+    result = rig.run()
+    assert result.outcome == "aborted" and result.duration_s == pytest.approx(3.0, abs=0.21)
+    assert 1000 < len(rig.called) < 5000
+
+
+def test_rounds_that_have_no_room_in_a_step_take_no_time() -> None:
+    inner = {"repeat": 1000, "child": {"set": "count", "add": 1}}
+    ends = [{"on": "succeeded", "to": "over"}, {"after_s": 3, "to": "late"}]
+    states = {
+        "busy": {"tree": {"repeat": 35, "child": inner}, "transitions": ends},
+        "over": {"final": "aborted"},
+        "late": {"final": "failed"},
+    }
+    rig = Rig(states)
+    assert (rig.run().outcome, rig.runner.chart.at) == ("aborted", 0.0)
+    assert rig.runner.chart.view.board["count"].value == 35_000
+    assert [step.resting for step in rig.steps] == [*[("busy",)] * 3, ()]
+
+
 def test_a_burst_that_came_in_one_instant_is_taken_in_one_instant() -> None:
     rows = [{"on": "go", "do": [{"set": "count", "add": 1}]}, {"on": "stop_now", "to": "over"}]
     states = {"counting": {"transitions": rows}, "over": {"final": "aborted"}}

@@ -8,7 +8,9 @@ from typing import Any
 import pytest
 
 from rai_missions.chart import Chart
+from rai_missions.chart.packing import packed, unpacked
 from rai_missions.event import Event, Tick
+from rai_missions.journal.codec import decode, encode
 from rai_missions.mission import Mission
 from rai_missions.states.rounds import MOST_ROUNDS, MOST_WAKES
 from rai_missions.step import CallService, PublishMessage, Step
@@ -138,7 +140,7 @@ def test_rounds_that_follow_come_before_what_happens_later() -> None:
 def test_a_tree_that_rests_at_its_limit_continues_in_a_restored_chart() -> None:
     chart = working({"repeat": 12, "child": {"repeat": 1000, "child": COUNT}})
     chart.start()
-    restored = Chart.restore(chart.mission, chart.snapshot(), PyTrees())
+    restored = Chart.restore(chart.mission, unpacked(packed(chart.snapshot())), PyTrees())
     assert restored.send(Tick(0.0)) == chart.send(Tick(0.0))
     assert restored.outcome == "aborted"
 
@@ -159,6 +161,12 @@ def test_a_step_that_takes_the_short_way_says_what_rests_too() -> None:
     chart = Chart(Mission.model_validate(data), PyTrees())
     chart.start()
     assert chart.send(Event("poke", 1.0)).resting == ("work",)
+
+
+def test_a_journal_holds_which_trees_rest() -> None:
+    step = working({"repeat": 30, "child": {"repeat": 1000, "child": COUNT}}).start()
+    assert encode(step)["resting"] == ["work"]
+    assert decode(encode(step)) == step
 
 
 def calls(step: Step) -> list[int]:

@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.event import Image
 from rai_missions.step import Step
 from rai_missions.verdict import Question
-from visualize.page.effect_words import effect_words
+from visualize.page.effect_words import effect_words, resting_words
 from visualize.page.plain import Json, plain, without_empty
 
 __all__ = ("LONGEST", "bounded", "line", "question_data")
@@ -51,7 +51,8 @@ def line(step: Step) -> Json | None:
             "kind": event.kind, "name": event.name[:LONGEST], "number": event.number, "data": bounded(said),
             "rows": [row for rows in moves for row in rows], "exited": list(step.exited), "entered": list(step.entered),
             "does": [bounded(effect_words(effect)) for effect in step.effects],
-            "notes": [bounded(note) for note in step.notes], "why": bounded(step.why), "outcome": step.outcome,
+            "notes": [bounded(note) for note in (*step.notes, *resting_words(step))],
+            "why": bounded(step.why), "outcome": step.outcome,
         }
     ) | {"seq": step.seq, "at": round(step.at, 3)}  # fmt: skip
 

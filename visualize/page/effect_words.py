@@ -14,11 +14,12 @@ from rai_missions.step import (
     SayAloud,
     StartBehaviour,
     StartGoal,
+    Step,
     StopBehaviour,
 )
 from visualize.words import template
 
-__all__ = ("effect_words",)
+__all__ = ("effect_words", "resting_words")
 
 
 def effect_words(effect: Effect) -> str:
@@ -44,6 +45,12 @@ def effect_words(effect: Effect) -> str:
     if isinstance(effect, StopBehaviour):
         return f"stop the behaviour (number {effect.number})"
     return f"withdraw question {effect.number}"
+
+
+def resting_words(step: Step) -> list[str]:
+    """The trees that rest at a limit, as a person would say it."""
+    continues = "continues at once" if step.wake_at == step.at else "waits for the next event that concerns it"
+    return [f"the tree of '{name}' has gone round as far as a step allows; it {continues}" for name in step.resting]
 
 
 def _sent(given: object) -> str:

@@ -19,7 +19,7 @@ from rai_missions.journal.record import Record
 from rai_missions.mission import Mission
 from rai_missions.step import Ask, Step
 from rai_missions.verdict import Question
-from visualize.page.effect_words import effect_words
+from visualize.page.effect_words import effect_words, resting_words
 from visualize.page.images import Gallery
 from visualize.page.offers import Offers
 from visualize.page.plain import Json, Pool, plain, without_empty
@@ -132,7 +132,7 @@ def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gal
         questions[step.event.number] |= _answer(step, index)
     more = {
         "does": [effect_words(effect) for effect in step.effects],
-        "notes": list(step.notes),
+        "notes": [*step.notes, *resting_words(step)],
         "why": step.why,
         "outcome": step.outcome,
         "asks": [effect.question.number for effect in step.effects if isinstance(effect, Ask)],

@@ -6,17 +6,19 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.event import Image
+from rai_missions.event import Event, Image
 from rai_missions.mission import Mission
+from rai_missions.step import Move, Step
 from tests.agents.node.scenes import mission as errand
 from tests.visualize.live.stage import Run
 from tests.visualize.page.reading import HOSTILE
 from tests.visualize.runs import tractor
 from visualize.live import Scene
-from visualize.live.lines import LONGEST, bounded
+from visualize.live.lines import LONGEST, bounded, line
 
 SEEN = {"kind": "log", "distance_m": 4.0, "height_m": 0.1, "living": False}
 HAPPENINGS: dict[str, tuple[str, str, dict[str, Any]]] = {
@@ -132,3 +134,14 @@ def test_no_value_makes_a_message_long_or_no_json(value: Any) -> None:
 def test_a_picture_is_told_by_its_name_alone() -> None:
     image = Image("camera@1", 4, 3, "rgb8", lambda: (_ for _ in ()).throw(AssertionError("it was looked at")))
     assert bounded({"seen": image}) == {"seen": {"picture": "camera@1", "width": 4, "height": 3}}
+
+
+@pytest.mark.parametrize(
+    ("wake_at", "then"), [(1.0, "continues at once"), (None, "waits for the next event that concerns it")]
+)
+def test_a_line_names_the_tree_that_rests_at_its_limit(wake_at: float | None, then: str) -> None:
+    found = line(
+        Step(3, 1.0, Event("go", 1.0), (Move(("/transitions/0",), (), ()),), wake_at=wake_at, resting=("work",))
+    )
+    assert found is not None
+    assert found["notes"] == [f"the tree of 'work' has gone round as far as a step allows; it {then}"]
