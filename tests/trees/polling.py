@@ -103,8 +103,16 @@ def numbered(node: Any, numbers: Iterator[int]) -> Any:
     return [numbered(each, numbers) for each in node] if isinstance(node, list) else node
 
 
+watching = st.one_of(
+    st.builds(lambda quick, rest: {"selector": [quick, rest], "memory": False}, quick, leaves),
+    st.builds(lambda quick, rest: {"sequence": [quick, rest], "memory": False}, quick, leaves),
+    st.builds(lambda given: {"failure_is_running": {"sequence": given}}, st.lists(quick, min_size=1, max_size=3)),
+    st.builds(lambda given: {"repeat": -1, "child": {"selector": given}}, st.lists(quick, min_size=1, max_size=3)),
+    st.builds(lambda child, times: {"repeat": times, "child": child}, leaves, st.integers(2, 3)),
+)
+"""Small trees in which what is written is looked at again."""
 polled_trees = (
-    st.recursive(leaves, branches, max_leaves=10)
+    st.one_of(st.recursive(leaves, branches, max_leaves=10), watching, st.recursive(watching, branches, max_leaves=4))
     .map(lambda drawn: numbered(drawn, iter(range(1000))))
     .filter(lambda drawn: str(drawn).count("'add'") <= len(COUNTERS))
 )
