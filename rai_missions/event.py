@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-__all__ = ("KINDS", "Event", "Image", "Tick")
+__all__ = ("KINDS", "Event", "Image", "Tick", "is_operator", "is_taken")
 
 NOTHING: Mapping[str, Any] = {}
 KINDS = (
@@ -61,6 +61,26 @@ class Event(NamedTuple):
 def Tick(at: float) -> Event:  # noqa: N802 - reads as the event it makes
     """Time has passed: whatever was due until `at` happens now."""
     return Event("tick", at, NOTHING, "tick")
+
+
+def is_operator(by: str) -> bool:
+    """Whether a client acts as the operator: `operator`, or that and who it is, as in `operator Anna (page)`."""
+    return by == "operator" or by.startswith("operator ")
+
+
+def is_taken(event: Event, *, holder: str, taken: bool, asked: str) -> bool:
+    """Whether the operator holds control by having taken it, once a `control` event has happened.
+
+    Args:
+        event: Who holds control from now on, and `by` whom that is.
+        holder: Who held it before.
+        taken: Whether the operator had taken it before.
+        asked: For whom the mission has asked for control that has not come yet; empty for nobody.
+    """
+    by = str(event.data.get("by", ""))
+    if event.name != "operator" or is_operator(by):
+        return event.name == "operator"
+    return taken if holder == "operator" else by != "mission" and asked != "operator"
 
 
 class Image:

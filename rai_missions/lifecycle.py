@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from transitions import Machine, MachineError
 
 from rai_missions.errors import UsageError
+from rai_missions.event import is_operator
 from rai_missions.states.goals import OpenGoal
 from rai_missions.step import Step
 
@@ -60,11 +61,6 @@ class Status(NamedTuple):
     """Which states wait for somebody to have control, in words; empty where none does."""
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals that may still be executing although nothing waits for them: the robot may still move."""
-
-
-def is_operator(by: str) -> bool:
-    """Whether somebody acts as the operator: `operator`, or that and who it is, as in `operator Anna (page)`."""
-    return by == "operator" or by.startswith("operator ")
 
 
 def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:

@@ -163,7 +163,7 @@ class Runner(Steered):
         """Go on where a run was cut short, with what it had under way."""
         if resumed.last is not None:
             self._tell_status(resumed.last)
-        self.lifecycle.control.kept = self.chart.holder == "operator" and not resumed.under.is_held_for_mission
+        self.lifecycle.control.kept = self.chart.taken
         self._scribe.go_on(resumed.at)
         if self.mailbox.urgent:
             resumed.under.stop()

@@ -3,20 +3,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
-from typing import Any, get_args
-
-from rai_missions.chart.core import Core, Trigger
+from rai_missions.chart.core import Trigger
+from rai_missions.chart.hold import Hold
 from rai_missions.chart.node import Node
 from rai_missions.event import Event
 from rai_missions.states.activity import GOALS, NO_KEYS, Machine, Turn, concerns
 from rai_missions.states.machines import machine_of
-from rai_missions.states.state import Controller
 from rai_missions.states.tending import limit_of, questions_in
 from rai_missions.step import Handover
 from rai_missions.verdict import Question
-from rai_missions.wording import suggestion
 
 __all__ = ("Activities",)
 
@@ -28,11 +23,9 @@ WATCHED = {
     "over": "it is executing nowhere any more",
 }
 """What is noted of a goal where its server gives no words."""
-HOLDERS = (*get_args(Controller), "nobody")
-"""Who can hold control."""
 
 
-class Activities(Core):
+class Activities(Hold):
     """A chart that runs the machines of its states."""
 
     @property
@@ -60,23 +53,29 @@ class Activities(Core):
         for node in nodes:
             if node not in self._config.atomic:  # left meanwhile, or an `each` in whose round another stands
                 continue
-            if node.control is not None and node.control != self.holder:
+            if self._frozen and self._is_held(node):
+                self._laid_by = (*self._laid_by, node.name)
+            elif node.control is not None and node.control != self.holder:
                 self._request_control(node)
             else:
                 self._begin(node)
 
     def _request_control(self, node: Node, until: float | None = None) -> None:
         assert node.state is not None and node.control is not None
-        request = Handover(node.control)
+        self._ask_for(node.control)
+        self._pending[node.name] = self.view.at + node.state.handover_s if until is None else until
+
+    def _ask_for(self, holder: str) -> None:
+        self._asked, request = holder, Handover(holder)
         if request not in self.effects:
             self.effects.append(request)
-        self._pending[node.name] = self.view.at + node.state.handover_s if until is None else until
 
     def _take_back(self) -> None:
         """Ask for control where it is: what asked for it elsewhere was left before it came, and nobody else waits."""
         if self.outcome is None and self.holder not in ("operator", "nobody"):
             wanted = {self._graph.nodes[name].control for name in self._pending}
             if self._given_up - wanted - {self.holder}:
+                self._asked = self.holder
                 self.effects.append(Handover(self.holder))
 
     def _begin(self, node: Node) -> None:
@@ -97,6 +96,7 @@ class Activities(Core):
             self._running[name] = turn.state
             return
         self._running.pop(name, None)
+        self._pending.pop(name, None)
         node = self._graph.nodes[name]
         self._timers.pop(("timeout", name), None)
         if turn.outcome.why and node.family != "decision":
@@ -107,16 +107,11 @@ class Activities(Core):
         state = self._running.pop(node.name, None)
         machine = self._machines.get(node.name)
         if state is not None and machine is not None:
+            if self._kept or self._queue:
+                self._hear_kept(machine.awaits(state))
             turn = machine.leave(state, self)
             self._emit(turn.effects)
             self.notes += turn.notes
-
-    def _live(self) -> Iterator[tuple[str, Machine, Any]]:
-        """The machines that run, each with its state; one that is left meanwhile is passed over."""
-        for name in tuple(self._running):
-            machine = self._machines[name]
-            if name in self._running and machine is not None:
-                yield name, machine, self._running[name]
 
     def _poll(self) -> bool:
         """Let those machines look whom a key, a state, a goal's end or the time concerns; whether one spoke."""
@@ -128,7 +123,7 @@ class Activities(Core):
         keys = frozenset(key for key, _ in self.written[self._polled :]).union(changed, self._news)
         due, self._due, self._polled, self._ledger.changed = self._due, NO_KEYS, len(self.written), False
         news, self._news, self._shifted, spoke = self._news, {}, set(), False
-        for name, machine, state in self._live() if keys or due else ():
+        for name, machine, state in self._awake() if keys or due else ():
             if not (name in due or concerns(machine.reads(state), keys)):
                 continue
             of_others = changed | {key for key, by in news.items() if by != name}
@@ -168,6 +163,8 @@ class Activities(Core):
             self._queue = (*self._queue, event)
             self._touched = True
             return
+        if self._is_for_held(number):
+            return self._keep(event)
         self.effects += self._ledger.hear(event)
         if number in self._calls and event.kind == "result":
             service = self._calls.pop(number)
@@ -206,23 +203,3 @@ class Activities(Core):
         if self._settling or self._final is not None:
             reads |= frozenset({"*"})
         return reads
-
-    def _control(self, event: Event) -> None:
-        """Control is with somebody else now: what waited for it starts, what needs another stops."""
-        if event.name not in HOLDERS:
-            self._refused = f"nobody called '{event.name}' can hold control{suggestion(event.name, HOLDERS)}"
-            return
-        self.holder = event.name
-        self.notes.append(f"control: {event.name}")
-        lost = [self._graph.nodes[name] for name in self._running]
-        for node in [node for node in lost if node.control is not None and node.control != self.holder]:
-            self._leave_activity(node)
-            self._pending[node.name] = math.inf
-            self.notes.append(f"{node.name} waits until control is with {node.control} again")
-        if self.mode in ("ready", "paused"):
-            return
-        for name in sorted(self._pending, key=lambda each: self._graph.nodes[each].index):
-            if self._graph.nodes[name].control == self.holder:
-                del self._pending[name]
-                self._begin(self._graph.nodes[name])
-        self._complete(None)

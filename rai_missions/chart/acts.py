@@ -30,7 +30,9 @@ class Stage(Protocol):
 
     def raise_event(self, name: str, data: Mapping[str, Any]) -> None: ...
 
-    def raise_later(self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None) -> None: ...
+    def raise_later(
+        self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None, state: str = ""
+    ) -> None: ...
 
     def drop(self, timer: str) -> None: ...
 
@@ -117,7 +119,8 @@ def _raise(effect: Raise, site: Site) -> Act:
     name, data, after_s, timer = effect.event, dict(effect.data), effect.after_s, effect.id
     if after_s is None:
         return lambda chart: chart.raise_event(name, filled(data, chart.view, site) if data else {})
-    return lambda chart: chart.raise_later(name, filled(data, chart.view, site) if data else {}, after_s, timer)
+    state = site.state
+    return lambda chart: chart.raise_later(name, filled(data, chart.view, site) if data else {}, after_s, timer, state)
 
 
 def _told(effect: Effect, site: Site) -> Act:

@@ -88,13 +88,14 @@ class Chart(Saving):
     @property
     def waiting(self) -> Mapping[str, str]:
         """State → who must have control before what it does can begin, or begin again."""
-        each = {name: self._graph.nodes[name].control for name in self._pending}
+        each = {name: self._graph.nodes[name].control for name in (*self._pending, *self._laid_by)}
         return {name: holder for name, holder in each.items() if holder is not None}
 
     @property
     def wanted(self) -> frozenset[str]:
         """Who must have control for what waits to begin."""
-        return frozenset(self.waiting.values())
+        wanted = (self._graph.nodes[name].control for name in self._pending)
+        return frozenset(holder for holder in wanted if holder is not None)
 
     def start(self, at: float = 0.0) -> Step:
         """Enter the mission.
@@ -110,7 +111,8 @@ class Chart(Saving):
         for name, key in self.mission.blackboard.items():
             if key.initial is not None and key.source != "robot" and view.board[name].at < view.at:
                 view.board[name] = Stamped(view.board[name].value, view.at)
-        self.mode = "running"
+        self.mode, self._held_since = "running", view.at
+        self._frozen = dict.fromkeys(self._held_controls(), view.at)
         if self._graph.root.clocked:
             view.entered[""] = view.at
         self._after_rows(self._graph.root)
@@ -270,6 +272,7 @@ class Chart(Saving):
     def _look_ahead(self) -> None:
         """What the next event finds: whether it can take the short way, what it may change, what time alone does."""
         self._quick = self.mode == "running" and self._final is None and self.outcome is None and not self._named
+        self._quick = self._quick and not self._frozen
         self._listening = self._reads() if self.mode != "ended" else frozenset()
         self._quick = self._quick and not self._resting
         self._wake = self.view.at if self._unfinished() else self._next_instant()

@@ -45,6 +45,11 @@ class Compiled:
         self._add(mission.states, self.root, "/states")
         self._act = compile_effect
         self._link()
+        self.controls = frozenset(node.control for node in self.order if node.control is not None)
+        """Whose control its states need."""
+        rows = [row for row in self.rows.values() if row.condition is not None and row.condition.holds]
+        self.memories = {memory: row.source.control for row in rows for memory in row.condition.holds}  # type: ignore[union-attr]
+        """Memory of a `held` guard of a transition → whose control the transition's state needs."""
         self.invariants = {
             name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
         }

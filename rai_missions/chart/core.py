@@ -60,6 +60,8 @@ class Timer(NamedTuple):
     order: int
     name: str
     data: Mapping[str, Any] = {}
+    control: str = ""
+    """Who must have control for the state that set it; its time stands still while that state is held."""
 
 
 class Look:
@@ -117,6 +119,17 @@ class Core:
         """`ready`, `running`, `paused`, `canceling` or `ended`."""
         self.holder = "autonomy"
         """Who holds control: `autonomy`, `agent`, `operator` or `nobody`."""
+        self.taken = False
+        """The operator holds it and has taken it, rather than been given it by the mission."""
+        self._asked = ""
+        """For whom the mission has asked for control that has not come yet."""
+        self._frozen: dict[str, float] = {}
+        """Whose control held states need → since when their time stands still."""
+        self._held_since = 0.0
+        self._laid_by: tuple[str, ...] = ()
+        """States whose activity starts when the operator has given control back."""
+        self._kept: tuple[Event, ...] = ()
+        """What came meanwhile for held states, in order."""
         self.outcome: str | None = None
         self.why = ""
         self.quiet = False
@@ -209,8 +222,11 @@ class Core:
     def raise_event(self, name: str, data: Mapping[str, Any]) -> None:
         self._internal.append(Trigger(name, data))
 
-    def raise_later(self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None) -> None:
-        self._set_timer(("raise", timer if timer is not None else self._order + 1), after_s, name, data)
+    def raise_later(
+        self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None, state: str = ""
+    ) -> None:
+        key = ("raise", timer if timer is not None else self._order + 1)
+        self._set_timer(key, after_s, name, data, self._graph.nodes[state].control if state else None)
 
     def drop(self, timer: str) -> None:
         self._timers.pop(("raise", timer), None)
@@ -221,10 +237,10 @@ class Core:
         return self._number
 
     def _set_timer(
-        self, key: tuple[str, Any], after_s: float, name: str, data: Mapping[str, Any] | None = None
+        self, key: tuple[str, Any], after_s: float, name: str, data: Mapping[str, Any] | None, control: str | None
     ) -> None:
         self._order += 1
-        self._timers[key] = Timer(self.view.at + after_s, self._order, name, data or {})
+        self._timers[key] = Timer(self._now_of(control) + after_s, self._order, name, data or {}, control or "")
 
     # -- the desk of the machines (states/activity.py) ------------------------------------------------------------
 
@@ -310,6 +326,10 @@ class Core:
         return Trigger(outcome.name, outcome.data, node, why=outcome.why)
 
     # -- what the layers above do ---------------------------------------------------------------------------------
+
+    def _now_of(self, control: str | None) -> float:
+        """Now, as the states that need this control count time."""
+        raise NotImplementedError
 
     def _complete(self, trigger: Trigger | None) -> None:
         """Take what is enabled until nothing is."""

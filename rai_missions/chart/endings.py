@@ -63,7 +63,7 @@ class Endings(Activities):
             self._complete_parallels(complete)
             return
         if node.requires is not None and node.requires.test(self.view) is not True:
-            self._settling[node.name] = self.view.at + self.mission.settle_s
+            self._settling[node.name] = self._now_of(node.control) + self.mission.settle_s
             if self.mission.settle_s > 0:
                 return
             del self._settling[node.name]
@@ -125,6 +125,8 @@ class Endings(Activities):
         """Finals inside other states whose `requires` was not true when they were entered."""
         for name, until in list(self._settling.items()):
             node = self._graph.nodes[name]
+            if self._frozen and self._is_held(node):
+                continue
             assert node.parent is not None and node.requires is not None and isinstance(node.state, Final)
             complete = tuple(self._graph.complete(node.parent.parent, self._config.nodes))
             if node.requires.test(self.view) is True:
@@ -167,7 +169,7 @@ class Endings(Activities):
 
     def _kill(self, why: str) -> None:
         self.effects += self._ledger.stop_all(self.view.at)
-        self.holder = "nobody"
+        self.holder, self.taken = "nobody", False
         self._end("aborted", why, killed=True)
 
     def _end(self, outcome: str, why: str, *, killed: bool = False) -> None:
@@ -183,6 +185,7 @@ class Endings(Activities):
         if self.mode == "canceling" and not killed:
             outcome, why = "canceled", self.why
         self.outcome, self.why, self._ended, self._touched = outcome, why, True, True
+        self._hear_kept(None)
         for name in list(self._running):
             self._leave_activity(self._graph.nodes[name])
         for node in () if killed else sorted(self._config.nodes, key=lambda node: -node.index):
@@ -194,5 +197,5 @@ class Endings(Activities):
         self._pending.clear()
         self._settling.clear()
         self._internal.clear()
-        self._starting = []
+        self._starting, self._laid_by, self._asked = [], (), ""
         self.mode = "ended"

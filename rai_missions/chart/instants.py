@@ -37,7 +37,7 @@ class Instants(Modes):
 
     def _woken(self, due: float) -> Iterable[str]:
         """The states whose machines asked for an instant not later than this."""
-        for name, machine, state in self._live():
+        for name, machine, state in self._awake():
             if machine.wake_at(state, self.view) <= due:
                 yield name
 
@@ -55,7 +55,8 @@ class Instants(Modes):
         if self.mode == "canceling" and now >= self._cancel_by:
             self._end("canceled", "the cancel took longer than cancel_s")
         for _ in range(MOST_MICROSTEPS):
-            due = [(timer.due, timer.order, key) for key, timer in self._timers.items() if timer.due <= now]
+            due = [(timer.due, timer.order, key) for key, timer in self._timers.items()
+                   if timer.due <= now and timer.control not in self._frozen]  # fmt: skip
             if self.outcome is not None or not due:
                 break
             key = min(due)[2]
@@ -68,6 +69,7 @@ class Instants(Modes):
             del self._pending[name]
             node = self._graph.nodes[name]
             self._given_up.add(node.control)
+            self._leave_activity(node)
             self._heard(
                 self._outcome_of(node, Outcome("rejected", why=f"{node.control} was not given control in time"))
             )
@@ -95,6 +97,15 @@ class Instants(Modes):
         else:
             self._heard(Trigger(timer.name, timer.data))
 
+    def _deadlines(self) -> Iterable[float]:
+        """Those of timers, handovers and finals, but for what stands still."""
+        frozen, nodes = self._frozen, self._graph.nodes
+        yield from (timer.due for timer in self._timers.values() if timer.control not in frozen)
+        yield from self._pending.values()
+        for name, until in self._settling.items():
+            if self._final is not None or nodes[name].control not in frozen:
+                yield until
+
     def _next_instant(self) -> float:
         """The earliest instant at which time alone can change something."""
         now, soonest = self.view.at, self._ledger.wake_at()
@@ -106,16 +117,14 @@ class Instants(Modes):
         if self.mode == "paused":
             return soonest
         soonest = min(soonest, self._cancel_by)
-        for timer in self._timers.values():
-            soonest = min(soonest, timer.due)
-        for until in (*self._pending.values(), *self._settling.values()):
+        for until in self._deadlines():
             soonest = min(soonest, until)
         for instant in self._config.instants:
             soonest = min(soonest, _later(instant(self.view), now))
         for final in [*map(self._graph.nodes.__getitem__, self._settling), *([self._final] if self._final else [])]:
             for instant in final.requires.instants if final.requires is not None else ():
                 soonest = min(soonest, _later(instant(self.view), now))
-        for _, machine, state in self._live():
+        for _, machine, state in self._awake():
             soonest = min(soonest, machine.wake_at(state, self.view))
         return soonest
 

@@ -45,7 +45,8 @@ class Microsteps(Endings):
                 continue
             if self._config.holds or self._always_held:
                 self._hold()
-            if self._config.eventless and (rows := self._enabled(self._config.eventless, self.looked)):
+            waiting = self._config.eventless if not self._frozen else self._free(self._config.eventless)
+            if waiting and (rows := self._enabled(waiting, self.looked)):
                 circle = (self._config.key, tuple(row.place for row in rows), len(self.written), len(self._internal))
                 if circle in seen:
                     return self._circle()
@@ -75,7 +76,7 @@ class Microsteps(Endings):
         """Find the rows that a trigger fires, and take them."""
         view, source = self.view, trigger.source
         if trigger.name == "round" and source is not None and source.is_each:
-            return self._next_round(source)
+            return self._next_round(source) if not self._is_held(source) else self._keep_trigger(trigger)
         view.event, option = trigger.data, False
         if trigger.row is not None:
             plan: tuple[tuple[Row, ...], ...] = ((trigger.row,),)
@@ -89,9 +90,12 @@ class Microsteps(Endings):
             plan = self._config.outcome_plan(
                 source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded"
             )
-        rows = self._enabled(plan, self.looked)
+        free = plan if not self._frozen else self._free(plan)
+        rows = self._enabled(free, self.looked)
         if rows:
             self._take(rows, trigger.name)
+        elif self._frozen and free != plan:
+            self._keep_trigger(trigger)
         elif source is not None:
             self._unanswered(trigger, source)
         elif trigger.name in BUILT_IN_EVENTS or self.moves:
@@ -130,9 +134,7 @@ class Microsteps(Endings):
                 self._timers.pop(("after", row.place), None)
         if node.name in self._running:
             self._leave_activity(node)
-        if self._pending.pop(node.name, math.inf) < math.inf:
-            self._given_up.add(node.control)
-        self._settling.pop(node.name, None)
+        self._forget_waiting(node)
         if self._rounds.pop(node.name, None) is not None:
             for trigger in [each for each in self._internal if each.name == "round" and each.source is node]:
                 self._internal.remove(trigger)  # a round that is left is not begun anew
@@ -145,9 +147,17 @@ class Microsteps(Endings):
         if node in self._starting:
             self._starting.remove(node)
 
+    def _forget_waiting(self, node: Node) -> None:
+        """What a state that is left waited for makes no difference any more."""
+        if self._pending.pop(node.name, math.inf) < math.inf:
+            self._given_up.add(node.control)
+        self._settling.pop(node.name, None)
+        if self._laid_by:
+            self._laid_by = tuple(name for name in self._laid_by if name != node.name)
+
     def _enter(self, node: Node) -> None:
         if node.clocked:
-            self.view.entered[node.name] = self.view.at
+            self.view.entered[node.name] = self._now_of(node.control)
         if node.timed:
             self._after_rows(node)
         if (node.activity or node.control) and node in self._config.atomic:
@@ -157,14 +167,18 @@ class Microsteps(Endings):
 
     def _after_rows(self, node: Node) -> None:
         if node.state is not None and node.state.timeout_s is not None:
-            self._set_timer(("timeout", node.name), node.state.timeout_s, f"{node.state.timeout_s:g}")
+            self._set_timer(
+                ("timeout", node.name), node.state.timeout_s, f"{node.state.timeout_s:g}", None, node.control
+            )
         for row in node.rows:
             if row.transition.after_s is not None:
-                self._set_timer(("after", row.place), row.transition.after_s, "after_s")
+                self._set_timer(("after", row.place), row.transition.after_s, "after_s", None, node.control)
 
     def _hold(self) -> None:
         """Remember since when the guards inside `held` have been true."""
         for memory, test in (*self._config.holds.items(), *self._always_held.items()):
+            if self._frozen and self._graph.memories.get(memory) in self._frozen:
+                continue
             true = test(self.view) is True
             if true is not (memory in self.view.held):
                 self._touched = True

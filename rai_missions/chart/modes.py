@@ -8,14 +8,14 @@ from typing import Any
 
 from rai_missions.blackboard import Stamped, fits
 from rai_missions.chart.core import Trigger
-from rai_missions.chart.microsteps import Microsteps
+from rai_missions.chart.holder import Holder
 from rai_missions.event import KINDS, Event
 from rai_missions.written import suggestion
 
 __all__ = ("Modes",)
 
 
-class Modes(Microsteps):
+class Modes(Holder):
     """A chart that obeys commands."""
 
     def _command(self, event: Event) -> None:
@@ -85,9 +85,10 @@ class Modes(Microsteps):
         if self.mode == "canceling":
             self._refused = "it is being canceled already"
             return
+        self._hear_kept(None)
         if self.mode == "paused":
-            self._shift(self.view.at - self._paused_at)
-            self._queue = self._suspended = ()
+            self._make_up_pause()
+        self._suspended = self._laid_by = ()
         self.mode, self.why = "canceling", f"canceled by {by}"
         self._cancel_by = self.view.at + self.mission.cancel_s
         if self.mission.on_cancel is None or not self._config.atomic:
@@ -103,42 +104,33 @@ class Modes(Microsteps):
             self._refused = f"only a running mission can be paused; it is {self.mode}"
             return
         self.mode, self._paused_at = "paused", self.view.at
-        suspended = []
-        for name in list(self._running):
-            node = self._graph.nodes[name]
-            action = getattr(node.state, "action", None)
-            if node.family in ("action", "tree") and action not in self.terms.keep:
-                self._leave_activity(node)
-                suspended.append(name)
-        self._suspended = tuple(suspended)
+        self._suspended = tuple(name for name in list(self._running) if self._lay_down(self._graph.nodes[name]))
         self.notes.append("paused")
 
     def _resume(self) -> None:
         if self.mode != "paused":
             self._refused = f"only a paused mission can be resumed; it is {self.mode}"
             return
-        self._shift(self.view.at - self._paused_at)
+        self._make_up_pause()
         self.mode, self._ledger.changed = "running", True
         self.notes.append("resumed")
         self._starting += [self._graph.nodes[name] for name in self._suspended]
         for name in [name for name in self._pending if self._graph.nodes[name].control == self.holder]:
             del self._pending[name]
-            self._starting.append(self._graph.nodes[name])
+            self._starting += [self._graph.nodes[name]] if name not in self._running else []
         queue, self._queue, self._suspended = self._queue, (), ()
+        self._due |= frozenset(self._running)  # each may have read what has changed since
+        self._ask_back()
         self._complete(None)
         for event in queue:
             if self.outcome is None:
                 self._happen(event)
 
-    def _shift(self, by_s: float) -> None:
-        """Give every timer the time it had left when the mission was paused."""
-        self._timers = {key: timer._replace(due=timer.due + by_s) for key, timer in self._timers.items()}
-        self.view.entered = {name: at + by_s for name, at in self.view.entered.items()}
-        self.view.held = {memory: at + by_s for memory, at in self.view.held.items()}
-        self._pending = {name: until + by_s for name, until in self._pending.items()}
-        self._settling = {name: until + by_s for name, until in self._settling.items()}
-        for name, machine, state in self._live():
-            self._running[name] = machine.shifted(state, by_s)
+    def _make_up_pause(self) -> None:
+        """Time goes on: for held states from where it stood when the run was paused."""
+        by_s = self.view.at - self._paused_at
+        self._shift(by_s)
+        self._frozen = {control: since + by_s for control, since in self._frozen.items()}
 
     def _happen(self, event: Event) -> None:
         if event.kind == "event":
@@ -148,7 +140,9 @@ class Modes(Microsteps):
             else:
                 self._heard(Trigger(event.name, event.data))
         elif event.kind in ("proposal", "behaviour"):
-            if not self._dispatch(event) and event.kind == "proposal":
+            if self._is_for_held(event.number):
+                self._keep(event)
+            elif not self._dispatch(event) and event.kind == "proposal":
                 self._refused = f"stale: question {event.number} is no longer asked"
         elif event.kind in ("accepted", "result"):
             self._report(event)

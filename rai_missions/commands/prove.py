@@ -161,7 +161,7 @@ def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | 
     for number, scene in enumerate(scenes, 1):
         ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
         facts = [f"{key} {_said(value)}" for key, value in sorted(scene.facts.items())]
-        known = ", ".join([f"control is with {scene.holder}"] * bool(scene.holder) + facts)
+        known = ", ".join(([f"control is with {scene.control.name}"] if scene.control is not None else []) + facts)
         yield f"      {number}. {scene.words}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
         before = scene.active
     if journal is not None:

@@ -16,6 +16,7 @@ from rai_missions.chart.configuration import Configuration
 from rai_missions.chart.node import Node
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.mission import Mission
+from rai_missions.prove.handed import kept_words
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.parts import guards_in, parts
 from rai_missions.prove.remembered import plain, told, told_timer
@@ -98,7 +99,7 @@ class Explored(Resting):
             self._order, _kept(self._memory), _kept(self._timers), _kept(self._running), _kept(self._pending),
             _kept(self._rounds), _kept(self._settling), _kept(self._calls), _kept(self._ledger.goals), self._unknown,
             self._cancel_by, _kept(view.entered), _kept(view.held), view.answer, self._known_of_robot(),
-            self._listening, self._suspended,
+            self._listening, self._suspended, self.taken, self._frozen, self._laid_by, self._kept,
         )  # fmt: skip
 
     def _known_of_robot(self) -> dict[str, Any]:
@@ -114,7 +115,8 @@ class Explored(Resting):
         (
             atomic, self.mode, self._holder, self.outcome, self.why, self._final, self._number, self._order,
             memory, timers, running, pending, rounds, settling, calls, goals, self._unknown, self._cancel_by,
-            entered, held, view.answer, board, self._listening, self._suspended,
+            entered, held, view.answer, board, self._listening, self._suspended, self.taken, self._frozen,
+            self._laid_by, self._kept,
         ) = state  # fmt: skip
         self._config = self._configured(atomic)
         self._memory, self._timers, self._running = memory.copy(), timers.copy(), running.copy()
@@ -123,7 +125,8 @@ class Explored(Resting):
         view.entered, view.held, view.event = entered.copy(), held.copy(), {}
         view.active = self._config.active
         self.board.refill(board, own)
-        self._quick, self._due = False, frozenset()
+        self._quick, self._due, self._asked, self._queue = False, frozenset(), "", ()
+        self.leave_open()
         self._wavering.clear()
 
     def _configured(self, atomic: tuple[Node, ...]) -> Configuration:
@@ -200,6 +203,7 @@ class Explored(Resting):
             [(name, until == math.inf) for name, until in sorted(self._pending.items())],
             [(name, str(each)) for name, each in sorted(self._rounds.items())] if self._rounds else (),
             list(self._settling), sorted(self._unknown), self._cancel_by == math.inf,
+            (self._laid_by, self.taken, [kept_words(each) for each in self._kept]) if self._frozen else (),
         )  # fmt: skip
 
     def _told_goals(self) -> tuple[Any, ...]:

@@ -57,17 +57,25 @@ class Free(Timely):
         yield from self.orphans()
         yield from self.leftovers()
         yield from self._writes()
-        yield from self._handovers()
         yield Happening(RESUME, "event", self._go_on)
 
     def _go_on(self) -> None:
+        """Control may have changed hands meanwhile: then it did before anything starts again."""
         self.is_going_on = True
+        if self.here:
+            found = self.choices.choose(1 + len(self.holds))
+            if found:
+                self.take(self.holds[found - 1])
+            assert self.holder
+            assert self.found is not None
+            self._control(self.found)
         self.ordering("resume")()
         self.is_going_on = False
 
     def begin(self) -> None:
         """The mission starts, whoever has control."""
         self.let_go()
+        self.leave_open()
         step = self.start(NOW)
         self.moves, self.looked = list(step.moves), list(step.guards)
 
@@ -76,14 +84,23 @@ class Free(Timely):
         return self._hear(Event(command, NOW, {"by": "operator"}, "command"))
 
     def _handovers(self) -> Iterator[Happening]:
-        """A handover that was asked for is acknowledged, or the operator takes control from what runs."""
+        """A handover is acknowledged, what runs loses control, or the operator takes it and gives it back."""
         for who in sorted(self.waited_for):
-            yield Happening(
-                f"control is with {who}", "robot", self._hear(Event(who, NOW, {"by": "mission"}, "control"))
-            )
-        if self.is_in_hand and not self.is_calm:
-            event = Event(self.anybody_else, NOW, {"by": "operator"}, "control")
-            yield Happening(f"control is with {self.anybody_else}", "command", self._hear(event))
+            yield self._handover(f"control is with {who}", who, "mission")
+        if self.is_calm or not self.here:
+            return
+        if self.is_held:
+            for who in self.others:
+                yield self._handover(f"the operator gives control back to {who}", who, "mission")
+        elif self.is_in_hand:
+            for who in [who for who in self.others if who != self._holder]:
+                yield self._handover(f"control is with {who}", who, "robot")
+        for who in [who for who in self.holds if who != self.held_by]:
+            words = "the operator takes control" if who == "operator" else "control is taken, and with nobody"
+            yield self._handover(words, who, "operator")
+
+    def _handover(self, words: str, who: str, by: str) -> Happening:
+        return Happening(words, "robot" if by != "operator" else "command", self._hear(_control(who, by)))
 
     # -- what is known --------------------------------------------------------------------------------------------
 
@@ -137,6 +154,10 @@ class Free(Timely):
             self.board.put(key, None)
 
         return change
+
+
+def _control(who: str, by: str) -> Event:
+    return Event(who, NOW, {"by": by}, "control")
 
 
 def _said(value: Any) -> str:

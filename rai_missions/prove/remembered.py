@@ -99,7 +99,9 @@ def _rounded(value: Any) -> Any:
 def told_timer(key: tuple[str, Any], timer: Any) -> tuple[str, str, str]:
     """A delayed `raise` without an id is named by its number, which says nothing."""
     kind, which = key
-    return (kind, timer.name, str(timer.data)) if isinstance(which, int) else (kind, str(which), "")
+    if isinstance(which, int):
+        return kind, timer.name, f"{timer.control} {timer.data}"
+    return kind, str(which), timer.control if kind == "raise" else ""
 
 
 def plain(value: Any) -> Any:

@@ -108,7 +108,7 @@ class Resting(Handed):
                 entry.value.looked.clear()
         for condition in self._watching():
             self._look(condition)
-        for _, machine, state in self._live() if self.mode != "paused" else ():
+        for _, machine, state in self._awake() if self.mode != "paused" else ():
             if isinstance(machine, PursuitMachine) and not self.predicates:
                 _sense(machine, state, self.view)
             else:
@@ -129,12 +129,21 @@ class Resting(Handed):
                 if len(self._waiting) >= REMEMBERED:
                     self._waiting.clear()
                 waiting = self._waiting[config.key] = tuple(_waiting(config))
-            yield from waiting
+            yield from waiting if not self._frozen else self._waiting_free(config)
         for name in self._settling:
+            if self._final is None and self._is_held(self._graph.nodes[name]):
+                continue
             requires = self._graph.nodes[name].requires
             assert requires is not None
             yield requires
         yield from (condition for _, condition in self._invariants)
+
+    def _waiting_free(self, config: Configuration) -> Iterable[Condition]:
+        """The guards of the transitions of free states that need no event, or count for how long they are true."""
+        yield from (row.condition for chain in self._free(config.eventless) for row in chain if row.condition)
+        for node in sorted(config.nodes, key=lambda node: node.index):
+            if not self._is_held(node):
+                yield from (row.condition for row in node.rows if row.condition and row.condition.holds)
 
     def _look(self, condition: Condition) -> None:
         if self.predicates:  # they may say something else the next time

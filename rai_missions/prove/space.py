@@ -73,7 +73,7 @@ class Space(Reached):
         self.flaws: dict[str, Flaw] = {}
         """Promise → a shortest way to break it."""
         self.in_pause: set[str] = set()
-        """Invariants that what a robot says can break while the mission is paused, when no rule can act."""
+        """Invariants that what a robot says can break while the mission is paused or held, when not every rule acts."""
         self.steps = 0
         self.cut: set[int] = set()
         """States out of which some step was not made, or leads where there was no room for it."""
@@ -198,6 +198,9 @@ class Space(Reached):
         looked, own_keys = chart.board.looked, chart.own_keys
         chart.choices.begin(chosen)
         chart.load(*place)
+        is_idle = (chart.mode == "paused" and happening.words != RESUME) or (
+            chart.is_held and happening.kind == "write"
+        )
         looked.clear()
         chart.make(happening.do)
         self.meter.work += len(chart.moves) + chart.ticks
@@ -208,7 +211,7 @@ class Space(Reached):
             chart.settle()
             read |= (looked | chart.asked_at_the_end) & own_keys
             way = Way(happening.words, at, chart.choices.trail)
-            self._learn(source, way, is_paused=place[0][1] == "paused" and happening.words != RESUME)
+            self._learn(source, way, is_paused=is_idle)
             arrival = self._arrival(way, happening.kind, place[1], kept)
         needs = tuple([(key, value_of(place[1], key)) for key in sorted(read)]) if read else ()
         return Made(arrival, needs, chart.choices.next())

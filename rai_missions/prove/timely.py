@@ -123,7 +123,7 @@ class Timely(Told):
     def times(self) -> Iterator[Happening]:
         """Each thing that waits for time gets it, in any order."""
         for key in sorted(self._timers, key=str):
-            if self._comes_later(key):
+            if self._comes_later(key) or self._timers[key].control in self._frozen:
                 continue
             kind, which = key
             words = {"after": f"the time of row {which} has come", "timeout": f"the time of '{which}' is over"}
@@ -133,7 +133,7 @@ class Timely(Told):
         for name, until in list(self._pending.items()):
             if until != math.inf:
                 yield Happening(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)
-        for name in list(self._settling):
+        for name in self._settling_now():
             yield Happening(f"'{name}' has not settled", "time", self.elapse(self._unsettled(name)), owner=name)
         if self._final is not None and not self._settling:
             yield Happening("time passes at the end", "time", self.elapse(lambda: None))
@@ -141,6 +141,11 @@ class Timely(Told):
             yield Happening("the cancel takes too long", "time", self.elapse(self._too_long))
         yield from self.orphans()
         yield from self._ages()
+
+    def _settling_now(self) -> list[str]:
+        """The finals that settle, but for those of held states."""
+        nodes = self._graph.nodes
+        return [name for name in self._settling if self._final is not None or not self._is_held(nodes[name])]
 
     def orphans(self) -> Iterator[Happening]:
         for goal in self.remaining:
@@ -151,10 +156,12 @@ class Timely(Told):
 
     def _ages(self) -> Iterator[Happening]:
         for name in self.aging:
+            if name and self._is_held(self._graph.nodes[name]):
+                continue
             told = f"'{name or 'the mission'}' has lasted {self.next_age(name):g} s"
             yield Happening(told, "time", self.elapse(self._aged(name), *self._running), owner=name)
         for memory, since in list(self.view.held.items()):
-            if since == NOW:
+            if since == NOW and self._graph.memories.get(memory) not in self._frozen:
                 told = f"{memory} has held for long enough"
                 yield Happening(told, "time", self.elapse(self._mature(memory)), owner=self._keepers.get(memory, ""))
 

@@ -49,7 +49,7 @@ class Told(Explored):
         """Whose goal, call, question or behaviour has a number; empty for none."""
         if number in self._ledger.goals:
             return self._ledger.goals[number].owner
-        for name, path, state in self.inner():
+        for name, path, state in self.inner(held=True):
             asked = state.question.number if isinstance(state, Asking) else getattr(state, "number", 0)
             if number and asked == number:
                 return owned(name, path)
@@ -67,9 +67,9 @@ class Told(Explored):
             plan = self._config.plans.get(name)
             if plan is None:
                 plan = self._config.plan(name, declared=True)
-            if plan:
+            if self._free(plan) if self._frozen else plan:  # what held states name can come right after the hand-back
                 yield Happening(f"event '{name}'", "event", self._bringing(name, "event", fields))
-        if self.hears_of_doubt:
+        if self.hears_of_doubt and not self._frozen:
             yield Happening(
                 "nobody can tell whether it was done", "event", self._bringing("uncertain", "doubt", fields)
             )
@@ -86,7 +86,8 @@ class Told(Explored):
     def reports(self) -> Iterator[Happening]:
         """Everything that servers, services and behaviours can say."""
         for goal in self.pursued:
-            yield from self._goal(goal)
+            if not self._is_held(self._graph.nodes[goal.owner.partition("#")[0]]):
+                yield from self._goal(goal)
         for number, owner in self._of(Calling):
             yield from self._call(number, owner)
         for number, owner in self._of(Behaving):
@@ -127,7 +128,7 @@ class Told(Explored):
         def happen() -> None:
             data: dict[str, Any] = {}
             for key, field in self._wanted(owner).items() if name == "succeeded" else ():
-                data[field] = self._kept(key)
+                data[field] = self._given_result(key)
             for field in self.values.fields("event"):
                 if field not in data:
                     data[field] = self._field(field)
@@ -136,7 +137,7 @@ class Told(Explored):
 
         return happen
 
-    def _kept(self, key: str) -> Any:
+    def _given_result(self, key: str) -> Any:
         """What a result has for a key; it may lack it."""
         known = [value for value in self.values.of(key) if value is not None]
         learned = self.values.learned
@@ -151,9 +152,15 @@ class Told(Explored):
         wanted: Mapping[str, str] = getattr(getattr(machine, "definition", None), "result", {})
         return wanted
 
-    def inner(self) -> Iterator[tuple[str, str | None, Any]]:
-        """Every activity that runs: its state, its path in a tree or None, its machine's state."""
+    def inner(self, *, held: bool = False) -> Iterator[tuple[str, str | None, Any]]:
+        """Every activity that runs: its state, its path in a tree or None, its machine's state.
+
+        Args:
+            held: Those of held states, too.
+        """
         for name, state in self._running.items():
+            if self._is_held(self._graph.nodes[name]) and not held:
+                continue
             if isinstance(state, Tending):
                 for path, tended in state.leaves.items():
                     yield name, path, tended.state

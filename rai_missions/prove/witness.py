@@ -44,8 +44,8 @@ class Scene(NamedTuple):
     """The key that goes stale."""
     facts: Mapping[str, Any]
     """What is known when it happens: robot and argument keys, None for unknown."""
-    holder: str
-    """Who is found to have control when it happens; empty where nobody looks or it is known."""
+    control: Event | None
+    """Who is found to have control when it happens, and by whom; None where nobody looks or it is known."""
     predicates: Mapping[str, Truth]
     """What the user's predicates say."""
     active: frozenset[str]
@@ -86,7 +86,7 @@ def go(chart: Free, way: Way) -> tuple[str, str]:
         raise LookupError(way.words)
     chart.load(state, own)
     chart.choices.begin(way.trail)
-    chart.said, chart.found = None, ""
+    chart.said, chart.found = None, None
     commands = {START: chart.begin, CANCEL: chart.ordering("cancel"), KILL: chart.ordering("kill")}
     if happening is None:
         chart.make(commands[way.words])
@@ -170,9 +170,12 @@ class Player:
         for name, value in scene.facts.items():
             if value is not None and name != named and (name not in self._facts or self._facts[name] != value):
                 self._write(name, value)
-        if scene.holder not in ("", self._chart.holder):
-            holder = scene.holder
-            self._take(lambda: self._chart.send(Event(holder, self._chart.at, {"by": "operator"}, "control")))
+        found = scene.control
+        if found is not None and (found.name, found.data["by"] == "operator") != (
+            self._chart.holder,
+            self._chart.taken,
+        ):
+            self._take(lambda: self._chart.send(found._replace(at=self._chart.at)))
         self._happen(scene)
 
     def _happen(self, scene: Scene) -> None:

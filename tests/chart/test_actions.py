@@ -291,7 +291,7 @@ def test_control_taken_away_ends_the_goal_and_control_given_back_starts_it_again
     says(made, "accepted", number)
     taken = made.send(Event("operator", 1.0, {}, "control"))
     assert cancels(taken) == [number]
-    assert "drive waits until control is with autonomy again" in taken.notes
+    assert "drive waits until control is given back" in taken.notes
     assert made.waiting == {"drive": "autonomy"}
     says(made, "canceled", number)
     assert starts(made.send(Event("autonomy", 9.0, {}, "control")))

@@ -15,6 +15,7 @@ from rai_missions.chart import Chart
 from rai_missions.event import Event
 from rai_missions.mission import Mission
 from rai_missions.prove.free import Free
+from rai_missions.prove.limits import Limits
 from rai_missions.prove.live import Later
 from rai_missions.prove.parts import parts
 from rai_missions.prove.space import Space, Way
@@ -26,6 +27,8 @@ from tests.strategies import EVENTS, KEYS, OPTIONS
 
 Json = dict[str, Any]
 ROOT = Path(__file__).parents[2]
+WORK = 100
+"""So much may be done for each state; one from which very much can happen is not explored whole."""
 Seen = tuple[frozenset[str], str | None, str]
 """The active states, none once it has ended, the outcome, and the mode."""
 
@@ -34,7 +37,7 @@ class Seeing(Space):
     """A space that remembers the active states of each of its states."""
 
     def __init__(self, chart: Free, most: int) -> None:
-        super().__init__(chart, most)
+        super().__init__(chart, Limits(most, work=WORK * most))
         self.seen: set[Seen] = set()
 
     def _learn(self, source: int, way: Way, *, is_paused: bool) -> None:
@@ -83,6 +86,9 @@ VALUES: dict[str, st.SearchStrategy[Any]] = {
 }  # fmt: skip
 
 
+HANDS = ("autonomy", "agent", "operator", "nobody")
+
+
 def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
     """What happens, and after how many seconds; numbers stand for how far back in what was started."""
     back = st.integers(0, 3)
@@ -95,7 +101,7 @@ def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
         st.tuples(st.just("result"), back, results, st.integers(0, 4)),
         st.tuples(st.just("result"), back, results, st.integers(0, 4)),
         st.tuples(st.just("proposal"), back, st.sampled_from([*OPTIONS, "nonsense"])),
-        st.tuples(st.just("control"), st.sampled_from(["", "", "autonomy", "agent", "operator", "nobody"])),
+        st.tuples(st.just("control"), st.sampled_from(["", "", *HANDS]), st.sampled_from(["operator", "robot"])),
         st.tuples(st.just("command"), st.sampled_from(["cancel"] + ["pause", "resume"] * 3 + ["wait"] * 4)),
     ]
     waits = st.sampled_from([0.0, 0.0, 0.0, 0.5, 1.0, 2.0, 3.7, 6.0, 25.0])
@@ -133,7 +139,8 @@ class Robot:
         if kind == "proposal":
             return Event("rules", at, {"option": drawn[2]}, "proposal", back(self.questions, drawn[1]))
         if kind == "control" and (drawn[1] or self.wanted):
-            return Event(drawn[1] or self.wanted[-1], at, {"by": "operator"}, "control")
+            by = drawn[2] if drawn[1] else "mission"
+            return Event(drawn[1] or self.wanted[-1], at, {"by": by}, "control")
         if kind == "event" or drawn[1] in ("cancel", "pause", "resume"):
             return Event(drawn[1], at, {}, kind)
         return Event("tick", at, {}, "tick")

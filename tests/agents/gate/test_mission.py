@@ -111,12 +111,18 @@ def test_control_that_the_operator_takes_at_the_gate_stops_what_runs_until_it_is
     assert len(shared.rig.turn.goals) == 2
 
 
-def test_a_handover_that_the_gate_refuses_is_a_rejected_start() -> None:
+def test_an_operator_who_takes_control_at_the_gate_holds_the_mission_until_it_is_given_back() -> None:
     shared = Shared(
-        {2.0: lambda all_: all_.gate.ask("operator", "operator"), 3.0: lambda all_: all_.rig.post("go")}
-    )  # fmt: skip
-    assert shared.run().why == "crossing: rejected (agent was not given control in time)"
-    assert shared.rig.turn.goals == []
+        {
+            2.0: lambda all_: all_.gate.ask("operator", "operator"),
+            3.0: lambda all_: all_.rig.post("go"),
+            900.0: lambda all_: all_.gate.ask("autonomy", "operator"),
+            901.0: lambda all_: all_.rig.post("again"),
+        }
+    )
+    assert shared.run().outcome == "aborted"
+    assert shared.controls == [(1.0, "autonomy"), (2.0, "operator"), (900.0, "autonomy"), (900.0, "agent")]
+    assert len(shared.rig.turn.goals) == 1
 
 
 def test_a_gate_that_is_gone_acknowledges_nothing() -> None:
