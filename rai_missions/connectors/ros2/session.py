@@ -105,7 +105,8 @@ class Session:
         now = ros_now if self._now is None else self._now()
         stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
         time = {"sec": stamp.sec, "nanosec": stamp.nanosec} if hasattr(stamp, "sec") else stamp
-        return dated(stamp_of({"stamp": time}), now=now, sender_now=ros_now)
+        is_known = not self._options.sim_time or ros_now > 0  # before the first `/clock` simulated time is none
+        return dated(stamp_of({"stamp": time}) if is_known else None, now=now, sender_now=ros_now)
 
     # -- services --------------------------------------------------------------------------------------------------
 
