@@ -53,7 +53,7 @@ def test_where_all_publish_with_best_effort_one_reader_is_enough(open_ros: Open)
 
 
 delays = st.none() | st.floats(0.0, 0.04)
-messages = st.lists(st.tuples(st.booleans(), delays, st.floats(0.0, 0.04)), max_size=12)
+messages = st.lists(st.tuples(st.booleans(), delays, st.floats(0.0, 0.04) | st.floats(0.06, 0.3)), max_size=12)
 
 
 @given(messages)
@@ -83,4 +83,5 @@ def test_two_readers_tell_each_message_once_and_reliable_ones_in_order(given_: l
     reached = {number for number, (is_reliable, loose_s, _) in enumerate(given_) if is_reliable or loose_s is not None}
     assert sorted(told) == sorted(reached), "each once"
     reliable = [number for number in told if given_[number][0]]
-    assert reliable == sorted(reliable), "in the order in which they were published"
+    if all(delay_s <= 0.04 for _, _, delay_s in given_):  # none was sent again
+        assert reliable == sorted(reliable), "in the order in which they were published"
