@@ -180,18 +180,29 @@ class WallClock:
 class ContinuedClock:
     """Another clock's time, counted on from an instant: that of a run which was cut short.
 
+    It stands at this instant until the run begins to look, by `begin` or by waiting: to connect to a robot costs a run
+    that is resumed none of its time.
+
     Args:
-        clock: Whose time goes on.
-        start: What its present is, in seconds on the run's clock.
+        clock: Whose time is counted on.
+        start: From where, in seconds on the run's clock.
     """
 
     def __init__(self, clock: Clock, start: float) -> None:
-        self._clock, self._ahead = clock, start - clock.now()
+        self._clock, self._start = clock, start
+        self._ahead: float | None = None
+
+    def begin(self) -> None:
+        """Time moves from now on."""
+        if self._ahead is None:
+            self._ahead = self._start - self._clock.now()
 
     def now(self) -> float:
-        return self._clock.now() + self._ahead
+        return self._start if self._ahead is None else self._clock.now() + self._ahead
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
+        self.begin()
+        assert self._ahead is not None
         self._clock.wait(mailbox, until - self._ahead, paced=paced)
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:

@@ -7,7 +7,7 @@ Rule: it never waits and never judges. Each thing that comes back carries the nu
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -40,7 +40,7 @@ from rai_missions.step import (
     StopBehaviour,
     Withdraw,
 )
-from rai_missions.verdict import Answerer
+from rai_missions.verdict import Answerer, Question
 from rai_missions.wording import in_words
 
 __all__ = ("MISSION_LINE", "Performer")
@@ -188,9 +188,14 @@ class Performer:
         if under.handover is not None and under.handover.to in wanted:
             self.perform((under.handover,))
 
-    def ask_again(self, under: Underway, awaited: frozenset[int]) -> None:
-        """Ask what an earlier process had asked and the mission still waits for."""
-        self.perform(tuple(each for number, each in under.open.items() if isinstance(each, Ask) and number in awaited))
+    def ask_again(self, under: Underway, questions: Iterable[Question]) -> None:
+        """Ask what an earlier process had asked and the mission still waits for.
+
+        Args:
+            under: What its journal leaves open.
+            questions: Those that are open, each with the time that it has by now.
+        """
+        self.perform(tuple(Ask(each) for each in questions if isinstance(under.open.get(each.number), Ask)))
 
     def _go_on(self, effect: Effect, under: Underway, *, anew: bool) -> None:
         if anew:

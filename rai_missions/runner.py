@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from rai_missions.arguments import accepted
 from rai_missions.chart import Chart, Named
-from rai_missions.clock import Clock, Mailbox, WallClock
+from rai_missions.clock import Clock, ContinuedClock, Mailbox, WallClock
 from rai_missions.connectors.connector import Connector
 from rai_missions.cut import cut
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
@@ -131,6 +131,8 @@ class Runner(Steered):
         try:
             if self._connector is not None and ours:
                 self._connector.start()
+            if isinstance(self.clock, ContinuedClock):
+                self.clock.begin()
             self.performer.open()
             if self._resumed is not None:
                 self._take_up(self._resumed)
@@ -170,10 +172,10 @@ class Runner(Steered):
         carry_on(resumed, self.performer, self._scribe)
         if self.chart.outcome is None:
             self._hear_again()
-        self.performer.ask_again(resumed.under, self.chart.awaited)
+        self.performer.ask_again(resumed.under, self.chart.questions)
 
     def _hear_again(self) -> None:
-        """Let the robot say anew what it had said, before anything else happens."""
+        """Receive again what the robot had reported, before anything else happens; what arrives meanwhile waits."""
         hearing = Hearing(self.chart, self.clock.now())
         while self.clock.now() < hearing.until:
             self._do_asked()

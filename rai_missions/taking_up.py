@@ -31,7 +31,10 @@ def carry_on(resumed: Resumption, performer: Performer, scribe: Scribe) -> None:
 
 
 class Hearing:
-    """What the robot says to the process that goes on, until all that was known has been heard again.
+    """What a resumed process receives of the robot, until all that was known has been received again.
+
+    The first value of each fact that was known is the one with which the run goes on: it counts from the beginning.
+    Whatever else arrives waits, each event with the instant of its arrival.
 
     Args:
         chart: Where the run stood.
@@ -47,11 +50,11 @@ class Hearing:
             for name, entry in known.items()
             if waits and now < stale_at(self._keys[name], entry) < math.inf
         }
-        self._start, self._patience_s = now, chart.mission.ready_s
+        self._known, self._start, self._patience_s = known.keys(), now, chart.mission.ready_s
         self.heard: dict[str, tuple[object, float]] = {}
-        """Key → its value and stamp."""
+        """Key → its first value and stamp."""
         self.rest: list[Event] = []
-        """Whatever else has happened meanwhile."""
+        """Whatever else has happened meanwhile, in the order of its arrival."""
 
     @property
     def until(self) -> float:
@@ -62,15 +65,18 @@ class Hearing:
 
     def take(self, event: Event) -> None:
         """Something has come."""
-        key, value = self._keys.get(event.name), event.data.get("value")
-        if event.kind != "write" or key is None or fits(key, value):
+        value, is_first = event.data.get("value"), event.name in self._known and event.name not in self.heard
+        if event.kind != "write" or not is_first or fits(self._keys[event.name], value):
             self.rest.append(event)
             return
-        stamp = min(float(event.data.get("stamp", event.at)), event.at)
-        if event.name not in self.heard or self.heard[event.name][1] <= stamp:
-            self.heard[event.name] = (value, stamp)
+        self.heard[event.name] = (value, min(float(event.data.get("stamp", event.at)), event.at))
         self._missing.pop(event.name, None)
 
-    def event(self, at: float) -> Event:
-        """What the chart is told of it."""
-        return Event("take_up", at, {"heard": {name: list(each) for name, each in self.heard.items()}}, "command")
+    def event(self, present: float) -> Event:
+        """The step with which the run goes on, at the instant from which it does: what waits happens after it.
+
+        Args:
+            present: Now: nothing that the run asks for while it catches up is carried out before.
+        """
+        heard = {name: list(each) for name, each in self.heard.items()}
+        return Event("take_up", self._start, {"heard": heard, "present": present}, "command")

@@ -63,7 +63,7 @@ class Activities(Hold):
     def _request_control(self, node: Node, until: float | None = None) -> None:
         assert node.state is not None and node.control is not None
         self._ask_for(node.control)
-        self._pending[node.name] = self.view.at + node.state.handover_s if until is None else until
+        self._pending[node.name] = self.begins_at + node.state.handover_s if until is None else until
 
     def _ask_for(self, holder: str) -> None:
         self._asked, request = holder, Handover(holder)

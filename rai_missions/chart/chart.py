@@ -235,6 +235,7 @@ class Chart(Saving):
         self._clear()
         at = max(event.at, self.view.at)
         if event.kind == "command" and event.name == "take_up":
+            self._present = float(event.data.get("present", at))
             self._hear_anew(event.data.get("heard", {}))  # before time goes on: nothing is stale that was heard again
         if self.mode == "ready":
             self.view.at = at

@@ -153,6 +153,8 @@ class Core:
         self._unknown: frozenset[str] = frozenset()
         self._cancel_by = math.inf
         self._final: Node | None = None
+        self._present = 0.0
+        """Until here the run catches up: a resumed process carries nothing out before."""
         self._wake = math.inf
         self._due: frozenset[str] = frozenset()
         """The states whose machines asked to be woken at this instant."""
@@ -236,6 +238,19 @@ class Core:
         self._calls[self._number] = service
         return self._number
 
+    @property
+    def begins_at(self) -> float:
+        """When what is asked for now is carried out, and all that the robot reports is received.
+
+        Now, or once a resumed run has caught up.
+        """
+        return self.view.at + self.late_s
+
+    @property
+    def late_s(self) -> float:
+        """How far a resumed run has yet to catch up, in seconds."""
+        return max(0.0, self._present - self.view.at)
+
     def _set_timer(
         self, key: tuple[str, Any], after_s: float, name: str, data: Mapping[str, Any] | None, control: str | None
     ) -> None:
@@ -317,7 +332,7 @@ class Core:
     def _emit(self, effects: tuple[Any, ...]) -> None:
         for effect in effects:
             if isinstance(effect, CancelGoal):
-                self.effects += self._ledger.cancel(effect.number, self.view.at)
+                self.effects += self._ledger.cancel(effect.number, self.begins_at)
             else:
                 self.effects.append(effect)
 

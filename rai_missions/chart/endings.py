@@ -63,8 +63,9 @@ class Endings(Activities):
             self._complete_parallels(complete)
             return
         if node.requires is not None and node.requires.test(self.view) is not True:
-            self._settling[node.name] = self._now_of(node.control) + self.mission.settle_s
-            if self.mission.settle_s > 0:
+            late_s = self.late_s + self.mission.settle_s
+            self._settling[node.name] = self._now_of(node.control) + late_s
+            if late_s > 0:
                 return
             del self._settling[node.name]
             self._finish(parent, "unverified", complete, why=self._falls_short(node.requires))
@@ -115,7 +116,7 @@ class Endings(Activities):
             return self._end(node.state.final, f"'{node.name}' was reached")
         value = requires.test(self.view)
         self.looked.append((requires.place, value))
-        until = self._settling.setdefault(node.name, self.view.at + self.mission.settle_s)
+        until = self._settling.setdefault(node.name, self.begins_at + self.mission.settle_s)
         if value is True:
             self._end(node.state.final, f"'{node.name}' was reached, and {requires.guard.words()}")
         elif self.view.at >= until:
@@ -168,7 +169,7 @@ class Endings(Activities):
         self._unknown = frozenset(unknown)
 
     def _kill(self, why: str) -> None:
-        self.effects += self._ledger.stop_all(self.view.at)
+        self.effects += self._ledger.stop_all(self.begins_at)
         self.holder, self.taken = "nobody", False
         self._end("aborted", why, killed=True)
 
@@ -192,7 +193,7 @@ class Endings(Activities):
             for act in node.exit:
                 act(self)
         for goal in list(self._ledger.goals.values()):
-            self.effects += self._ledger.cancel(goal.number, self.view.at)
+            self.effects += self._ledger.cancel(goal.number, self.begins_at)
         self._timers.clear()
         self._pending.clear()
         self._settling.clear()

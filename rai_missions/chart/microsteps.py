@@ -167,9 +167,8 @@ class Microsteps(Endings):
 
     def _after_rows(self, node: Node) -> None:
         if node.state is not None and node.state.timeout_s is not None:
-            self._set_timer(
-                ("timeout", node.name), node.state.timeout_s, f"{node.state.timeout_s:g}", None, node.control
-            )
+            limit_s = node.state.timeout_s
+            self._set_timer(("timeout", node.name), self.late_s + limit_s, f"{limit_s:g}", None, node.control)
         for row in node.rows:
             if row.transition.after_s is not None:
                 self._set_timer(("after", row.place), row.transition.after_s, "after_s", None, node.control)

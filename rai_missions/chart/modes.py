@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,6 +11,7 @@ from rai_missions.blackboard import Stamped, fits
 from rai_missions.chart.core import Trigger
 from rai_missions.chart.holder import Holder
 from rai_missions.event import KINDS, Event
+from rai_missions.states.tending import is_settling, questions_in
 from rai_missions.written import suggestion
 
 __all__ = ("Modes",)
@@ -26,6 +28,7 @@ class Modes(Holder):
                 self._begin_new()
                 self._check_invariants()
             elif self.mode != "ready" and self.outcome is None:
+                self._ask_again()
                 self._begin_new()
                 self._due = frozenset(self._running)  # each may have read what is not known any more
                 self._poll()
@@ -59,6 +62,21 @@ class Modes(Holder):
                 board[name] = Stamped(value, float(at))
                 self.written.append((name, value))
         self._look_ahead()
+
+    def _ask_again(self) -> None:
+        """Give what another process asks for once more its time.
+
+        A handover has all of it; a question, and what waits for facts to confirm a result, has what was left of it.
+        """
+        for name, machine, state in self._awake() if self.late_s else ():
+            if any(questions_in(state)) or is_settling(state):
+                self._running[name] = machine.shifted(state, self.late_s)
+        for name in self._settling:
+            self._settling[name] += 0.0 if self._is_held(self._graph.nodes[name]) else self.late_s
+        for name, until in self._pending.items():
+            node = self._graph.nodes[name]
+            if node.state is not None and until < math.inf and not self._is_held(node):
+                self._pending[name] = max(until, self.view.at + node.state.handover_s)
 
     def _begin_new(self) -> None:
         """Begin what a migration has brought: `entry` where nothing was before, and what runs there."""

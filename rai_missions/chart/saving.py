@@ -21,7 +21,8 @@ Snapshot = Mapping[str, Any]
 
 VALUES = (
     "seq", "mode", "holder", "outcome", "why", "_order", "_number", "_paused_at", "_queue", "_suspended", "_unknown",
-    "_cancel_by", "_unbegun", "_wake", "_quick", "_listening", "taken", "_asked", "_held_since", "_laid_by", "_kept",
+    "_cancel_by", "_unbegun", "_present", "_wake", "_quick", "_listening", "taken", "_asked", "_held_since", "_laid_by",
+    "_kept",
 )  # fmt: skip
 COPIES = ("_timers", "_frozen", "_running", "_pending", "_rounds", "_settling", "_calls")
 SEEN = ("at", "board", "entered", "held", "event", "answer")

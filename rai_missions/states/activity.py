@@ -49,6 +49,10 @@ class Desk(Protocol):
     def view(self) -> View:
         """The blackboard, the configuration and the time of this moment."""
 
+    @property
+    def begins_at(self) -> float:
+        """When what a machine asks for now is carried out, and its answer can arrive; deadlines count from then."""
+
     def next_number(self) -> int:
         """A fresh number for a start or a question."""
 

@@ -44,7 +44,7 @@ class AskingMachine:
         self.budget = Limits(budget.calls, budget.tokens, budget.seconds)
 
     def begin(self, desk: Desk) -> Turn:
-        deadline = desk.view.at + self.asked.deadline_s if self.asked.deadline_s is not None else math.inf
+        deadline = desk.begins_at + self.asked.deadline_s if self.asked.deadline_s is not None else math.inf
         return self._ask(desk, turn=0, attempt=1, deadline=deadline, refused=())
 
     def _ask(self, desk: Desk, *, turn: int, attempt: int, deadline: float, refused: tuple[str, ...]) -> Turn:
@@ -56,7 +56,8 @@ class AskingMachine:
         question = Question(
             number=desk.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
             options=self._offers(view), evidence=self._evidence(view), attempt=attempt, at=view.at,
-            until=self._until(view, turn, deadline), refused=refused, tools=self.asked.tools, budget=self.budget,
+            until=self._until(desk.begins_at, turn, deadline), refused=refused, tools=self.asked.tools,
+            budget=self.budget,
         )  # fmt: skip
         return Turn(Asking(question, turn, deadline), (Ask(question),))
 
@@ -67,10 +68,10 @@ class AskingMachine:
             if name not in self.tests or self.tests[name](view) is True
         )
 
-    def _until(self, view: View, turn: int, deadline: float) -> float:
+    def _until(self, begins_at: float, turn: int, deadline: float) -> float:
         if self.asked.within_s is not None:
-            return min(deadline, view.at + self.asked.within_s)
-        return view.at + (deadline - view.at) / (len(self.asked.ask) - turn)
+            return min(deadline, begins_at + self.asked.within_s)
+        return begins_at + (deadline - begins_at) / (len(self.asked.ask) - turn)
 
     def _evidence(self, view: View) -> tuple[Evidence, ...]:
         return tuple(self._shown(path, operand, view) for path, operand in self.shown)

@@ -113,7 +113,7 @@ class PursuitMachine:
         return None
 
     def _settle(self, state: Pursuit, desk: Desk) -> Turn:
-        until = desk.view.at + self.definition.settle_s
+        until = desk.begins_at + self.definition.settle_s
         settling = state._replace(phase="settling", until=until)
         return self._settled(settling, desk) or Turn(settling)
 

@@ -15,12 +15,13 @@ from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.states.activity import Desk, Machine, Outcome, Turn, concerns
 from rai_missions.states.asking import Asking
+from rai_missions.states.pursuit import Pursuit
 from rai_missions.states.rounds import Rounds
 from rai_missions.states.ticker import Ticked, Ticker, TreeState
 from rai_missions.step import Effect, PublishMessage
 from rai_missions.verdict import Question
 
-__all__ = ("Limb", "Tended", "Tending", "TendingMachine", "limit_of", "questions_in")
+__all__ = ("Limb", "Tended", "Tending", "TendingMachine", "is_settling", "limit_of", "questions_in")
 
 Limit = Literal["", "rounds", "writes"]
 
@@ -64,6 +65,13 @@ def questions_in(state: Any) -> Iterator[Question]:
     elif isinstance(state, Tending):
         for tended in state.leaves.values():
             yield from questions_in(tended.state)
+
+
+def is_settling(state: Any) -> bool:
+    """Whether a machine in this state, a tree's leaves included, waits for facts that confirm a server's result."""
+    if isinstance(state, Tending):
+        return any(is_settling(tended.state) for tended in state.leaves.values())
+    return isinstance(state, Pursuit) and state.phase == "settling"
 
 
 class _Growth:
@@ -209,7 +217,7 @@ class TendingMachine:
         self._end(growth, ticked.ended, desk)
         for path in ticked.started:
             limb = self.limbs[path]
-            deadline = desk.view.at + limb.timeout_s if limb.timeout_s is not None else math.inf
+            deadline = desk.begins_at + limb.timeout_s if limb.timeout_s is not None else math.inf
             self._take(growth, path, limb.machine.begin(desk), deadline, desk)
 
     def _end(self, growth: _Growth, paths: Iterable[str], desk: Desk) -> None:

@@ -55,7 +55,7 @@ class Steady(Farm):
     """
 
     keeps_time = True
-    connector_type = Latching
+    connector_type: type[LocalConnector] = Latching
 
 
 class Thinking:

@@ -23,12 +23,14 @@ from rai_missions.runner import Result, Runner
 from rai_missions.step import Step
 from rai_missions.verdict import Question
 
-__all__ = ("Coroner", "Dead", "Fate", "Land", "Wish", "live")
+__all__ = ("ONLOOKER", "Coroner", "Dead", "Fate", "Land", "Wish", "live")
 
 TOLD = ("write", "confirm", "note", "send_goal", "find_goal", "cancel_goal", "call", "publish", "ask", "wait")
 
 
 MOST_STEPS = 150
+ONLOOKER = "whoever looks on"
+"""Who ends a run that never rests."""
 
 
 class Dead(BaseException):
@@ -227,7 +229,7 @@ class Land:
     def look(self, step: Step) -> None:
         """Stop a run that goes round for ever without that any time passes."""
         if step.seq > MOST_STEPS and step.outcome is None and self.runner is not None:
-            self.runner.kill("whoever looks on")
+            self.runner.kill(ONLOOKER)
 
     def live_on(self) -> None:
         """What else there is goes on for a period."""

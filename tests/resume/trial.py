@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import seed as fixed
 
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
 from rai_missions.journal import read
 from rai_missions.journal.underway import underway
@@ -19,7 +20,7 @@ from rai_missions.mission import Mission
 from rai_missions.step import CallService, PublishMessage, StartGoal, Step
 from tests.resume.coroner import Inquest, Steady, Thinking, steps_of
 from tests.resume.farm import ACTIONS, FARMER, Farm
-from tests.resume.mortal import Fate, Wish, live
+from tests.resume.mortal import ONLOOKER, Fate, Wish, live
 from tests.resume.test_kills import Ended, has_ended, holds
 from tests.resume.test_kinds import is_mode
 from tests.strategies import EVENTS, mission_documents
@@ -56,10 +57,12 @@ class Yard(Steady):
         seed: Of what is wanted, and how long goals take and how they end.
     """
 
-    def __init__(self, mission: Mission, seed: int, *, keeps_time: bool) -> None:
+    def __init__(
+        self, mission: Mission, seed: int, *, keeps_time: bool, connector_type: type[LocalConnector] | None = None
+    ) -> None:
         chance = random.Random(seed)
         self.keeps_time = keeps_time
-        self.connector_type = Steady.connector_type if keeps_time else Farm.connector_type  # type: ignore[assignment]
+        self.connector_type = connector_type or (Steady if keeps_time else Farm).connector_type
         self.accepts_s = chance.choice([0.0, 1.0])
         self.said: set[int] = set()
         self.suffix = ""
@@ -96,7 +99,7 @@ class Yard(Steady):
         at, count = self._crowd
         self._crowd = (step.at, count + 1 if step.at == at else 0)
         if self._crowd[1] > MOST_AT_ONCE and step.outcome is None:
-            runner.kill("whoever looks on")
+            runner.kill(ONLOOKER)
         self.inquest.look(runner, step)
 
 
