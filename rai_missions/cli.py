@@ -288,6 +288,10 @@ def _add_gate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         help="a holder that says nothing for so long loses control (default: agent=0.5; 0: never); may be repeated",
     )  # fmt: skip
     gate.add_argument("--safe", choices=("autonomy", "nobody"), help="who has control then, and at first (autonomy)")
+    gate.add_argument(
+        "--memory", metavar="FILE", help="where it keeps who holds control, for a gate that is started again"
+        " (default: a file for each name and ROS domain below ~/.local/state/rai_missions)",
+    )  # fmt: skip
     gate.add_argument("--name", metavar="NAME", help="what the gate's topics and services stand below (/gate)")
     gate.add_argument("--domain", type=int, metavar="N", help="the ROS domain, instead of ROS_DOMAIN_ID")
     gate.add_argument("--sim-time", action="store_true", help="stamps of commands are simulated time, as /clock says")

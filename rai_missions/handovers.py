@@ -31,14 +31,16 @@ class Handovers:
         post: Where events go.
         later: Has something done at an instant of the run's clock.
         now: The run's clock.
+        lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
     """
 
     def __init__(
         self, robot: Robot | None, connector: Connector | None, *, post: Callable[[Event], None],
         later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
+        lost: Callable[[str, bool], None] = lambda to, is_refused: None,
     ) -> None:  # fmt: skip
         self._robot, self._connector = robot, connector
-        self._post, self._later, self._now = post, later, now
+        self._post, self._later, self._now, self._lost = post, later, now, lost
         self._is_open = False
         self.letting_go: bool | None = None
         """True while an emergency stop waits for control to be with nobody; None where it never had to."""
@@ -58,6 +60,7 @@ class Handovers:
         entry = robot.control.get(to) if robot is not None else None
         if robot is not None and robot.holder is not None and entry is None:
             log.warning("control does not go to %s: the profile's 'control' has no service for it", to)
+            self._lost(to, False)
         elif entry is None or self._connector is None:
             self._acknowledged(to, by)
         else:
@@ -86,6 +89,7 @@ class Handovers:
         def answered(reply: Reply) -> None:
             if not entry.succeeded(reply.outcome, reply.data):
                 log.warning("control does not go to %s: %s", to, reply.why or reply.data.get("message", reply.outcome))
+                self._lost(to, reply.outcome == "succeeded")
             elif self._robot is None or self._robot.holder is None:
                 self._acknowledged(to, by)
             done()
@@ -95,6 +99,7 @@ class Handovers:
             connector.call(service, entry.type, entry.request_of({}), answered=answered, timeout_s=ANSWERED_S)
         except Exception:
             log.exception("control could not be handed to %s", to)
+            self._lost(to, False)
             done()
 
     def _acknowledged(self, to: str, by: str) -> None:

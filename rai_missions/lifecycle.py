@@ -61,6 +61,10 @@ class Status(NamedTuple):
     """Which states wait for somebody to have control, in words; empty where none does."""
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals that may still be executing although nothing waits for them: the robot may still move."""
+    held_by: str = ""
+    """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
+    held_since: float | None = None
+    """Since when, in seconds on the run's clock; None while it is not held."""
 
 
 def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:
@@ -70,8 +74,11 @@ def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) 
     )
 
 
-def _waits(waiting: Mapping[str, str], holder: str) -> str:
+def _waits(waiting: Mapping[str, str], holder: str, held_by: str) -> str:
     """Nobody asks for control in the mission's name once it was taken away: who moved it had a reason."""
+    if held_by:
+        each = ", ".join(sorted(waiting))
+        return f"held until the operator gives control back; {holder} has it" + (f"; {each} waits" if each else "")
     if not waiting:
         return ""
     each = ", ".join(f"{name} waits until control is with {wanted}" for name, wanted in sorted(waiting.items()))
@@ -137,6 +144,22 @@ class Control:
         if was_operators and to != "operator":
             self.kept = False
 
+    def follow(self, holder: str, *, taken: bool) -> None:
+        """It is known who holds control, and whether by having taken it; what the operator asked for counts already.
+
+        Raises:
+            UsageError: It may not have happened from here.
+        """
+        if holder != self.holder:
+            self.acknowledge(holder)
+        self.kept = taken or (self.kept and self.requested == "operator")
+
+    def give_up(self, to: str) -> None:
+        """A handover that was asked for does not come."""
+        if self.requested == to:
+            self.requested = None
+            self.kept = self.kept and self.holder == "operator"
+
 
 class Lifecycle:
     """The mode of one run, with its revision."""
@@ -159,7 +182,7 @@ class Lifecycle:
 
     def observe(
         self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
-        open_goals: tuple[OpenGoal, ...] = (),
+        open_goals: tuple[OpenGoal, ...] = (), taken: bool = False, held_by: str = "", held_since: float | None = None,
     ) -> Status | None:  # fmt: skip
         """Follow a step; the new status if anything in it changed.
 
@@ -170,6 +193,9 @@ class Lifecycle:
             active: The active states, in the order in which they are to be shown; a set is sorted by name.
             waiting: State → who must have control before what it does can go on.
             open_goals: The goals that may still be executing although nothing waits for them.
+            taken: The operator holds control and has taken it.
+            held_by: Who holds the mission up; empty while it is not held.
+            held_since: Since when.
 
         Raises:
             UsageError: The step went a way that no mission may go.
@@ -177,14 +203,13 @@ class Lifecycle:
         target = step.outcome if mode == "ended" and step.outcome else mode
         if target != self.mode:
             self._go(target)
-        if holder != self.control.holder:
-            self.control.acknowledge(holder)
+        self.control.follow(holder, taken=taken)
         outcome, why = step.outcome, step.why if step.outcome else ""
         if self._last and self._last[3]:  # it has ended: what comes too late has a reason of its own
             outcome, why = self._last[3:5]
-        waits = _waits(waiting, holder) if mode != "ended" else ""
+        waits = _waits(waiting, holder, held_by) if mode != "ended" else ""
         shown = tuple(sorted(active) if isinstance(active, AbstractSet) else active)
-        status = (target, holder, shown, outcome, why, waits, open_goals)
+        status = (target, holder, shown, outcome, why, waits, open_goals, held_by, held_since)
         if status == self._last:
             return None
         self._last = status

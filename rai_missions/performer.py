@@ -68,6 +68,7 @@ class Performer:
         allow: Asks that control be handed to somebody for the mission; says why not, or nothing.
         keys: The mission's.
         note: Has a sentence written into the journal.
+        lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
     """
 
     def __init__(
@@ -75,13 +76,14 @@ class Performer:
         post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
         allow: Callable[[str], str], leaves: Mapping[str, BehaviourLeaf] | None = None,
         keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
+        lost: Callable[[str, bool], None] = lambda to, is_refused: None,
     ) -> None:  # fmt: skip
         self._robot, self._connector = robot, connector
         self._answerers, self._post, self._later, self._now = answerers, post, later, now
         self._allow = allow
         self._goals = Goals(run, robot, connector, tell=self._event)
         self._open: dict[int, str] = {}
-        self.handovers = Handovers(robot, connector, post=post, later=later, now=now)
+        self.handovers = Handovers(robot, connector, post=post, later=later, now=now, lost=lost)
         self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
         self._senses = Senses(robot, connector, post=post, later=later, now=now, keys=keys, note=note)
         self._perform: Mapping[type, Callable[[Any], None]] = {

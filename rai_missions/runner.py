@@ -92,7 +92,7 @@ class Runner(Steered):
         self.performer = Performer(
             run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}), post=self.post,
             later=self.later, now=self.clock.now, allow=lambda to: self.lifecycle.control.request(to, "mission"),
-            leaves=mission.behaviours(), keys=mission.blackboard, note=self.note,
+            leaves=mission.behaviours(), keys=mission.blackboard, note=self.note, lost=self._lose_handover,
         )  # fmt: skip
         self._connector, self._scribe = connector, Scribe(journal, self._stop_at_once)
         self.mailbox.alarm = self._scribe.call
@@ -273,6 +273,7 @@ class Runner(Steered):
             self.performer.leave(step.effects, "an emergency stop came before it")
             self._tell(step)
             return
+        self.lifecycle.control.follow(self.chart.holder, taken=self.chart.taken)  # an effect may ask for it
         self.performer.perform(step.effects)
         lost = raised_by(lambda: self._scribe.confirm(step))
         self._tell(step)
@@ -312,6 +313,20 @@ class Runner(Steered):
         if self._on_step is not None:
             self._observe(self._on_step, step, "on_step")
 
+    def _lose_handover(self, to: str, is_refused: bool) -> None:
+        """A handover that was asked for does not come; from any thread.
+
+        Where it is refused while the robot says that the operator holds control, the operator keeps it: the operator
+        has taken what the mission gave.
+        """
+
+        def lose() -> None:
+            self.lifecycle.control.give_up(to)
+            if is_refused and to != "operator" and self.performer.holder == self.chart.holder == "operator":
+                self.post(Event("operator", self.clock.now(), {"by": "operator"}, "control"))
+
+        self.soon(lose)
+
     def _tell_status(self, step: Step) -> None:
         chart = self.chart
         if chart.loose_goals != self._loose:
@@ -320,13 +335,17 @@ class Runner(Steered):
             self.note(may_move(self._loose) or "no goal may still move the robot", data)
         status = self.lifecycle.observe(
             step,
+            taken=chart.taken,
+            held_by=chart.held_by,
+            held_since=chart.held_since,
             mode=chart.mode,
             holder=chart.holder,
             waiting=chart.waiting,
             open_goals=chart.loose_goals,
             active=tuple(name for name in self._names if name in chart.active),
         )
-        if status is not None and status.control == "nobody" and step.event.kind != "control":
+        is_stop = chart.outcome is not None and step.event.kind != "control"
+        if status is not None and status.control == "nobody" and is_stop:
             self.performer.handovers.let_go(self.mailbox.wake)
         if status is not None and self._on_status is not None:
             self._observe(self._on_status, status, "on_status")

@@ -10,10 +10,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any, TextIO
 
 from rai_missions.agents.gate import GateAgent, GateWords, gate_words, read_gate
 from rai_missions.agents.gate.beside import Beside
+from rai_missions.agents.gate.memory import Memory, usual_path
 from rai_missions.agents.gate.values import COMMANDERS, Answer, Change, Deed, Halt, Pass, Refuse, Tell
 from rai_missions.agents.gate.words import command_topic, leases_of
 from rai_missions.clock import WallClock
@@ -32,7 +34,9 @@ def gate(given: argparse.Namespace) -> int:
     connector = open_connector(words.options(**options), now=clock.now)
     with ExitStack() as stack:
         log = stack.enter_context(open(given.log, "w", encoding="utf-8")) if given.log else None
-        agent = GateAgent(words, connector, clock=clock, observe=_observer(log, quiet=given.quiet, clock=clock))
+        memory = Memory(Path(given.memory) if given.memory else usual_path(words.name, given.domain))
+        observe = _observer(log, quiet=given.quiet, clock=clock)
+        agent = GateAgent(words, connector, clock=clock, observe=observe, memory=memory)
         stack.enter_context(_interruptible(agent.end))
         stack.callback(connector.stop)
         connector.start()
@@ -40,7 +44,7 @@ def gate(given: argparse.Namespace) -> int:
         stack.callback(beside.stop)
         beside.run()
         if not given.quiet:
-            print(_opening(words), flush=True)
+            print(_opening(words, agent.gate.holder), flush=True)
         agent.serve()
     counts = agent.gate
     if not given.quiet:
@@ -78,8 +82,10 @@ def _others(name: str, topic: str, count: int) -> None:
     )
 
 
-def _opening(words: GateWords) -> str:
-    lines = [f"{words.name} stands before {', '.join(each.topic for each in words.commands)}; {words.safe} has control"]
+def _opening(words: GateWords, holder: str) -> str:
+    lines = [f"{words.name} stands before {', '.join(each.topic for each in words.commands)}; {holder} has control"]
+    if holder != words.safe:
+        lines.append("  the operator, or nobody, had it when a gate ended here: the operator gives it back")
     lines += [
         f"  {each.topic}: nothing stops it when control changes; give 'stop' in a file if a message can"
         for each in words.commands

@@ -35,7 +35,7 @@ def under(control: str, document: Json) -> Json:
         return {name: state(each) for name, each in room.items()}
 
     def state(given: Json) -> Json:
-        inner = {word: states(given[word]) for word in ("states", "parallel") if word in given}
+        inner: Json = {word: states(given[word]) for word in ("states", "parallel") if word in given}
         return {**{word: value for word, value in given.items() if word != "control"}, **inner}
 
     left = {word: value for word, value in document.items() if word not in ("transitions", "invariants")}

@@ -32,7 +32,7 @@ def controlled(draw: st.DrawFn) -> Json:
         return {name: dress(state) for name, state in room.items()}
 
     def dress(state: Json) -> Json:
-        inner = {word: dressed(state[word]) for word in ("states", "parallel") if word in state}
+        inner: Json = {word: dressed(state[word]) for word in ("states", "parallel") if word in state}
         need = next(needs, None) if not state.keys() & {"final", "history"} else None
         left = {word: value for word, value in state.items() if word != "control"}
         return {**left, **inner, **({"control": need} if need else {})}

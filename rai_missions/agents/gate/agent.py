@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from rai_missions.agents.gate.memory import Memory
 from rai_missions.agents.gate.rules import step
 from rai_missions.agents.gate.values import (
     COMMANDERS,
@@ -57,6 +58,7 @@ class GateAgent:
         connector: Started by whoever made it; its `now` is the clock's.
         clock: Time; the wall's by default.
         observe: Told of each deed in order, after it was done.
+        memory: Who held control when a gate stood here last; without one it begins with its safe holder.
     """
 
     def __init__(
@@ -66,8 +68,9 @@ class GateAgent:
         *,
         clock: Clock | None = None,
         observe: Callable[[Deed], None] | None = None,
+        memory: Memory | None = None,
     ) -> None:
-        self._words, self._connector, self._observe = words, connector, observe
+        self._words, self._connector, self._observe, self._memory = words, connector, observe, memory
         self._clock: Clock = clock if clock is not None else WallClock()
         self._terms, self._topics = words.terms, {each.topic: each for each in words.commands}
         self._lock = threading.Lock()
@@ -79,7 +82,8 @@ class GateAgent:
         self._closes: list[Close] = []
         self._thread: threading.Thread | None = None
         self._identity = [time.time(), uuid.uuid4().hex[:8]]
-        self.gate = Gate(holder=words.safe, since=self._clock.now())
+        first = memory.first(words.safe) if memory is not None else words.safe
+        self.gate = Gate(holder=first, since=self._clock.now())
         """What it knows now."""
         self.gives_way = False
         """Another gate of this name stood here before, so this one has ended: two would make two holders."""
@@ -126,6 +130,8 @@ class GateAgent:
         """
         name, self._is_closed = self._words.name, False
         self._publish_stops()
+        if self._memory is not None:
+            self._memory.note(self.gate.holder)
         for who in COMMANDERS:
             below = f"{name}/{who}"
             for topic in self._words.commands:
@@ -230,6 +236,8 @@ class GateAgent:
                 self._connector.publish(topic.topic, topic.type, deed.command.data)
             elif isinstance(deed, Change | Halt):
                 self._publish_stops()
+                if self._memory is not None and isinstance(deed, Change):
+                    self._memory.note(deed.holder)
             elif isinstance(deed, Tell):
                 self._tell(deed.gate)
             if self._observe is not None:

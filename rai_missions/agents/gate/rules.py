@@ -52,11 +52,14 @@ def step(terms: Terms, gate: Gate, happening: Happening) -> Turn:
 
 
 def _lapse(terms: Terms, gate: Gate) -> Turn:
-    """A holder that is silent for longer than its lease loses control; where the safe one does, nobody has it."""
+    """A holder that is silent for longer than its lease loses control to the safe one.
+
+    Where the safe one or the operator does, nobody has it: only the operator gives back what the operator had.
+    """
     if gate.at < gate.lapses_at(terms):
         return gate, ()
     control = _control(gate)
-    control.acknowledge(terms.safe if gate.holder != terms.safe else "nobody")
+    control.acknowledge(terms.safe if gate.holder not in (terms.safe, "operator") else "nobody")
     return _changed(gate, control, f"{gate.holder} was silent for {terms.leases[gate.holder]:g} s")
 
 

@@ -42,8 +42,9 @@ class Shared:
     """A run, and the gate before what it commands."""
 
     def __init__(
-        self, moments: Mapping[float, Callable[[Shared], object]], *, gate: bool = True, profile: Robot | None = None
-    ) -> None:
+        self, moments: Mapping[float, Callable[[Shared], object]], *, gate: bool = True, profile: Robot | None = None,
+        **words: Any,
+    ) -> None:  # fmt: skip
         stage = Stage({at: lambda do=do: do(self) for at, do in moments.items()})  # type: ignore[misc]
         clock = SimulatedClock(stage)
         connector = LocalConnector(now=clock.now)
@@ -53,6 +54,7 @@ class Shared:
             clock=clock,
             connector=connector,
             robot=profile or robot(control=CONTROL, holder=HOLDER, alive=ALIVE),
+            **words,
         )
         self.gate = GateAgent(gate_words({}), connector, clock=clock)
         if gate:
@@ -123,6 +125,40 @@ def test_an_operator_who_takes_control_at_the_gate_holds_the_mission_until_it_is
     assert shared.run().outcome == "aborted"
     assert shared.controls == [(1.0, "autonomy"), (2.0, "operator"), (900.0, "autonomy"), (900.0, "agent")]
     assert len(shared.rig.turn.goals) == 1
+
+
+def test_an_operator_who_takes_at_the_gate_what_the_mission_gave_keeps_it() -> None:
+    """The gate names the same holder before and after; that it is kept shows in what the gate refuses."""
+    shared = Shared(
+        {
+            2.0: lambda all_: all_.gate.ask("operator", "agent"),
+            3.0: lambda all_: all_.gate.ask("operator", "operator"),
+            4.0: lambda all_: all_.rig.runner.lifecycle.control.acknowledge("operator"),
+            5.0: lambda all_: all_.rig.runner.performer.handovers.hand_over("agent", "mission"),
+            6.0: lambda all_: all_.rig.post("go"),
+            600.0: lambda all_: all_.gate.ask("autonomy", "operator"),
+            601.0: lambda all_: all_.rig.post("again"),
+        }
+    )
+    assert shared.run().outcome == "aborted" and len(shared.rig.turn.goals) == 1
+
+
+def test_the_status_says_by_whom_the_mission_is_held_and_since_when() -> None:
+    said: list[tuple[str, float | None, str]] = []
+    shared = Shared(
+        {
+            2.0: lambda all_: all_.gate.ask("operator", "operator"),
+            3.0: lambda all_: all_.gate.ask("nobody", "operator"),
+            4.0: lambda all_: all_.gate.ask("autonomy", "operator"),
+            5.0: lambda all_: all_.rig.runner.cancel("the test"),
+        },
+        on_status=lambda status: said.append((status.held_by, status.held_since, status.waits)),
+    )
+    shared.run()
+    words = "held until the operator gives control back; {} has it; driving waits"
+    held = [("operator", 2.0, words.format("operator")), ("nobody", 3.0, words.format("nobody"))]
+    assert [each for each in said if each[0]] == held
+    assert said[-1][:2] == ("", None)
 
 
 def test_a_gate_that_is_gone_acknowledges_nothing() -> None:

@@ -89,7 +89,7 @@ def test_whose_lease_has_run_out_loses_control_before_anything_else_is_done(
 ) -> None:
     for before, _, after, done in live(given_, happened):
         if after.at >= before.lapses_at(given_):
-            safe = given_.safe if before.holder != given_.safe else "nobody"
+            safe = given_.safe if before.holder not in (given_.safe, "operator") else "nobody"
             assert isinstance(done[0], Change) and (done[0].former, done[0].holder) == (before.holder, safe)
 
 
@@ -111,7 +111,7 @@ def test_requests_are_judged_as_the_lifecycle_judges_them(given_: Terms, happene
             control = Control(before.holder)
             control.kept = before.kept
             if after.at >= before.lapses_at(given_):
-                control.acknowledge(given_.safe if before.holder != given_.safe else "nobody")
+                control.acknowledge(given_.safe if before.holder not in (given_.safe, "operator") else "nobody")
             (answer,) = [each for each in done if isinstance(each, Answer)]
             assert answer.why == control.request(what.to, what.by)
 
@@ -166,11 +166,14 @@ def test_the_safe_one_that_falls_silent_leaves_nobody() -> None:
     assert lived[-1].after.holder == "nobody"
 
 
-def test_an_operator_who_took_control_and_fell_silent_keeps_it_from_nobody() -> None:
-    given_ = Terms(leases={"operator": 1.0})
+@pytest.mark.parametrize("safe", ["autonomy", "nobody"])
+def test_an_operator_who_fell_silent_leaves_nobody_and_only_the_operator_lifts_it(safe: str) -> None:
+    given_ = Terms(leases={"operator": 1.0}, safe=safe)
     happened = [Request(0.0, "operator", "operator"), Request(0.5, "agent", "agent"), Request(2.0, "agent", "agent")]
+    happened.append(Request(3.0, "agent", "operator"))
     answers = [each.why for each in deeds(given_, happened) if isinstance(each, Answer)]
-    assert answers == ["", "the operator has control and has not given it back", ""]
+    lifts = "control is with nobody since the stop; only the operator can lift it"
+    assert answers == ["", "the operator has control and has not given it back", lifts, ""]
 
 
 def test_a_command_made_before_the_grant_is_refused_though_its_maker_holds_control() -> None:
