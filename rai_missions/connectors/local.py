@@ -15,7 +15,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.goals import Goal, Mailbox
-from rai_missions.connectors.stamps import dated, stamp_of
+from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
 
 __all__ = ("LocalConnector",)
@@ -33,7 +33,7 @@ class LocalConnector:
     An empty `type_name` stands for whatever type the other side uses.
 
     Args:
-        now: Seconds on the run's clock: the clock of all stamps here, and the stamp of messages that carry none.
+        now: Seconds on the run's clock. Stamps are of that clock, or of the time of day where they are nearer to it.
     """
 
     modes: frozenset[Mode] = frozenset({"topics", "services", "actions"})
@@ -93,8 +93,7 @@ class LocalConnector:
                 return
             self._agree("topics", topic, type_name)
             keys = tuple(self._subscribers.get(topic, ()))
-        now = self._now()
-        heard = Message(topic, message, *dated(stamp_of(message), now=now, sender_now=now))
+        heard = Message(topic, message, *self._date(message))
         for key in keys:
             hear = self._subscribers.get(topic, {}).get(key)
             if hear is not None:
@@ -117,7 +116,8 @@ class LocalConnector:
         elif wrong:
             answered(Reply("failed", {}, wrong))
         else:
-            answered(self._dated(_answer(answer, request, service)))
+            reply = _answer(answer, request, service)
+            answered(reply._replace(age_s=self._date(reply.data).age_s))
 
     def send_goal(
         self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
@@ -179,9 +179,11 @@ class LocalConnector:
         known = self._types.get((mode, name), type_name)
         return f"{name} is a {known}, not a {type_name}" if type_name and known != type_name else ""
 
-    def _dated(self, reply: Reply) -> Reply:
-        now = self._now()
-        return reply._replace(age_s=dated(stamp_of(reply.data), now=now, sender_now=now).age_s)
+    def _date(self, data: Data) -> Dated:
+        """A stamp is of the run's clock, or of the time of day where it is nearer to that."""
+        stamp, now, today = stamp_of(data), self._now(), time.time()
+        is_of_day = stamp is not None and abs(stamp - today) < abs(stamp - now)
+        return dated(stamp, now=now, sender_now=today if is_of_day else now)
 
     def _unsubscribe(self, topic: str, key: object) -> None:
         with self._lock:

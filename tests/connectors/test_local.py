@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+import time
 
 import pytest
 
@@ -50,6 +51,21 @@ def test_a_message_is_as_old_as_its_own_stamp_and_never_from_the_future(
     connector.subscribe("/t", "", heard.append)
     connector.publish("/t", "", message)
     assert [(each.data, each.at) for each in heard] == [(message, at)]
+
+
+@pytest.mark.parametrize(("behind_s", "at"), [(3600.0, 7.5 - 3600), (0.5, 7.0), (-2.0, 7.5)])
+def test_a_stamp_may_be_of_the_time_of_day(connector: LocalConnector, behind_s: float, at: float) -> None:
+    heard: list[Message] = []
+    connector.subscribe("/t", "", heard.append)
+    connector.publish("/t", "", {"header": {"stamp": time.time() - behind_s}})
+    assert heard[0].at == pytest.approx(at, abs=0.3) and heard[0].age_s == pytest.approx(behind_s, abs=0.3)
+
+
+def test_a_reply_has_the_age_that_its_stamp_says(connector: LocalConnector) -> None:
+    replies: list[Reply] = []
+    connector.serve("/s", "", lambda _request: {"stamp": 5.0})
+    connector.call("/s", "", {}, answered=replies.append)
+    assert replies[0].age_s == 2.5
 
 
 def test_publishing_calls_subscribers_at_once_on_the_callers_thread(connector: LocalConnector) -> None:
