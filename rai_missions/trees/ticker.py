@@ -17,7 +17,7 @@ from rai_missions.trees.leaves import Ask, Errand
 from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, Live
 from rai_missions.trees.planting import Planter
 from rai_missions.trees.round import Round, Sight
-from rai_missions.trees.watch import Watch
+from rai_missions.trees.watch import Looked, Watch
 
 __all__ = ("TreeTicker",)
 
@@ -44,6 +44,8 @@ class TreeTicker:
         self.watch = Watch(planter.planted)
         self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None
+        self._looked: tuple[TreeState | None, Looked | None] = (None, None)
+        """What was worked out last, and of which state."""
 
     def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
         sight = self._restore(state, view)
@@ -63,11 +65,19 @@ class TreeTicker:
         return self._ticked(sight)
 
     def wake_at(self, state: TreeState, view: View) -> float:
-        return self.watch.wake_at(self.root, self._restore(state, view))
+        sight = self._restore(state, view)
+        return self.watch.wake_at(self.root, sight, self._looked_at(state).instants)
 
     def reads(self, state: TreeState) -> frozenset[str]:
-        self._recall(state)
-        return self.watch.reads(self.root)
+        return self._looked_at(state).watched
+
+    def _looked_at(self, state: TreeState) -> Looked:
+        of, looked = self._looked
+        if of is not state or looked is None:
+            self._recall(state)
+            looked = self.watch.looked_at(self.root)
+            self._looked = (state, looked)
+        return looked
 
     def shifted(self, state: TreeState, by_s: float) -> TreeState:
         """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from py_trees.behaviour import Behaviour
 
-from rai_missions.guards.guard import Site
+from rai_missions.guards.guard import Instant, Site
 from rai_missions.states.ticker import LoopRound
 from rai_missions.trees.leaves import Ask, Errand, Write
 from rai_missions.trees.nodes import (
@@ -28,9 +28,21 @@ from rai_missions.trees.nodes import (
 from rai_missions.trees.planting import Planted
 from rai_missions.trees.round import Sight
 
-__all__ = ("Watch",)
+__all__ = ("Looked", "Watch")
 
 Call = tuple[str, str, str]
+
+
+class Looked(NamedTuple):
+    """What a tick may look at."""
+
+    watched: frozenset[str]
+    """Keys, and states by their `presence`."""
+    instants: tuple[Instant, ...]
+
+
+def _of(site: Site) -> Looked:
+    return Looked(site.watched, tuple(site.instants))
 
 
 class Watch:
@@ -41,9 +53,15 @@ class Watch:
     """
 
     def __init__(self, planted: Mapping[str, Planted]) -> None:
-        self.sites: dict[Any, Site] = {each.behaviour: each.site for each in planted.values() if each.site}
-        self.holds = {name: test for site in self.sites.values() for name, test in site.holds.items()}
-        self.holding = [site for site in self.sites.values() if site.holds]
+        sites = {each.behaviour: each.site for each in planted.values() if each.site}
+        self.holds = {name: test for site in sites.values() for name, test in site.holds.items()}
+        self.depends: dict[Any, Looked] = {node: _of(site) for node, site in sites.items() if not site.holds}
+        held = [_of(site) for site in sites.values() if site.holds]
+        self.held_by = Looked(
+            frozenset[str]().union(*(each.watched for each in held)),
+            tuple(instant for each in held for instant in each.instants),
+        )
+        """By what the guards change whose duration is counted, whether the next tick looks at them or not."""
         self.turns = dict(_turns(planted))
         """Path → the child of a loop that stands there."""
 
@@ -59,19 +77,24 @@ class Watch:
                     held.pop(name, None)
         return sight
 
-    def reads(self, root: Behaviour) -> frozenset[str]:
-        """What the next tick may look at, and on what a duration depends: keys, and states by their `presence`."""
-        return frozenset[str]().union(*(site.watched for site in self._sites(root)))
+    def looked_at(self, root: Behaviour) -> Looked:
+        """What the next tick may look at if nothing but facts and time change, and on what a duration depends."""
+        keys, instants, rest = set(self.held_by.watched), list(self.held_by.instants), [root]
+        while rest:
+            node = rest.pop()
+            rest += _next(node)
+            found = self.depends.get(node)
+            if found is not None and looks(node):
+                keys |= found.watched
+                instants += found.instants
+        return Looked(frozenset(keys), tuple(instants))
 
-    def wake_at(self, root: Behaviour, sight: Sight) -> float:
+    @staticmethod
+    def wake_at(root: Behaviour, sight: Sight, instants: Iterable[Instant]) -> float:
         """The next deadline of what runs, or instant at which a guard's facts grow old."""
         due = [node.deadline() for node in running(root)]
-        due += [instant(sight) for site in self._sites(root) for instant in site.instants]
+        due += [instant(sight) for instant in instants]
         return min((at for at in due if at is not None and at > sight.at), default=math.inf)
-
-    def _sites(self, root: Behaviour) -> Iterable[Site]:
-        seen = [self.sites[node] for node in looked_at(root) if node in self.sites and looks(node)]
-        return [*seen, *(site for site in self.holding if site not in seen)]
 
     def turning(self) -> frozenset[str]:
         """The children of loops of which a run is under way."""
@@ -125,13 +148,6 @@ def running(node: Any) -> Iterator[Any]:
         yield node
         for child in node.children:
             yield from running(child)
-
-
-def looked_at(node: Any) -> Iterator[Any]:
-    """The nodes at which the next tick may look, if nothing but facts and time change."""
-    yield node
-    for child in _next(node):
-        yield from looked_at(child)
 
 
 def looks(node: Any) -> bool:
