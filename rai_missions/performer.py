@@ -22,6 +22,7 @@ from rai_missions.goals import Goals, outcome_of, told
 from rai_missions.handovers import Handovers
 from rai_missions.journal.underway import Underway
 from rai_missions.readings import SourceState
+from rai_missions.rivalry import Rivalry
 from rai_missions.robot import Robot, plain
 from rai_missions.robot.asked import asked
 from rai_missions.senses import Senses
@@ -64,6 +65,7 @@ class Performer:
         post: Where events go.
         later: Has something done at an instant of the run's clock.
         now: The run's clock.
+        wake: Has the run look again at what it waits for; from any thread.
         leaves: The leaves of trees that are written in Python, by owner.
         allow: Asks that control be handed to somebody for the mission; says why not, or nothing.
         keys: The mission's.
@@ -74,13 +76,15 @@ class Performer:
     def __init__(
         self, *, run: str, robot: Robot | None, connector: Connector | None, answerers: Mapping[str, Answerer],
         post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
-        allow: Callable[[str], str], leaves: Mapping[str, BehaviourLeaf] | None = None,
+        allow: Callable[[str], str], wake: Callable[[], None] = lambda: None,
+        leaves: Mapping[str, BehaviourLeaf] | None = None,
         keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
         lost: Callable[[str, bool], None] = lambda to, is_refused: None,
     ) -> None:  # fmt: skip
         self._robot, self._connector = robot, connector
         self._answerers, self._post, self._later, self._now = answerers, post, later, now
         self._allow = allow
+        self.rivalry = Rivalry(robot, connector, wake)
         self._goals = Goals(run, robot, connector, tell=self._event)
         self._open: dict[int, str] = {}
         self.handovers = Handovers(robot, connector, post=post, later=later, now=now, lost=lost)

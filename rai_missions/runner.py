@@ -31,7 +31,7 @@ from rai_missions.readings import refused
 from rai_missions.rebuild import default_ticker
 from rai_missions.result import Commands, Result
 from rai_missions.resume import Resumption
-from rai_missions.robot import Robot, missing, terms
+from rai_missions.robot import Robot, actions_of, missing, terms
 from rai_missions.states.goals import OpenGoal, may_move
 from rai_missions.states.ticker import Trees
 from rai_missions.steered import Steered
@@ -44,6 +44,8 @@ __all__ = ("Commands", "Result", "Runner")
 log = logging.getLogger(__name__)
 
 T = TypeVar("T")
+SURVEYED_S = 3.0
+"""How long after `ready_s` it may take to be known which actions two servers serve."""
 
 
 class Runner(Steered):
@@ -91,8 +93,9 @@ class Runner(Steered):
         )  # fmt: skip
         self.performer = Performer(
             run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}), post=self.post,
-            later=self.later, now=self.clock.now, allow=lambda to: self.lifecycle.control.request(to, "mission"),
-            leaves=mission.behaviours(), keys=mission.blackboard, note=self.note, lost=self._lose_handover,
+            later=self.later, now=self.clock.now, wake=self.mailbox.wake,
+            allow=lambda to: self.lifecycle.control.request(to, "mission"), leaves=mission.behaviours(),
+            keys=mission.blackboard, note=self.note, lost=self._lose_handover,
         )  # fmt: skip
         self._connector, self._scribe = connector, Scribe(journal, self._stop_at_once)
         self.mailbox.alarm = self._scribe.call
@@ -197,12 +200,17 @@ class Runner(Steered):
         for key, value in self._arguments.items():
             if key not in chart.view.board or chart.view.board[key].value != value:
                 self._step(lambda key=key, value=value: chart.write(key, value, self.clock.now()))  # type: ignore[misc]
-        until = self.clock.now() + self.mission.ready_s
+        until, rivalry = self.clock.now() + self.mission.ready_s, self.performer.rivalry
+        rivalry.ask(actions_of(self.mission), self.mission.ready_s)
         self._loop(lambda: chart.outcome is not None or not self._unheard or self.clock.now() >= until, until)
         if self._unheard and chart.outcome is None:
             missed = {name: self.performer.source(name) for name in self._unheard}
             sentence = refused(missed, self.mission.blackboard, self.mission.ready_s)
             raise UsageError(f"{sentence} Its profile says: {self._about}" if self._about else sentence)
+        until += SURVEYED_S
+        self._loop(lambda: chart.outcome is not None or rivalry.is_known or self.clock.now() >= until, until)
+        if rivalry.contests and chart.outcome is None:
+            raise UsageError("; ".join(rivalry.contests))
         holder = self.performer.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self.clock.now(), {"by": "robot"}, "control")))

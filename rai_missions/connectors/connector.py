@@ -21,6 +21,7 @@ __all__ = (
     "RawMessage",
     "Reply",
     "Report",
+    "Surveyor",
     "Wiretap",
 )
 
@@ -138,6 +139,21 @@ class Parametrized(Protocol):
 
     def parameters(self) -> Mapping[str, Any]:
         """Name → value of what was given from outside; without the middleware's own, and those of the profile."""
+
+
+@runtime_checkable
+class Surveyor(Protocol):
+    """A connector on whose names two servers may be, and that finds out whether both live."""
+
+    def survey(self, action: str, type_name: str, *, within_s: float, told: Callable[[str], None]) -> None:
+        """Find out whether more than one server answers for an action.
+
+        Args:
+            action: Its name.
+            type_name: Its type.
+            within_s: How long a second server may take to go.
+            told: Takes, once and from any thread, a sentence that names the servers; empty where at most one answers.
+        """
 
 
 @runtime_checkable

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robot profiles: which topics, services and actions stand behind the names that a mission uses."""
 
-from rai_missions.robot.against import missing
+from rai_missions.robot.against import actions_of, missing
 from rai_missions.robot.convert import plain
 from rai_missions.robot.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.robot.fields import misnamed, unread, unsaid
@@ -11,7 +11,7 @@ from rai_missions.robot.source import EventSource, Source
 from rai_missions.robot.types import lacking
 
 __all__ = (
-    "ActionEntry", "EventSource", "Robot", "Rule", "ServiceEntry", "Source", "TopicEntry", "dump_profile",
+    "ActionEntry", "EventSource", "Robot", "Rule", "ServiceEntry", "Source", "TopicEntry", "actions_of", "dump_profile",
     "identity_folder", "lacking", "load_profile", "misnamed", "missing", "parse_profile", "plain", "terms",
     "unread", "unsaid",
 )  # fmt: skip

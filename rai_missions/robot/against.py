@@ -21,7 +21,7 @@ from rai_missions.states import Action
 from rai_missions.states.tree import ActionLeaf, PublishLeaf
 from rai_missions.wording import pointer, suggestion
 
-__all__ = ("missing",)
+__all__ = ("actions_of", "missing")
 
 FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
 """What a source gives → the types of the keys that can take it, where that is more than its own."""
@@ -34,6 +34,12 @@ def missing(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
         *_keys(mission, robot), *_events(survey, robot), *_actions(survey, robot), *_services(survey, robot),
         *_topics(survey, robot), *_rules(survey, robot),
     )  # fmt: skip
+
+
+def actions_of(mission: Mission) -> frozenset[str]:
+    """The names of the actions that a mission uses."""
+    works = (work for work, *_ in Survey(mission).works)
+    return frozenset(work.action for work in works if isinstance(work, Action | ActionLeaf))
 
 
 def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str) -> Fault:

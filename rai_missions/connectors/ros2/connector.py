@@ -191,6 +191,18 @@ class Ros2Connector:
             return
         session.find_goal(action, cls, goal_id, report)
 
+    def survey(self, action: str, type_name: str, *, within_s: float, told: Callable[[str], None]) -> None:
+        """Find out whether more than one server answers for an action, each by a reply to a request of no effect."""
+        session = self._session
+        try:
+            cls = self._type("action", action, type_name) if session is not None else None
+        except ConnectorError:  # its first use says so
+            cls = None
+        if session is None or cls is None:
+            told("")
+        else:
+            session.survey(action, cls, within_s, told)
+
     def cancel_goal(self, goal_id: str) -> None:
         session = self._session
         if session is not None:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The goals that a mission pursues with action servers elsewhere, each until its end was heard or its server is gone.
+"""The goals that a mission pursues with action servers elsewhere, each until its end is known or its server is gone.
 
-Rule: a goal that has ended never reports again, a cancel is never lost, and what is accepted too late is canceled.
+Rule: a goal that has ended reports only whether it is executing nevertheless, a cancel is never lost and goes to every
+server, and what is accepted too late is canceled.
 """
 
 from __future__ import annotations
@@ -13,131 +14,30 @@ from typing import Any, Literal
 
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
-from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 from unique_identifier_msgs.msg import UUID
 
 from rai_missions.connectors.connector import Report
+from rai_missions.connectors.ros2.goal_client import PRESS_S, QUIET_S, STEP_S, GoalClient
 from rai_missions.connectors.ros2.goal_ids import to_bytes
 from rai_missions.connectors.ros2.messages import to_data
-from rai_missions.connectors.ros2.peers import NOBODY, Peers, are_gone, are_replaced, servers_of_action
-from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
-from rai_missions.connectors.ros2.services import MANY, WATCH_S
-from rai_missions.connectors.ros2.window import Window
+from rai_missions.connectors.ros2.peers import NOBODY, Peers, are_replaced
+from rai_missions.connectors.ros2.rivals import Sightings
+from rai_missions.connectors.ros2.runtime import Work, guarded
 
-__all__ = ("End", "Goal", "GoalClient")
+__all__ = ("End", "Goal")
 
 log = logging.getLogger(__name__)
 
-CHASE_S = 60.0
-"""How long a lost goal is chased."""
-PRESS_S = 2.0
-"""How long an answer is awaited before a lost goal's end is asked for once more."""
 CLEAR_S = 5.0
 """How long a new goal waits until it is known of a lost one that it runs no more."""
 End = Literal["rejected", "succeeded", "failed", "canceled", "lost"]
+WORST_FIRST: tuple[End, ...] = ("failed", "canceled", "succeeded")
 ENDS: dict[int, End] = {
     GoalStatus.STATUS_SUCCEEDED: "succeeded",
     GoalStatus.STATUS_ABORTED: "failed",
     GoalStatus.STATUS_CANCELED: "canceled",
 }
-
-
-class GoalClient:
-    """One action whose server is asked. On the runtime's thread only.
-
-    Args:
-        runtime: Where it lives.
-        action: Its name.
-        cls: The action's class.
-        patience_s: How long a server may take to be found, counted from now.
-    """
-
-    def __init__(self, runtime: Runtime, action: str, cls: Any, patience_s: float) -> None:
-        self.runtime, self.action, self.cls = runtime, action, cls
-        self.client = ActionClient(
-            runtime.node, cls, action, callback_group=runtime.group, goal_service_qos_profile=MANY,
-            result_service_qos_profile=MANY, cancel_service_qos_profile=MANY, feedback_sub_qos_profile=MANY,
-        )  # fmt: skip
-        runtime.keep(self, self.client.destroy)
-        self.peers = servers_of_action(runtime.node, action)
-        self.patience_s = patience_s
-        self.starts, self.cancels = Window(), Window()
-        self._running: set[Goal] = set()
-        self._lost: dict[Goal, float] = {}
-        self._pressed: dict[Goal, float] = {}
-        self._is_watched = False
-        runtime.later(patience_s, self._grow_impatient)
-
-    def _grow_impatient(self) -> None:
-        self.patience_s = 0.0
-
-    def overhear(self, topic: str, cls: Any, quality: Any, hear: Callable[[Any], None]) -> Work:
-        """Listen to what the server tells everybody: its `status` or `feedback`; returns what ends it."""
-        node, name = self.runtime.node, f"{self.action}/_action/{topic}"
-        ear = node.create_subscription(cls, name, hear, quality, callback_group=self.runtime.group)
-        self.runtime.keep(ear, lambda: node.destroy_subscription(ear))
-        return lambda: self.runtime.dispose(ear)
-
-    def watch(self, goal: Goal) -> None:
-        """Look after the server until the goal has ended."""
-        self._running.add(goal)
-        self._look_later()
-
-    def chase(self, goal: Goal) -> None:
-        """Nobody owns a lost goal any more: if its server comes back with it, it is canceled."""
-        self._lost[goal] = time.monotonic() + CHASE_S
-        self._look_later()
-
-    def caught(self, goal: Goal) -> None:
-        """A lost goal runs no more."""
-        self._lost.pop(goal, None)
-        self._pressed.pop(goal, None)
-
-    def is_clear(self) -> bool:
-        """No goal that was lost may still run."""
-        return not self._lost
-
-    def hasten(self) -> None:
-        """Somebody waits for the lost goals to end."""
-        for goal in tuple(self._lost):
-            self._press(goal)
-
-    def _press(self, goal: Goal) -> None:
-        """Ask for a lost goal's end, in one word at a time: another would end what is sent anew under its id."""
-        now = time.monotonic()
-        if goal in self._lost and now >= self._pressed.get(goal, 0.0):
-            self._pressed[goal] = now + PRESS_S
-            goal.cancel_blindly()
-
-    def answered(self, goal: Goal) -> None:
-        """A lost goal's server has answered, and may be asked again."""
-        self._pressed.pop(goal, None)
-
-    def _look_later(self) -> None:
-        if not self._is_watched:
-            self._is_watched = True
-            self.runtime.later(WATCH_S, self._look)
-
-    def _look(self) -> None:
-        self._is_watched = False
-        running = {goal for goal in self._running if not goal.is_over}
-        now = self.peers() if running else NOBODY
-        is_there = self.client.server_is_ready()
-        self._running.clear()
-        for goal in running:
-            if are_gone(goal.peers, now) or not is_there:
-                goal.end("lost", why=f"the server of {self.action} is gone")
-            else:
-                goal.look()
-                self.watch(goal)
-        for goal, until in list(self._lost.items()):
-            if time.monotonic() > until:
-                self.caught(goal)
-            elif is_there:
-                self._press(goal)
-        if self._lost:
-            self._look_later()
 
 
 class Goal:
@@ -154,14 +54,22 @@ class Goal:
         self, client: GoalClient, goal_id: str, report: Callable[[Report], None], ended: Callable[[Goal], None]
     ) -> None:
         self._client, self.goal_id, self._report, self._ended = client, goal_id, report, ended
-        self._uuid = UUID(uuid=list(to_bytes(goal_id)))
+        self.uuid = to_bytes(goal_id)
+        self._uuid = UUID(uuid=list(self.uuid))
         self._handle: Any = None
         self._early: list[Any] = []
         self._leaves: list[Work] = []
         self._is_unwanted = self._is_sent = self._is_asking = self._is_overdue = False
+        self._may_run = True
         self.is_over = self.is_settled = False
         """`is_settled`: its end is known, or its server has said what it thinks of a cancel."""
         self.peers: Peers = NOBODY
+        self.sightings = Sightings()
+        self.is_contested = False
+        """A second server was seen while it was under way."""
+        self._held: tuple[End, dict[str, Any], str] | None = None
+        """An end that counts once no other server is executing the goal."""
+        self._quiet_since = self._pressed_at = 0.0
 
     def send(self, goal: Any) -> None:
         """Send it as soon as its server is found."""
@@ -188,7 +96,13 @@ class Goal:
         if not is_clear:
             self.end("rejected", why=f"an earlier goal, which was lost, may still run at {self._client.action}")
             return
-        self._client.starts.enter(lambda leave: self._start(goal, leave))
+        self._client.survey(lambda contest: self._enter(goal, contest))
+
+    def _enter(self, goal: Any, contest: str) -> None:
+        if contest:
+            self.end("rejected", why=contest)
+        elif not self.is_over:
+            self._client.starts.enter(lambda leave: self._start(goal, leave))
 
     def _start(self, goal: Any, leave: Work) -> None:
         if self.is_over:
@@ -225,17 +139,80 @@ class Goal:
             self._ask(self._handle or ClientGoalHandle(self._client.client, self._uuid, None), lambda: None)
 
     def end(self, said: End, data: dict[str, Any] | None = None, why: str = "") -> None:
-        """It is over; the first end counts."""
+        """It is over; the first end counts. Where there may be a second server, it counts once none is executing it."""
         if self.is_over:
             return
+        if said == "lost" and self._held is not None and not self.sightings.is_active:
+            self._conclude(*self._held)
+        elif said == "lost" or not self._is_sent or not (self.is_contested or self._client.is_shared):
+            self._conclude(said, data or {}, why)
+        else:
+            is_new = self._held is None
+            if self._held is None or self._held[0] == "rejected":
+                self._held = (said, data or {}, why)
+            if is_new:
+                self._quiet_since = time.monotonic()
+                self._settle()
+
+    def _settle(self) -> None:
+        """An end was reported: wait until no server has been executing the goal for a while."""
+        if self.is_over or self._held is None:
+            return
+        now = time.monotonic()
+        if self.sightings.is_active:
+            self._quiet_since = now
+            self._claim()
+            if self._is_unwanted and now >= self._pressed_at:
+                self._pressed_at = now + PRESS_S
+                self._ask_to_cancel(self._handle)
+        if now < self._quiet_since + QUIET_S:
+            self._client.runtime.later(STEP_S, self._settle)
+            return
+        said, data, why = self._held
+        found = {ENDS[status] for status in self.sightings.ends if status in ENDS} | {said} - {"rejected"}
+        worst: End = next((each for each in WORST_FIRST if each in found), said)
+        self._conclude(worst, data, why or ("" if worst == said else "its servers ended it in different ways"))
+
+    def _claim(self) -> None:
+        """One server has rejected the goal, another is executing it."""
+        if self._handle is None:
+            self._handle = ClientGoalHandle(self._client.client, self._uuid, None)
+            self._tell(Report(self.goal_id, "accepted", {}))
+            self._ask_for_result()
+
+    def share(self) -> None:
+        """A second server was seen."""
+        if not self.is_contested:
+            self.is_contested = True
+            self._warn(Report(self.goal_id, "contested", {}, self._client.contest()))
+            if self.is_over:
+                self._client.look_again(self)
+
+    def stray(self) -> None:
+        """Some server is executing it although its end was reported."""
+        why = f"a server of {self._client.action} is executing it although its end was reported; it is canceled"
+        self._client.chase(self)
+        self._warn(Report(self.goal_id, "stray", {}, why))
+
+    def be_over(self) -> None:
+        """It was lost or stray, and is executing nowhere any more."""
+        self._tell(Report(self.goal_id, "over", {}))
+
+    def _warn(self, report: Report) -> None:
+        log.warning("goal %s: %s", self.goal_id, report.why)
+        self._tell(report)
+
+    def _conclude(self, said: End, data: dict[str, Any], why: str) -> None:
         self.is_over = self.is_settled = True
         for leave in self._leaves:  # an answer that never comes must not keep others waiting
             leave()
         self._is_asking = False
         self._ended(self)
-        if said == "lost" and self._is_sent:
+        if said == "lost" and self._is_sent and self._may_run:
             self._client.chase(self)
-        self._tell(Report(self.goal_id, said, data or {}, why))
+        elif self._is_sent:
+            self._client.look_again(self)
+        self._tell(Report(self.goal_id, said, data, why, may_run=self._may_run))
 
     def _tell(self, report: Report) -> None:
         guarded(lambda: self._report(report))
@@ -264,7 +241,7 @@ class Goal:
 
     def look(self) -> None:
         """Ask once more for a result that should have come: a busy server forgets requests."""
-        if self._handle is not None and self._handle.status in ENDS:
+        if self._held is None and self._handle is not None and self._handle.status in ENDS:
             if self._is_overdue:
                 self._ask_for_result()
             self._is_overdue = True
@@ -284,6 +261,7 @@ class Goal:
         elif response is not None:
             said = ENDS.get(response.status) or ENDS.get(self._handle.status)
             if said is None:
+                self._may_run = False
                 self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
             else:
                 self.end(said, to_data(response.result))
@@ -310,10 +288,13 @@ class Goal:
             self._chased(response, is_ending)
         elif self._handle is None or is_ending:
             return
+        elif response.return_code == codes.ERROR_UNKNOWN_GOAL_ID and (self.is_contested or self._client.is_shared):
+            return  # it is another server that has it
         elif response.return_code == codes.ERROR_UNKNOWN_GOAL_ID:
+            self._may_run = False
             self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
         else:
-            self._is_unwanted = False
+            self._is_unwanted = self.is_contested
             self._tell(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} goes on"))
 
     def _chased(self, response: Any, is_ending: bool) -> None:
@@ -322,7 +303,9 @@ class Goal:
         if is_ending:
             handle = self._handle or ClientGoalHandle(self._client.client, self._uuid, None)
             handle.get_result_async().add_done_callback(self._finished)
-        elif is_unknown and (self._handle is not None or are_replaced(self.peers, self._client.peers())):
+        elif is_unknown and are_replaced(self.peers, self._client.peers()):
+            self._client.caught(self, is_replaced=True)
+        elif is_unknown and self._handle is not None:
             self._client.caught(self)  # else its server may still be about to accept it
 
 

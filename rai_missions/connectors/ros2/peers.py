@@ -51,7 +51,7 @@ def _peers(found: list[Any]) -> Peers:
 
 
 def _name_of(endpoint: Any) -> str:
-    return "" if "UNKNOWN" in endpoint.node_name else f"{endpoint.node_namespace}/{endpoint.node_name}"
+    return "" if "UNKNOWN" in endpoint.node_name else f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def are_gone(then: Peers, now: Peers) -> bool:

@@ -65,6 +65,7 @@ class Runtime:
         self._numbers = itertools.count()
         self._disposals: dict[object, Work] = {}
         self.group = ReentrantCallbackGroup()
+        self.opened_at = time.monotonic()
         self._context = Context()
         with carried(pictures=options.pictures):
             self.node = _open_node(self._context, options)

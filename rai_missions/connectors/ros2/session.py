@@ -15,7 +15,8 @@ from typing import Any, TypeVar
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, RawMessage, Reply, Report
 from rai_missions.connectors.ros2.actions import Served
 from rai_missions.connectors.ros2.found import FoundGoal
-from rai_missions.connectors.ros2.goals import Goal, GoalClient
+from rai_missions.connectors.ros2.goal_client import GoalClient
+from rai_missions.connectors.ros2.goals import Goal
 from rai_missions.connectors.ros2.options import Options
 from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
 from rai_missions.connectors.ros2.services import Client, Service
@@ -161,6 +162,11 @@ class Session:
             self._goal_clients[action] = GoalClient(self.runtime, action, cls, self._options.discovery_s)
         return self._goal_clients[action]
 
+    def survey(self, action: str, cls: Any, within_s: float, told: Callable[[str], None]) -> None:
+        """Say who serves an action beside another; empty where at most one server answers, or ROS was shut down."""
+        if not self.runtime.post(lambda: self._goal_client(action, cls).survey(told, within_s)):
+            told("")
+
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, report: Callable[[Report], None]) -> None:
         self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, Goal).send(goal))
 
@@ -223,6 +229,8 @@ class Session:
             for goal in tuple(self._sent.values()):
                 if not goal.is_settled:
                     goal.cancel_blindly()
+            for client in self._goal_clients.values():
+                client.hasten()
             self._is_silent = True
             with self._lock:
                 served = tuple(each for each in self._served.values() if isinstance(each, Served))

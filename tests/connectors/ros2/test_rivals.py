@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two servers on one action's name: refused where both live, found out where the second comes later, ended at both.
+
+Rule: the servers are ordinary ones of a node each; what is executing is read from them alone.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.connectors.connector import Report
+from rai_missions.connectors.contract import Heard
+from rai_missions.errors import UsageError
+from rai_missions.mission import Mission
+from rai_missions.robot import Robot
+from rai_missions.runner import Result, Runner
+from tests.connectors.ros2.peer_process import FIBONACCI, Peer
+from tests.connectors.ros2.scripted_server import PROGRAM, Script
+
+Open = Callable[..., Any]
+PATIENCE_S = 30.0
+
+
+class Plan(NamedTuple):
+    """What a server does with every goal; seconds, None for never."""
+
+    accepts: float | None = 0.0
+    rejects: bool = False
+    ends: float | None = None
+    end: str = "succeeded"
+    cancels: float | None = 0.0
+    """How long the end takes once a cancel was taken."""
+    refuses: bool = False
+    dies: float | None = None
+    """When after a goal has come its node is gone, while the robot drives on."""
+
+
+class ScriptedServer:
+    """An action's server that keeps to its plan and knows which goals it is executing."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan, self.executing, self.seen = plan, set[str](), Heard[str](PATIENCE_S)
+        self.die: Callable[[], None] = lambda: None
+        self._reports: dict[str, Callable[[Report], None]] = {}
+        self._lock, self._timers = threading.Lock(), list[threading.Timer]()
+
+    def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Report], None]) -> None:
+        self._reports[goal_id] = report
+        self.seen(goal_id)
+        self._after(self.plan.dies, lambda: self.die())
+        self._after(self.plan.accepts, lambda: self._decide(goal_id))
+
+    def cancel(self, goal_id: str) -> None:
+        if self.plan.refuses:
+            self._reports[goal_id](Report(goal_id, "cancel_rejected", {}))
+        else:
+            self._after(self.plan.cancels, lambda: self._end(goal_id, "canceled"))
+
+    def close(self) -> None:
+        for timer in self._timers:
+            timer.cancel()
+
+    def _decide(self, goal_id: str) -> None:
+        if self.plan.rejects:
+            self._reports[goal_id](Report(goal_id, "rejected", {}))
+            return
+        with self._lock:
+            self.executing.add(goal_id)
+        self._reports[goal_id](Report(goal_id, "accepted", {}))
+        self._after(self.plan.ends, lambda: self._end(goal_id, self.plan.end))
+
+    def _end(self, goal_id: str, said: Any) -> None:
+        with self._lock:
+            was_executing = goal_id in self.executing
+            self.executing.discard(goal_id)
+        if was_executing:
+            self._reports[goal_id](Report(goal_id, said, {}))
+
+    def _after(self, seconds: float | None, do: Callable[[], None]) -> None:
+        if seconds == 0.0:
+            do()
+        elif seconds is not None:
+            self._timers.append(threading.Timer(seconds, do))
+            self._timers[-1].daemon = True
+            self._timers[-1].start()
+
+
+class Stand:
+    """An action's name, and the servers that come to serve it."""
+
+    def __init__(self, open_ros: Open) -> None:
+        self._open, self.name = open_ros, f"/rivals_{uuid.uuid4().hex[:8]}"
+        self.servers: list[ScriptedServer] = []
+        self._nodes: list[Any] = []
+
+    def serve(self, plan: Plan) -> ScriptedServer:
+        """One more server, on a node of its own."""
+        server, node = ScriptedServer(plan), self._open()
+        node.offer(self.name, FIBONACCI, server)
+        server.die = lambda: node._session.runtime.close()  # as a process that is killed: nothing is aborted first
+        self.servers.append(server)
+        self._nodes.append(node)
+        return server
+
+    def wait_for(self, connector: Any, count: int) -> None:
+        """Wait until a connector's graph has so many servers."""
+        until, tick = time.monotonic() + PATIENCE_S, threading.Event()
+        while connector.offered("actions").get(self.name, 0) != count:
+            assert time.monotonic() < until, f"there are not {count} servers"
+            tick.wait(0.02)
+
+    def send(self, connector: Any, order: int = 1) -> tuple[str, Heard[Report]]:
+        goal_id, reports = uuid.uuid4().hex, Heard[Report](PATIENCE_S)
+        connector.send_goal(self.name, FIBONACCI, {"order": order}, goal_id=goal_id, report=reports)
+        return goal_id, reports
+
+    def executing(self) -> set[str]:
+        return {goal_id for server in self.servers for goal_id in server.executing}
+
+    def close(self) -> None:
+        for server in self.servers:
+            server.close()
+        for node in self._nodes:
+            with suppress(Exception):
+                node.stop()
+
+
+@pytest.fixture
+def stand(open_ros: Open) -> Iterator[Stand]:
+    made = Stand(open_ros)
+    yield made
+    made.close()
+
+
+def said(reports: Heard[Report]) -> list[str]:
+    return [each.said for each in reports.all]
+
+
+def until_said(reports: Heard[Report], *words: str) -> list[Report]:
+    return reports.wait(lambda all_: any(each.said in words for each in all_), f"one of {words}")
+
+
+def test_a_goal_for_two_servers_is_rejected_and_reaches_neither(open_ros: Open, stand: Stand) -> None:
+    servers, connector = [stand.serve(Plan()), stand.serve(Plan())], open_ros()
+    stand.wait_for(connector, 2)
+    _, reports = stand.send(connector)
+    (report,) = until_said(reports, "rejected")
+    assert report.why.startswith(f"more than one server answers for {stand.name} (/rai_missions_")
+    assert report.why.endswith("); stop all but one")
+    assert [server.seen.all for server in servers] == [[], []]
+
+
+def test_a_server_that_is_on_the_graph_and_does_not_answer_is_no_second_one_and_ends_the_goal_once_it_does(
+    open_ros: Open, stand: Stand
+) -> None:
+    connector, script = open_ros(), Script(end="runs on")
+    with Peer(stand.name[1:], PROGRAM) as frozen, Peer(stand.name[1:], PROGRAM) as living:
+        stand.name += "/move"
+        stand.wait_for(connector, 2)
+        frozen.signal(signal.SIGSTOP)
+        goal_id, reports = stand.send(connector, script.order(1))
+        until_said(reports, "accepted")
+        connector.cancel_goal(goal_id)
+        until_said(reports, "canceled")
+        assert ["over", 1, "canceled"] in living.said.all
+        frozen.signal(signal.SIGCONT)
+        frozen.said.wait(lambda said: ["over", 1, "canceled"] in said, "what it took late is canceled")
+
+
+def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal_at_both(
+    open_ros: Open, stand: Stand
+) -> None:
+    first, connector = stand.serve(Plan()), open_ros()
+    stand.wait_for(connector, 1)
+    goal_id, reports = stand.send(connector)
+    until_said(reports, "accepted")
+    stand.serve(Plan())
+    until_said(reports, "contested")
+    connector.cancel_goal(goal_id)
+    until_said(reports, "canceled")
+    assert said(reports) == ["accepted", "contested", "canceled"]
+    assert first.executing == set()
+
+
+@pytest.mark.parametrize(
+    ("plans", "end"),
+    [
+        ((Plan(rejects=True), Plan(accepts=0.3)), "canceled"),
+        ((Plan(), Plan(accepts=0.2, cancels=1.0)), "canceled"),
+        ((Plan(ends=0.1), Plan(ends=1.5)), "succeeded"),
+        ((Plan(ends=0.1), Plan(ends=0.8, end="failed")), "failed"),
+        ((Plan(rejects=True), Plan(rejects=True)), "rejected"),
+    ],
+)
+def test_a_goal_that_two_servers_have_ends_when_neither_is_executing_it(
+    open_ros: Open, stand: Stand, plans: tuple[Plan, Plan], end: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second was not yet on the graph when the goal was sent."""
+    monkeypatch.setattr(
+        "rai_missions.connectors.ros2.goal_client.GoalClient.survey", lambda _, told, within_s=0.0: told("")
+    )
+    connector = open_ros()
+    for plan in plans:
+        stand.serve(plan)
+    stand.wait_for(connector, 2)
+    goal_id, reports = stand.send(connector)
+    for server in stand.servers:
+        server.seen.wait(bool, "it has the goal")
+    if end == "canceled":
+        connector.cancel_goal(goal_id)
+    told = until_said(reports, "succeeded", "failed", "canceled", "rejected")
+    assert told[-1].said == end, told
+    assert stand.executing() == set()
+
+
+# -- whole runs ---------------------------------------------------------------------------------------------------
+
+
+def mission() -> Mission:
+    ends = ["succeeded", "failed", "rejected", "canceled", "timed_out", "unverified"]
+    moving = {"action": "move", "goal": {"order": 1}, "timeout_s": 1.5, "cancel_s": 1.0,
+              "transitions": [{"on": ends, "to": "done"}]}  # fmt: skip
+    return Mission.model_validate(
+        {"format": 1, "name": "rivals", "version": "1.0.0", "initial": "moving", "ready_s": 1.0,
+         "states": {"moving": moving, "done": {"final": "failed"}}}
+    )  # fmt: skip
+
+
+def run(stand: Stand, connector: Any) -> Result:
+    robot = Robot.model_validate({"name": "rivals", "actions": {"move": {"action": stand.name, "type": FIBONACCI}}})
+    return Runner(mission(), robot=robot, connector=connector).run()
+
+
+def test_a_run_is_refused_while_two_servers_live(open_ros: Open, stand: Stand) -> None:
+    servers, connector = [stand.serve(Plan()), stand.serve(Plan(rejects=True))], open_ros()
+    with pytest.raises(UsageError, match=f"more than one server answers for {stand.name}"):
+        run(stand, connector)
+    assert [server.seen.all for server in servers] == [[], []]
+
+
+@pytest.mark.parametrize(
+    ("plan", "reasons"),
+    [
+        (Plan(), []),
+        (Plan(refuses=True), ["refused"]),
+        (Plan(cancels=None), ["orphaned"]),
+        (Plan(accepts=None), ["orphaned"]),
+        (Plan(dies=0.3), ["lost"]),
+    ],
+)
+def test_a_run_names_what_may_still_be_executing(open_ros: Open, stand: Stand, plan: Plan, reasons: list[str]) -> None:
+    stand.serve(plan)
+    result = run(stand, open_ros())
+    assert [goal.reason for goal in result.open_goals] == reasons
+    assert bool(stand.executing()) is (bool(reasons) and plan.accepts is not None)
+
+
+SECONDS = st.sampled_from([0.0, 0.0, 0.3, 1.0])
+PLANS = st.builds(
+    Plan,
+    accepts=st.sampled_from([0.0, 0.0, 0.3, 2.0, None]), rejects=st.sampled_from([False, False, True]),
+    ends=st.sampled_from([None, 0.1, 0.8, 2.0]), end=st.sampled_from(["succeeded", "failed"]),
+    cancels=st.sampled_from([0.0, 0.3, 2.0, None]), refuses=st.sampled_from([False, False, True]),
+    dies=st.sampled_from([None, None, 0.2, 1.2]),
+)  # fmt: skip
+quick = settings(
+    max_examples=3, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate]
+)
+
+
+def hold(open_ros: Open, first: Plan, second: Plan | None, after_s: float) -> None:
+    """A run over one server, or two of which the second comes later: nothing executes at its end that it does not name.
+
+    A second server that comes when the goal was sent does not have it, unless it was on its way already.
+    """
+    stand, connector = Stand(open_ros), open_ros()
+    try:
+        stand.serve(first)
+        stand.wait_for(connector, 1)
+        arrival = threading.Timer(after_s, lambda: stand.serve(second)) if second is not None else None
+        if arrival is not None:
+            arrival.start()
+        try:
+            result = run(stand, connector)
+        except UsageError:  # both were there in time, and neither has a goal
+            assert stand.executing() == set()
+            return
+        finally:
+            if arrival is not None:
+                arrival.join()
+        executing = stand.executing()
+        assert not executing or result.open_goals, (first, second, after_s, executing, result)
+        if all(not plan.refuses and plan.cancels is not None and plan.dies is None for plan in (first, second) if plan):
+            until = time.monotonic() + 8.0
+            while stand.executing() and time.monotonic() < until:
+                threading.Event().wait(0.05)
+            assert stand.executing() == set(), ("what is accepted late is canceled", first, second, after_s, result)
+    finally:
+        stand.close()
+        connector.stop()
+
+
+@quick
+@given(PLANS, st.none() | PLANS, SECONDS)
+def test_what_executes_when_a_run_has_ended_is_named(
+    open_ros: Open, first: Plan, second: Plan | None, after_s: float
+) -> None:
+    hold(open_ros, first, second, after_s)
+
+
+@pytest.mark.drill
+@settings(parent=quick, max_examples=60)
+@given(PLANS, st.none() | PLANS, SECONDS)
+def test_what_executes_when_a_run_has_ended_is_named_over_many_servers(
+    open_ros: Open, first: Plan, second: Plan | None, after_s: float
+) -> None:
+    hold(open_ros, first, second, after_s)
