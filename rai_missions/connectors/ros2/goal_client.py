@@ -11,6 +11,8 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
 from rai_missions.connectors.ros2.peers import NOBODY, are_gone, servers_of_action
 from rai_missions.connectors.ros2.rivals import ObservedClient
 from rai_missions.connectors.ros2.runtime import Runtime, Work
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ("PRESS_S", "QUIET_S", "STEP_S", "GoalClient")
 
+STATUS = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""One server's status message must not push out another's: ROS's own reader keeps one for all of them."""
 CHASE_S = 60.0
 """How long a lost goal is chased."""
 PRESS_S = 2.0
@@ -56,6 +60,7 @@ class GoalClient:
             servers=lambda: len(self.peers()),
             callback_group=runtime.group, goal_service_qos_profile=MANY, result_service_qos_profile=MANY,
             cancel_service_qos_profile=MANY, feedback_sub_qos_profile=MANY,
+            status_sub_qos_profile=STATUS,
         )  # fmt: skip
         runtime.keep(self, self.client.destroy)
         self.patience_s = patience_s
