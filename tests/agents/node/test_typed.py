@@ -37,6 +37,7 @@ def test_a_goal_runs_the_mission_and_its_result_says_how_it_ended(scene: Scene) 
     scene.client.await_status("it runs", mode="running")
     assert scene.client.call("post", "rai_missions_msgs/srv/Post", event="go", data="{}", by="Ann")["success"]
     scene.robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+    reports.wait(lambda all_: all_[-1].data.get("state") == ["moving"], "the feedback tells so")
     scene.robot.arrive()
     told = reports.wait(ended, "the goal ends")
     assert told[0].said == "accepted" and told[-1].said == "succeeded"
