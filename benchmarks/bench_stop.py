@@ -55,7 +55,9 @@ def profile(kind: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def loaded(connector: Any, kind: str, folder: Path, number: int, ended: threading.Event) -> Any:
+def loaded(
+    connector: Any, kind: str, folder: Path, number: int, ended: threading.Event, agent: Any = None
+) -> Any:  # fmt: skip
     """A runner under full load, and its flood."""
     from rai_missions.agents.decision import DecisionAgent
     from rai_missions.event import Event
@@ -70,7 +72,7 @@ def loaded(connector: Any, kind: str, folder: Path, number: int, ended: threadin
     journal = Journal.create(folder / f"{number}.journal", Header(dump(mission), "", {}))
     runner = Runner(
         mission, robot=Robot.model_validate(profile(kind)), connector=connector, journal=journal,
-        answerers={"agent": DecisionAgent(HangingModel())},
+        answerers={"agent": agent or DecisionAgent(HangingModel())},
     )  # fmt: skip
 
     def poke() -> None:

@@ -151,12 +151,12 @@ def stops_its_guard(messages: list[BaseMessage], words: str) -> str:
 
 
 def looks(messages: list[BaseMessage], words: str) -> AIMessage:
-    """Looks up a topic, and answers with what it found in the reason."""
+    """Looks up which topics there are, and answers with what it found in the reason."""
     last = messages[-1]
     if last.type == "tool":
         said = re.sub(r"\W+", " ", str(last.content))
         return AIMessage("", tool_calls=[call("stay", why=said[:300])])
-    return AIMessage("", tool_calls=[call("receive_message", topic=words, timeout_s=1)])
+    return AIMessage("", tool_calls=[call("list_topics", containing=words)])
 
 
 def raises(messages: list[BaseMessage], words: str) -> str:

@@ -8,6 +8,7 @@ read have threads of their own, and whatever asked is released when the process 
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
 import select
@@ -33,6 +34,7 @@ __all__ = ("Call", "Life")
 GUARD = "rai_missions.agents.model_process.guard"
 UNASKED = "it sent what was not asked for"
 UNWANTED = "nobody waits for the answer any more"
+PIPE_BYTES = 1 << 20
 REPORT_S = 0.5
 """How long the guard may take to report how the model's process ended."""
 PATIENCE_S = 1.0
@@ -237,6 +239,8 @@ class Life:
     def _start(self) -> int:
         """Start the guard and the thread that writes; the descriptor from which replies are read."""
         requests, orders = os.pipe()
+        with contextlib.suppress(OSError, AttributeError):  # a picture is then written at once
+            fcntl.fcntl(orders, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
         replies, reply_end = os.pipe()
         command = [sys.executable, "-P", "-m", GUARD, str(requests), str(reply_end), str(self._most_bytes)]
         try:
