@@ -101,11 +101,11 @@ def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s:
     for name, state in missed.items():
         off = f"; {in_words(state.offset_s)}" if state.offset_s is not None else ""
         if state.misread:
-            sentences.append(f"{name} was received and not understood: {cut(state.misread, 300)}{off}")
+            sentences.append(f"{name} was received and not understood: {cut(state.misread, 300)}{off}.")
         elif state.received:
             most = keys[name].max_age_s if name in keys else None
             old = (
                 f"{state.age_s or 0.0:.1f} s old, and may be {most:g} s (max_age_s)" if most is not None else "not used"
             )
-            sentences.append(f"{name} was received, but {old}{off}")
-    return ". ".join(sentences)
+            sentences.append(f"{name} was received, but {old}{off}.")
+    return " ".join(sentences)

@@ -47,7 +47,7 @@ def test_a_refused_start_names_a_source_whose_stamps_are_behind(caplog: pytest.L
     publishes(rig, 2.53)  # no stamp is zero by chance
     with caplog.at_level(logging.WARNING), pytest.raises(UsageError, match=r"received, but 2\.5 s old") as refused:
         rig.run()
-    assert str(refused.value).endswith("; its stamps are 2.5 s behind")
+    assert str(refused.value).endswith("; its stamps are 2.5 s behind.")
     assert next(each.getMessage().split(";")[0] for each in caplog.records) == "'battery': its stamps are 2.5 s behind"
     assert any("its stamps are 2.5 s behind" in note for note in rig.book.notes), "the journal has it too"
 
@@ -89,3 +89,15 @@ def test_a_reading_that_is_understood_counts_although_one_before_was_not() -> No
     rig.stage.play({0.5: lambda: rig.publish("/battery", percentage=float("nan")),
                     0.7: lambda: rig.publish("/battery", percentage=0.5)})  # fmt: skip
     assert rig.run().duration_s == pytest.approx(0.7)
+
+
+def test_a_key_of_which_nothing_came_stands_first_among_the_reasons() -> None:
+    keys = {**NEEDED, "there": {**KEYS["there"], "optional": False}}
+    rig = Rig(mission({"end": {"final": "aborted"}}, blackboard=keys, ready_s=2))
+    rig.stage.play({0.5: lambda: rig.publish("/battery", percentage=float("inf"))})
+    with pytest.raises(UsageError) as refused:
+        rig.run()
+    assert str(refused.value) == (
+        "the robot has not said within 2 s: there; is it running? "
+        "battery was received and not understood: percentage is inf."
+    )
