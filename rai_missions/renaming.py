@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 from rai_missions.effects import Call as CallEffect
 from rai_missions.effects import Drop, Publish, Raise, Set
 from rai_missions.guards import Compare, Fresh, In, Named, Near
-from rai_missions.states import Action, Asked, Call, Compound, Each, Include, Parallel, Transition
+from rai_missions.states import Action, Asked, Call, Compound, Default, Each, Include, Parallel, Transition
 from rai_missions.states.tree import ActionLeaf, CallLeaf, PublishLeaf, SetLeaf, StatusToBlackboard
 from rai_missions.written import Written
 
@@ -93,6 +93,7 @@ SET = {"set": key, "value": template, "from_": path}
 
 REFERS: Mapping[type[Written], Mapping[str, Callable[[Names, Any], Any]]] = {
     Transition: {"on": trigger, "of": state, "to": _each(state)},
+    Default: {"to": _each(state), "on": trigger, "of": state},
     Compound: {"initial": _each(state), "states": _words(state)},
     Parallel: {"parallel": _words(state)},
     Each: {"each": path, "item": key, "initial": _each(state), "states": _words(state)},

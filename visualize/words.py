@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.effects import Effect
-from rai_missions.states import Action, Call, Decision, Each, Final, History, Include, State, Tree
+from rai_missions.states import Action, Call, Decision, Default, Each, Final, History, Include, State, Tree
 from rai_missions.states.decision import Asked
 from rai_missions.states.state import Transition
 from rai_missions.states.tree import (
@@ -62,7 +62,9 @@ def _sent(effect: Effect) -> str:
 
 
 def trigger(row: Transition) -> str:
-    """What fires a row; empty where its guard alone does."""
+    """What fires a row; empty where its guard alone does. A history's default is where it leads `without memory`."""
+    if isinstance(row, Default):
+        return row.words()
     if row.after_s is not None:
         return f"after {row.after_s:g} s"
     said = " or ".join("any event" if name == "*" else name for name in row.on)

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from rai_missions.blackboard import Key, Stamped, fits, is_number
 from rai_missions.chart.node import Act
+from rai_missions.cut import clipped
 from rai_missions.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.step import CallService, LogLine, PublishMessage, SayAloud
@@ -110,7 +111,7 @@ def _add(name: str, key: Key | None, amount: float) -> Act:
         elif is_number(old):
             chart.write_key(name, old + amount)
         else:
-            chart.notes.append(f"'{name}' was not written: nothing can be added to {old!r:.80}")
+            chart.notes.append(f"'{name}' was not written: nothing can be added to {clipped(repr(old), 80)}")
 
     return add
 

@@ -9,9 +9,11 @@ from typing import Any
 from rai_missions.chart.configuration import Configuration
 from rai_missions.chart.node import Act, Condition, Node, Row
 from rai_missions.effects import Effect
+from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.mission import Mission
 from rai_missions.states.final import Final
+from rai_missions.states.history import History
 from rai_missions.states.state import OUTCOMES, State, Transition
 
 __all__ = ("Compiled",)
@@ -67,19 +69,39 @@ class Compiled:
 
     def _link(self) -> None:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
-        starts = [name for _, _, state in self.mission.walk() for name in getattr(state, "initial", ())]
-        self.recalls = any(self.nodes[name].is_history for name in starts)
+        starts = [name for node in self.order[1:] for name in _leads(node)]
+        self.recalls = any(self.nodes[name].is_history for name in (*starts, *self.mission.initial))
         self._rows(self.root, self.mission.transitions)
         for node in self.order[1:]:
             state = node.state
             assert state is not None
-            node.initial = tuple(self.nodes[name] for name in getattr(state, "initial", ()))
+            node.initial = tuple(self.nodes[name] for name in _leads(node))
             node.clocked = node.clocked or node.activity  # its machine's guards, a profile's too, may ask for its age
             node.entry = self._acts(state.entry, f"{node.place}/entry", node)
             node.exit = self._acts(state.exit, f"{node.place}/exit", node)
             if isinstance(state, Final) and state.requires is not None:
                 node.requires = self.condition(state.requires, f"{node.place}/requires", node.name)
-            self._rows(node, state.transitions)
+            if not node.is_history:  # its transition is its default, which never fires
+                self._rows(node, state.transitions)
+        self._follow_histories()
+
+    def _follow_histories(self) -> None:
+        """See that each history leads to a state where there is no memory.
+
+        Raises:
+            UsageError: One leads back to itself.
+        """
+        for node in self.order:
+            seen, todo = set[Node](), [node] if node.is_history else []
+            while todo:
+                for each in todo.pop().initial:
+                    if each is node:
+                        raise UsageError(
+                            f"the history '{node.name}' leads to itself where there is no memory; "
+                            'give it a default, "transitions": [{"to": …}], that is a state'
+                        )
+                    todo += [each] if each.is_history and each not in seen else []
+                    seen.add(each)
 
     def _rows(self, node: Node, rows: Iterable[Transition]) -> None:
         for index, transition in enumerate(rows):
@@ -121,3 +143,14 @@ class Compiled:
                 self._configurations.clear()
             found = self._configurations[key] = Configuration(nodes, self.root)
         return found
+
+
+def _leads(node: Node) -> Iterable[str]:
+    """What entering a state by default leads to: its `initial`; of a history its default, or its parent's `initial`."""
+    if isinstance(node.state, History) and node.state.default:
+        return node.state.default
+    around = node.parent if node.is_history else node
+    if around is None or around.state is None:
+        return ()
+    initial: tuple[str, ...] = getattr(around.state, "initial", ())
+    return initial

@@ -45,10 +45,7 @@ class Graph(Compiled):
     def _effective(self, target: Node, memory: Memory) -> list[Node]:
         if not target.is_history:
             return [target]
-        assert target.parent is not None
-        return [
-            each for node in memory.get(target.index) or target.parent.initial for each in self._effective(node, memory)
-        ]
+        return [each for node in memory.get(target.index) or target.initial for each in self._effective(node, memory)]
 
     def _domain(self, row: Row, memory: Memory) -> Node | None:
         """The state inside which everything is left and entered (getTransitionDomain)."""
@@ -187,7 +184,7 @@ class Graph(Compiled):
         """A target and what is entered inside it by default (addDescendantStatesToEnter)."""
         if node.is_history:
             assert node.parent is not None
-            targets = memory.get(node.index) or node.parent.initial
+            targets = memory.get(node.index) or node.initial
             self._into(targets, node.parent, entered, memory)
             return
         entered.add(node)

@@ -51,6 +51,7 @@ class Node:
         self.children: list[Node] = []
         self.rows: list[Row] = []
         self.initial: tuple[Node, ...] = ()
+        """What entering it by default leads to; of a history where it leads without memory."""
         self.history: list[Node] = []
         self.entry: tuple[Act, ...] = ()
         self.exit: tuple[Act, ...] = ()

@@ -46,12 +46,15 @@ class Reach:
 def default_entry(survey: Survey, spot: Spot) -> list[Spot]:
     """The states that entering one leads into by itself."""
     if isinstance(spot.state, History):
-        return [spot.parent] if spot.parent is not None else []
+        return survey.found(spot.state.default) or ([spot.parent] if spot.parent is not None else [])
     if isinstance(spot.state, Parallel):
         return [child for child in spot.children if not isinstance(child.state, History)]
     named = survey.found(getattr(spot.state, "initial", ()))
     found = [
-        each for each in named if each.inside(spot) and not (isinstance(each.state, History) and each.parent is spot)
+        each
+        for each in named
+        if each.inside(spot)
+        and not (isinstance(each.state, History) and each.parent is spot and not each.state.default)
     ]
     return found or spot.children  # an initial that is wrong is one fault, not one a child
 

@@ -9,13 +9,21 @@ from rai_missions.check.survey import Row, Spot, Survey
 from rai_missions.guards import In
 from rai_missions.states import Compound, Each, Final, History, Parallel
 
-__all__ = ("crossing_rows", "initial_outside", "misplaced_states", "misused_internal", "target_lists", "words_in_vain")
+__all__ = (
+    "crossing_rows",
+    "history_defaults",
+    "initial_outside",
+    "misplaced_states",
+    "misused_internal",
+    "target_lists",
+    "words_in_vain",
+)
 
 Found = Iterator[tuple[str, str]]
 
 
 def initial_outside(survey: Survey) -> Found:
-    """`initial` names a state inside the one that it stands in, and no history of the same."""
+    """`initial` names a state inside the one that it stands in; a history of the same has a default."""
     for spot in survey.spots:
         names = getattr(spot.state, "initial", ())
         for index, name in enumerate(names):
@@ -26,16 +34,38 @@ def initial_outside(survey: Survey) -> Found:
             if not target.inside(spot):
                 inside = ", ".join(child.name for child in spot.children[:8])
                 yield place, f"'{name}' is not inside '{spot.name}'; inside it are: {inside}"
-            elif isinstance(target.state, History) and target.parent is spot:
-                yield (
-                    place,
-                    f"the history '{name}' leads to this 'initial' where there is no memory; name a state instead",
-                )
+            elif isinstance(target.state, History) and target.parent is spot and not target.state.default:
+                yield place, _leads_back(name)
     for index, name in enumerate(survey.mission.initial):
         target = survey.by_name.get(name)
         if target is not None and isinstance(target.state, History) and target.parent is None:
             place = "/initial" + (f"/{index}" if len(survey.mission.initial) > 1 else "")
-            yield place, f"the history '{name}' leads to this 'initial' where there is no memory; name a state instead"
+            yield place, _leads_back(name)
+
+
+def _leads_back(name: str) -> str:
+    remedy = 'name a state instead, or give it a default: "transitions": [{"to": …}]'
+    return f"the history '{name}' leads to this 'initial' where there is no memory; {remedy}"
+
+
+def history_defaults(survey: Survey) -> Found:
+    """A history's default is a state inside its parent, of a shallow one a child, and no history."""
+    for spot in survey.spots:
+        if not isinstance(spot.state, History) or spot.parent is None:
+            continue
+        for target in survey.found(spot.state.default):
+            place, parent = f"{spot.place}/transitions/0/to", spot.parent
+            if not target.inside(parent):
+                yield (
+                    place,
+                    f"'{target.name}' is not inside '{parent.name}'; '{spot.name}' leads back there, name one in it",
+                )
+            elif isinstance(target.state, History):
+                yield place, f"'{target.name}' is a history too; name the state to which it is to lead without memory"
+            elif spot.state.history == "shallow" and target.parent is not parent:
+                child = next(each for each in target.upward() if each.parent is parent)
+                remedy = f"name '{child.name}', or make it deep"
+                yield place, f"a shallow history leads to a child of '{parent.name}', not to '{target.name}'; {remedy}"
 
 
 def target_lists(survey: Survey) -> Found:
@@ -73,7 +103,7 @@ def _clash(targets: Sequence[Spot]) -> str:
 
 
 def misplaced_states(survey: Survey) -> Found:
-    """A history stands in a compound state, a final not beside regions, and neither has rows, a timeout or control."""
+    """A history stands in a compound state, a final not beside regions, and neither has a timeout or control."""
     for spot in survey.spots:
         state, parent = spot.state, spot.parent
         if isinstance(state, History) and (parent is None or isinstance(parent.state, Parallel)):
@@ -90,7 +120,7 @@ def misplaced_states(survey: Survey) -> Found:
         if isinstance(state, Final | History):
             kind = "final" if isinstance(state, Final) else "history"
             why = "it ends its parent" if kind == "final" else "it is never active itself"
-            words = ["transitions", "timeout_s", "control", *(("entry", "exit") if kind == "history" else ())]
+            words = ["timeout_s", "control", *(("entry", "exit") if kind == "history" else ("transitions",))]
             for word in words:
                 if getattr(state, word):
                     yield f"{spot.place}/{word}", f"a {kind} state has no '{word}', for {why}; take it away"

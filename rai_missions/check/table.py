@@ -10,7 +10,21 @@ import inspect
 from collections.abc import Callable, Collection, Iterable
 from typing import NamedTuple
 
-from rai_missions.check import bounds, cycles, facts, keys, loops, names, outcomes, reach, rows, shape, stale, types
+from rai_missions.check import (
+    bounds,
+    cycles,
+    facts,
+    keys,
+    loops,
+    names,
+    outcomes,
+    reach,
+    rows,
+    shape,
+    stale,
+    surprises,
+    types,
+)
 from rai_missions.check.finding import Finding, Severity
 from rai_missions.check.order import document_order
 from rai_missions.check.survey import Survey
@@ -49,6 +63,7 @@ RULES: tuple[Rule, ...] = (
     Rule("mismatched-list", "error", types.mismatched_lists),
     Rule("mismatched-write", "error", types.mismatched_writes),
     Rule("initial-outside", "error", shape.initial_outside),
+    Rule("history-default", "error", shape.history_defaults),
     Rule("target-list", "error", shape.target_lists),
     Rule("misplaced-state", "error", shape.misplaced_states),
     Rule("misused-internal", "error", shape.misused_internal),
@@ -74,6 +89,8 @@ RULES: tuple[Rule, ...] = (
     Rule("deaf-row", "warning", outcomes.deaf_rows),
     Rule("empty-wildcard", "warning", outcomes.unused_wildcards),
     Rule("crossing-row", "warning", shape.crossing_rows),
+    Rule("lost-timer", "warning", surprises.lost_timers),
+    Rule("rival-action", "warning", surprises.rival_actions),
     Rule("unbounded-call", "warning", bounds.unbounded_calls),
     Rule("misspelled-answerer", "warning", bounds.misspelled_answerers),
     Rule("unused-key", "warning", keys.unused_keys),

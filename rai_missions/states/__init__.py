@@ -6,12 +6,12 @@ from rai_missions.states.call import Call
 from rai_missions.states.compound import Compound, Each, Parallel
 from rai_missions.states.decision import Asked, Budget, Decision, Option
 from rai_missions.states.final import Final
-from rai_missions.states.history import History
+from rai_missions.states.history import Default, History
 from rai_missions.states.include import Include
 from rai_missions.states.state import State, Transition
 from rai_missions.states.tree import Tree
 
 __all__ = (
-    "Action", "Asked", "Budget", "Call", "Compound", "Decision", "Each", "Final", "History", "Include", "Option",
-    "Parallel", "State", "Transition", "Tree",
+    "Action", "Asked", "Budget", "Call", "Compound", "Decision", "Default", "Each", "Final", "History", "Include",
+    "Option", "Parallel", "State", "Transition", "Tree",
 )  # fmt: skip

@@ -3,17 +3,60 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from rai_missions.states.state import State
+from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
 
-__all__ = ("History",)
+from rai_missions.states.state import State, Transition
+from rai_missions.written import fault
+
+__all__ = ("Default", "History")
+
+
+class Default(Transition):
+    """Where a history leads while there is no memory. Nothing triggers it, guards it or is done by it."""
+
+    positional: ClassVar = ("to",)
+
+    @model_validator(mode="after")
+    def _one_trigger(self) -> Self:
+        given = [word for word in ("on", "of", "after_s", "when", "do", "internal") if getattr(self, word)]
+        if given or not self.to:
+            what = f"this has {', '.join(given)}" if given else "this has none"
+            raise fault("default", f"a history's transition only says where it leads without memory, 'to'; {what}")
+        return self
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Only what its validator lets through."""
+        schema = handler.resolve_ref_schema(handler(core))
+        kept = {word: schema["properties"][word] for word in ("to", "about")}
+        return {**schema, "properties": kept, "required": ["to"]}
+
+    @property
+    def eventless(self) -> bool:
+        """It is part of entering, and never fires."""
+        return False
+
+    def words(self) -> str:
+        return "without memory"
+
+
+def _listed(given: object) -> object:
+    return tuple(given) if isinstance(given, list) else given
 
 
 class History(State, word="history"):
-    """Never active itself; without memory it leads to the parent's `initial`."""
+    """Never active itself; without memory it leads to its own transition's target, else to the parent's `initial`."""
 
     positional: ClassVar = ("history",)
 
     history: Literal["shallow", "deep"]
     """`shallow` remembers the parent's active child, `deep` all that was active inside."""
+    transitions: Annotated[tuple[Default, ...], BeforeValidator(_listed)] = Field(default=(), max_length=1)
+    """Its default, `[{"to": …}]`: inside its parent; of a `shallow` one a child."""
+
+    @property
+    def default(self) -> tuple[str, ...]:
+        """Where it leads without memory; empty for the parent's `initial`."""
+        return self.transitions[0].to if self.transitions else ()

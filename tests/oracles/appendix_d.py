@@ -104,9 +104,8 @@ class Interpreter:
         self._children(self.doc, document["states"])
         for element in (self.doc, *self.elements.values()):
             place = "/states/" + element.id if element.id else ""
-            element.transitions = [
-                self._transition(element, t, f"{place}/{i}") for i, t in enumerate(element.data.get("transitions", ()))
-            ]
+            rows = element.data.get("transitions", ()) if element.kind != "history" else ()
+            element.transitions = [self._transition(element, t, f"{place}/{i}") for i, t in enumerate(rows)]
         self.datamodel = {name: key.get("initial") for name, key in document.get("blackboard", {}).items()}
         self.configuration: set[Element] = set()
         self.history_value: dict[str, list[Element]] = {}
@@ -344,11 +343,10 @@ class Interpreter:
                 self.add_descendant_states_to_enter(child, states_to_enter)
 
     def _recalled(self, history: Element) -> list[Element]:
-        """What a history state holds, or else the targets of its default transition: here its parent's `initial`."""
+        """What a history state holds, or else the targets of its default transition, or of its parent's `initial`."""
         assert history.parent is not None
-        return self.history_value.get(history.id) or [
-            self.elements[name] for name in many(history.parent.data["initial"])
-        ]
+        default = history.data.get("transitions") or [{"to": history.parent.data["initial"]}]
+        return self.history_value.get(history.id) or [self.elements[name] for name in many(default[0]["to"])]
 
     def is_in_final_state(self, s: Element) -> bool:
         if is_compound_state(s):

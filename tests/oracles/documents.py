@@ -44,6 +44,8 @@ class Taste:
     end: bool = True
     """A top-level final."""
     nested_parallel: bool = True
+    defaults: bool = False
+    """Histories that say where they lead without memory, and some with which their parent begins."""
     depth: int = 3
 
     def without(self, **words: Any) -> Taste:
@@ -138,6 +140,9 @@ class _Draft:
     def initial(self, name: str, state: Json) -> Any:
         children = [each for each in self.states if self.parents[each] == name and "history" not in self.states[each]]
         waiting = [each for each in children if "final" not in self.states[each]]
+        ways_back = [each for each in self.below(name) if self.states[each].keys() >= {"history", "transitions"}]
+        if name and ways_back and self.some(of=3):
+            return self.draw(st.sampled_from(ways_back))
         if self.taste.several and self.some(of=3):
             inner = self.below(name) if name else list(self.states)
             parallels = [each for each in inner if "parallel" in self.states[each]]
@@ -210,7 +215,18 @@ class _Draft:
             "states" in self.states[name]
         )
 
+    def defaults(self) -> None:
+        """Where histories lead without memory, said by every other one."""
+        for name, state in self.states.items():
+            if "history" in state and self.taste.defaults and self.some(of=2):
+                parent = self.parents[name]
+                inner = [each for each in self.below(parent) if "history" not in self.states[each]]
+                children = [each for each in inner if self.parents[each] == parent]
+                to = self.draw(st.sampled_from(children if state["history"] == "shallow" else inner))
+                state["transitions"] = [{"to": to}]
+
     def connect(self) -> None:
+        self.defaults()
         for name, state in self.states.items():
             if "states" in state:
                 state["initial"] = self.initial(name, state)

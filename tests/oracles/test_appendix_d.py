@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from tests.oracles.appendix_d import Endless
@@ -40,4 +41,17 @@ def test_delayed_events_come_and_are_canceled_as_sends_are(document: Json, scrip
 @lenient
 @given(charts(Taste(outcomes=True, root_rows=True, wildcard=True)), scripts(writes=True))
 def test_outcomes_go_where_they_are_addressed(document: Json, script: list[tuple[Any, ...]]) -> None:
+    agree(document, script)
+
+
+@lenient
+@given(charts(Taste(defaults=True, outcomes=True)), scripts(writes=True))
+def test_a_history_leads_by_its_default_where_there_is_no_memory(document: Json, script: list[tuple[Any, ...]]) -> None:
+    agree(document, script)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=5_000)
+@given(charts(Taste(defaults=True, outcomes=True)), scripts(writes=True))
+def test_thousands_of_histories_lead_by_their_defaults(document: Json, script: list[tuple[Any, ...]]) -> None:
     agree(document, script)

@@ -134,7 +134,7 @@ class Roads:
         if parent is None:
             return list(self.mission.initial)
         around = self.states[parent]
-        first = around.initial if isinstance(around, Compound | Each) else ()
+        first = state.default or (around.initial if isinstance(around, Compound | Each) else ())
         if state.history == "shallow":
             return [*first, *around.children()]
         return [*first, *(each for each in self.states if parent in self.above(each))]

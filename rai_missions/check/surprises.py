@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is allowed and does something else than an author may expect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rai_missions.check.outcomes import together
+from rai_missions.check.survey import Row, Spot, Survey
+from rai_missions.states import Action
+
+__all__ = ("lost_timers", "rival_actions")
+
+Found = Iterator[tuple[str, str]]
+
+
+def lost_timers(survey: Survey) -> Found:
+    """A transition with `after_s` and `when` fires at one instant or never; another one says what happens otherwise."""
+    for row in survey.rows:
+        after_s, guard = row.transition.after_s, row.transition.when
+        if after_s is not None and guard is not None and not _goes_on(survey, row):
+            wait = f'"when": {{"all": [{{"elapsed_s": {after_s:g}}}, …]}}'
+            yield (
+                f"{row.place}/when",
+                f"where this is not true after {after_s:g} s, the transition is lost until the state is entered again; "
+                f"write {wait} to wait for it, or add one without 'when'",
+            )
+
+
+def _goes_on(survey: Survey, row: Row) -> bool:
+    """Whether a later instant decides what happens where the guard was not true."""
+    rows = row.owner.rows if row.owner is not None else [each for each in survey.rows if each.owner is None]
+    assert row.transition.after_s is not None
+    after_s = row.transition.after_s
+    bounded = row.owner is not None and row.owner.state.timeout_s is not None
+    return bounded or any(
+        each is not row and each.transition.after_s is not None and each.transition.after_s >= after_s for each in rows
+    )
+
+
+def rival_actions(survey: Survey) -> Found:
+    """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
+    spots = [spot for spot in survey.spots if isinstance(spot.state, Action)]
+    for index, spot in enumerate(spots):
+        rivals = [each for each in spots if each is not spot and together(spot, each)]
+        if rivals and not any(_handles(each) for each in (spot, *rivals)) and spots.index(rivals[0]) > index:
+            yield (
+                f"{spot.place}/action",
+                f"'{spot.name}' and '{rivals[0].name}' may run at one time, and unless the profile's 'uses' keep them "
+                "apart, the second waits for the end of the first and is 'rejected' where that is never confirmed; "
+                "handle 'rejected' in one of them",
+            )
+
+
+def _handles(spot: Spot) -> bool:
+    return any("rejected" in row.transition.on for here in spot.upward() for row in here.rows)
