@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any, Generic, TypeVar, get_args
 
 from rai_missions.connectors.connector import Connector, Data, Message, Mode, Reply, Report
+from rai_missions.errors import UsageError
 
 __all__ = ("Heard", "PatientServer", "check_connector")
 
@@ -191,8 +192,10 @@ def _says_that_nobody_serves(connector: Connector, *_: Any) -> None:
     assert reply.outcome in ("unavailable", "timed_out"), reply
 
 
-def _sent(connector: Connector, action_type: str, goal: Data, goal_id: str) -> tuple[PatientServer, Heard[Report]]:
-    server, reports = PatientServer(), Heard[Report]()
+def _sent(
+    connector: Connector, action_type: str, goal: Data, goal_id: str, server: PatientServer | None = None
+) -> tuple[PatientServer, Heard[Report]]:
+    server, reports = server or PatientServer(), Heard[Report]()
     connector.offer("/check/action", action_type, server)
     connector.send_goal("/check/action", action_type, goal, goal_id=goal_id, report=reports)
     server.asked.wait(bool, "a goal was sent")
@@ -234,6 +237,46 @@ def _ignores_a_cancel_of_nothing(connector: Connector, action_type: str, goal: D
     assert ("cancel", "g3") not in server.asked.all, "an ended goal is not canceled"
 
 
+class StubbornServer(PatientServer):
+    """An action server that refuses every cancel."""
+
+    def cancel(self, goal_id: str) -> None:
+        self.say(goal_id, "cancel_rejected")
+        super().cancel(goal_id)
+
+
+def _reports_a_refused_cancel(connector: Connector, action_type: str, goal: Data) -> None:
+    server, reports = _sent(connector, action_type, goal, "g6", StubbornServer())
+    server.say("g6", "accepted")
+    reports.wait(_ended_with("accepted"), "the goal was accepted")
+    connector.cancel_goal("g6")
+    reports.wait(_ended_with("cancel_rejected"), "a refused cancel is reported, and is no end")
+    server.say("g6", "succeeded")
+    reports.wait(_ended_with("succeeded"), "the goal ends nevertheless")
+
+
+def _refuses_a_second_offer(connector: Connector, action_type: str, *_: Any) -> None:
+    close = connector.offer("/check/action", action_type, PatientServer())
+    _is_refused(lambda: connector.offer("/check/action", action_type, PatientServer()))
+    close()
+    connector.offer("/check/action", action_type, PatientServer())
+
+
+def _refuses_to_serve_twice(connector: Connector, *_: Any) -> None:
+    close = connector.serve("/check/service", TRIGGER, lambda request: request)
+    _is_refused(lambda: connector.serve("/check/service", TRIGGER, lambda request: request))
+    close()
+    connector.serve("/check/service", TRIGGER, lambda request: request)
+
+
+def _is_refused(serve: Callable[[], Any]) -> None:
+    try:
+        serve()
+    except UsageError:
+        return
+    raise AssertionError("a second server on one name is refused")
+
+
 def _rejects_what_nobody_serves(connector: Connector, action_type: str, goal: Data) -> None:
     reports: Heard[Report] = Heard()
     connector.send_goal("/check/nobody", action_type, goal, goal_id="g4", report=reports)
@@ -255,6 +298,7 @@ SERVICES: tuple[Check, ...] = (
     _says_why_a_call_failed,
     _says_that_nobody_serves,
     _lists_what_is_served,
+    _refuses_to_serve_twice,
 )
 ACTIONS: tuple[Check, ...] = (
     _carries_a_goal_to_its_end,
@@ -263,4 +307,6 @@ ACTIONS: tuple[Check, ...] = (
     _rejects_what_nobody_serves,
     _cancels_running_goals_on_stop,
     _lists_its_actions,
+    _reports_a_refused_cancel,
+    _refuses_a_second_offer,
 )
