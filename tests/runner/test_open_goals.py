@@ -7,6 +7,7 @@ Rule: what is executing is read from the servers alone, what is named from the r
 from __future__ import annotations
 
 import heapq
+import io
 import itertools
 import uuid
 from collections.abc import Callable, Mapping
@@ -20,6 +21,7 @@ from hypothesis import strategies as st
 from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.lifecycle import Status
+from rai_missions.progress import Lines
 from rai_missions.runner import Result
 from tests.runner.stages import Rig, Stage, mission
 
@@ -298,6 +300,17 @@ def test_a_refused_cancel_is_named_and_the_robot_may_still_move() -> None:
     result = played(Plan(refuses=True))
     assert [(goal.action, goal.owner, goal.reason) for goal in result.open_goals] == [("move", "s0", "refused")]
     assert result.warning == "the robot may still move: goal 1 of 'move' (its server refuses to cancel it)"
+
+
+def test_the_journal_and_the_lines_name_what_may_still_move_the_robot() -> None:
+    out, given = io.StringIO(), mission(_states(["move"]))
+    lines = Lines(given, out)
+    rig = Rig(given, on_status=lines.status)
+    rig.move.on_cancel = ("cancel_rejected",)
+    lines.end(rig.run())
+    sentence = "the robot may still move: goal 1 of 'move' (its server refuses to cancel it)"
+    assert sentence in rig.book.notes
+    assert out.getvalue().count(sentence) == 2
 
 
 def test_a_cancel_that_is_never_confirmed_is_named() -> None:

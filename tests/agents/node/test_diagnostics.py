@@ -10,9 +10,12 @@ import pytest
 from rai_missions.agents.node.bulletin import Bulletin, Open
 from rai_missions.agents.node.diagnostics import ERROR, OK, WARN, array_of, level
 from rai_missions.readings import SourceState
+from rai_missions.states.goals import OpenGoal
 from rai_missions.verdict import Question
 
 RUNNING = Bulletin(3, "/errand", "ab", "active", "errand", "1.0", "r1", "running", "autonomy", ("moving",))
+LOOSE = (OpenGoal(3, "drive", "moving", "refused"),)
+MOVING = "the robot may still move: goal 3 of 'drive' (its server refuses to cancel it)"
 ASKED = (Open(Question(4, "asking", "operator", "Which way?", ()), 5.0),)
 
 
@@ -34,6 +37,12 @@ ASKED = (Open(Question(4, "asking", "operator", "Which way?", ()), 5.0),)
         ({}, {"strangers": 1}, (WARN, "another node is called /errand too; give one of them another name with --node")),
         ({"mode": "failed", "why": "timed_out"}, {"stale": ("pose",)}, (ERROR, "failed: timed_out")),
         ({"mode": "aborted", "why": "killed by Ann"}, {}, (ERROR, "aborted: killed by Ann")),
+        (
+            {"mode": "failed", "why": "timed_out", "open_goals": LOOSE},
+            {},
+            (ERROR, f"failed: timed_out; {MOVING}"),
+        ),
+        ({"mode": "paused", "open_goals": LOOSE}, {}, (ERROR, MOVING)),
         ({"fault": "/initial: no state 'x'"}, {}, (ERROR, "/initial: no state 'x'")),
     ],
 )
@@ -44,6 +53,11 @@ def test_the_level_says_how_bad_it_is(
     assert level(bulletin, **around) == expected
     (status,) = array_of(bulletin, at=1.0, **around)["status"]
     assert (status["level"], status["message"]) == expected and status["name"] == "/errand: mission"
+
+
+def test_a_bulletin_names_the_goals_that_may_still_move_the_robot() -> None:
+    said = RUNNING._replace(open_goals=LOOSE).data()["open_goals"]
+    assert said == [{"number": 3, "action": "drive", "owner": "moving", "reason": "refused"}]
 
 
 def test_a_bulletin_says_its_question_with_the_time_left() -> None:

@@ -48,6 +48,19 @@ def test_a_journal_that_grows_is_followed(tmp_path: Path, page: LivePage) -> Non
     viewer.cut()
 
 
+def test_goals_that_may_still_move_the_robot_are_seen(tmp_path: Path, page: LivePage) -> None:
+    run, path = Run(tractor()), tmp_path / "a.journal"
+    loose = [{"number": 3, "action": "drive_alleys", "owner": "driving", "reason": "refused"}]
+    with Journal.create(path, Header(json.dumps(tractor().written()))) as journal:
+        journal.write(run.start(), since=0.0)
+        journal.note("the robot may still move", {"open_goals": loose})
+    feed = JournalFeed(path)
+    page.start(feed.mission, feed)
+    viewer = Viewer(page)
+    until(lambda: viewer.sees(open_goals=loose), "the goal is named")
+    viewer.cut()
+
+
 def test_values_that_travelled_with_a_row_are_seen(tmp_path: Path, page: LivePage) -> None:
     run, path = Run(tractor()), tmp_path / "a.journal"
     with Journal.create(path, Header(json.dumps(tractor().written()), arguments={"alleys": 3})) as journal:
