@@ -67,6 +67,13 @@ class Abilities(NamedTuple):
     """It can be bound to tools."""
     images: bool
     """It says that it takes pictures."""
+    name: str
+    """What it is called."""
+
+    @classmethod
+    def of(cls, model: BaseChatModel) -> Abilities:
+        """Of a model in this process."""
+        return cls(fills_schemas(model), calls_tools(model), takes_images(model), name_of(model))
 
 
 class Conversation(Protocol):
@@ -125,7 +132,7 @@ class ThreadChat:
         """It is there."""
 
     def abilities(self, pending: Pending) -> Abilities:
-        return Abilities(fills_schemas(self._model), calls_tools(self._model), takes_images(self._model))
+        return Abilities.of(self._model)
 
     def converse(self, mode: Mode, form: Form, pending: Pending) -> Conversation:
         try:

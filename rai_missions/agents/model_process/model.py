@@ -53,13 +53,13 @@ class ModelProcess:
         self._old: set[Life] = set()
         """Processes that were replaced and have yet to end."""
         self._closed = self._used = False
-        self._absent = ""
+        self._absent = self._name = ""
         self._numbers = itertools.count(1)
         self._timers: set[threading.Timer] = set()
 
     @property
     def name(self) -> str:
-        return self._spec.partition(":")[2] or self._spec
+        return self._name or self._spec.partition(":")[2] or self._spec
 
     def open(self) -> None:
         """Start the process; returns at once."""
@@ -68,7 +68,9 @@ class ModelProcess:
             self._begin()
 
     def abilities(self, pending: Pending) -> Abilities:
-        return self._current().wait_able(pending.when_closed)
+        able = self._current().wait_able(pending.when_closed)
+        self._name = able.name
+        return able
 
     def converse(self, mode: Mode, form: Form, pending: Pending) -> Exchange:
         life = self._current()

@@ -80,7 +80,7 @@ def _content(content: Any, blobs: Sequence[bytes]) -> Any:
 
 def ability_words(able: Abilities) -> dict[str, Any]:
     """What a model can do, once it is opened."""
-    return {"ready": able._asdict()}
+    return {"ready": {**able._asdict(), "name": cut(able.name, LONGEST_NAME)}}
 
 
 def abilities_in(message: Mapping[str, Any]) -> Abilities:
@@ -92,9 +92,11 @@ def abilities_in(message: Mapping[str, Any]) -> Abilities:
     given = message.get("ready")
     if not isinstance(given, dict) or set(given) != set(Abilities._fields):
         raise Broken("it sent abilities that are none")
-    if not all(isinstance(each, bool) for each in given.values()):
+    name = _text(given, "name", LONGEST_NAME)
+    flags = {word: flag for word, flag in given.items() if word != "name"}
+    if not all(isinstance(flag, bool) for flag in flags.values()):
         raise Broken("it sent abilities that are none")
-    return Abilities(**given)
+    return Abilities(**flags, name=name)
 
 
 def reply_words(answer: Said | BaseException | None) -> dict[str, Any]:

@@ -70,7 +70,6 @@ def _opened(order: Mapping[str, Any], outlet: Outlet) -> Any:
     from rai_missions.agents.chat import Abilities
     from rai_missions.agents.model_process.words import ability_words
     from rai_missions.agents.models import open_model
-    from rai_missions.agents.modes import calls_tools, fills_schemas, takes_images
     from rai_missions.cut import cut
     from rai_missions.hush import hush
     from rai_missions.redact import held_by
@@ -79,7 +78,7 @@ def _opened(order: Mapping[str, Any], outlet: Outlet) -> Any:
     try:
         model = open_model(order["model"])
         hush(held_by(model))
-        words = ability_words(Abilities(fills_schemas(model), calls_tools(model), takes_images(model)))
+        words = ability_words(Abilities.of(model))
     except BaseException as error:  # noqa: BLE001 - whatever the provider's package raises, the model is not there
         outlet.send({"absent": cut(error, 400)})
         return None

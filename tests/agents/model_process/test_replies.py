@@ -129,5 +129,5 @@ def test_messages_and_pictures_come_as_they_were_sent() -> None:
 
 
 def test_abilities_come_as_they_were_sent() -> None:
-    able = Abilities(schemas=True, tools=False, images=True)
+    able = Abilities(schemas=True, tools=False, images=True, name="small")
     assert abilities_in(ability_words(able)) == able
