@@ -29,7 +29,7 @@ from rai_missions.states.ticker import Trees
 from rai_missions.step import CancelGoal, Move
 from rai_missions.wording import in_words
 
-__all__ = ("Core", "Look", "Named", "Timer", "Trigger")
+__all__ = ("Core", "Look", "Named", "Timer", "TimerKey", "Trigger")
 
 Named = Mapping[str, Callable[..., Truth]]
 """Predicates of the user's program by name; each gets the blackboard's fresh values and the guard's `with`."""

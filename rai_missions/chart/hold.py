@@ -15,7 +15,7 @@ from rai_missions.event import Event
 from rai_missions.states.activity import Machine
 from rai_missions.states.state import Controller
 
-__all__ = ("HOLDERS", "Hold")
+__all__ = ("HOLDERS", "OUTCOME", "Hold")
 
 HOLDERS = (*get_args(Controller), "nobody")
 """Who can hold control."""
@@ -43,6 +43,13 @@ class Hold(Core):
         """The active states that wait until the operator gives control back."""
         return frozenset(node.name for node in self._config.nodes if self._frozen and node.control in self._frozen)
 
+    def still_since(self, name: str) -> float | None:
+        """Since when the time of a state stands still, in seconds on the run's clock; None while it runs."""
+        instants = [self._paused_at] if self.mode == "paused" else []
+        control = self._graph.nodes[name].control
+        instants += [self._frozen[control]] if control in self._frozen else []
+        return min(instants, default=None)
+
     def _held_controls(self) -> frozenset[str]:
         """The controls in the mission whose states are held as long as control is where it is."""
         by = self.held_by
@@ -64,6 +71,12 @@ class Hold(Core):
         """A plan without the transitions of held states."""
         chains = (tuple(row for row in chain if not self._is_held(row.source)) for chain in plan)
         return tuple(chain for chain in chains if chain)
+
+    def settle_holds(self) -> None:
+        """Give what is held, now, the time that it had left: what begins from here on counts from the same instant."""
+        for control in sorted(self._frozen):
+            self._shift(self._run_at - self._frozen[control], (control,))
+        self._frozen = dict.fromkeys(self._frozen, self._run_at)
 
     # -- what came meanwhile --------------------------------------------------------------------------------------
 

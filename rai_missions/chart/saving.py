@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.chart.configuration import Configuration
+from rai_missions.chart.core import Timer, TimerKey
 from rai_missions.chart.instants import Instants
 from rai_missions.chart.packing import unpacked
 from rai_missions.step import Move
@@ -65,6 +66,14 @@ class Saving(Instants):
             self._machine(nodes[name])
         self._final = nodes[saved["final"]] if saved["final"] else None
 
+    def _control_of(self, key: TimerKey, timer: Timer) -> str:
+        """Whose control the state of a timer needs in this mission."""
+        kind, which = key
+        if kind == "raise":
+            return timer.control if timer.control in self._graph.controls else ""
+        node = self._graph.nodes[which] if kind == "timeout" else self._graph.rows[which].source
+        return node.control or ""
+
     def standing(self, targets: Iterable[str]) -> tuple[Configuration, list[str]]:
         """The configuration in which these states are active, and the pairs of states in it that exclude each other.
 
@@ -87,6 +96,10 @@ class Saving(Instants):
     def _migrate(self, data: Mapping[str, Any]) -> None:
         """Stand where a run of another mission stood; what is new begins when the run is taken up."""
         self._stand(unpacked(data["stands"]))
+        self._frozen = dict.fromkeys(self._held_controls(), self._run_at)
+        self._timers = {
+            key: timer._replace(control=self._control_of(key, timer)) for key, timer in self._timers.items()
+        }
         clocked = {name for name, node in (*self._graph.nodes.items(), ("", self._graph.root)) if node.clocked}
         self.view.entered = {name: at for name, at in self.view.entered.items() if name in clocked}
         self._unbegun = tuple(data["begins"])

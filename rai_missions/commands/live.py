@@ -138,6 +138,7 @@ class Watch:
         )  # fmt: skip
         if mode == "paused" and chart.paused_at is not None:
             scene.paused_at = chart.paused_at
+        scene.held_by, scene.held_since = chart.held_by, chart.held_since
         return scene
 
     def _asked(self) -> list[Question]:

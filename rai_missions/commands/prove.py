@@ -181,7 +181,7 @@ def _limits(proof: Any) -> Iterable[str]:
         yield f"a few rounds stand for all, which are alike: {loops}"
     if proof.in_pause:
         names = ", ".join(proof.in_pause)
-        yield f"while paused no rule acts, and what the robot says can end the mission by: {names}"
+        yield f"while paused or held not every rule acts, and what the robot says can end the mission by: {names}"
     if proof.predicates:
         yield f"free to say anything whenever asked: {', '.join(proof.predicates)}"
     if proof.sampled:
@@ -189,6 +189,7 @@ def _limits(proof: Any) -> Iterable[str]:
     if proof.never:
         yield f"no run enters: {', '.join(proof.never)}"
     yield "in every state the operator may pause, resume, take control or give it; timers run out in any order"
+    yield "comes to rest assumes that an operator who has taken control gives it back"
     yield "not explored: a process that is killed and taken up again"
 
 

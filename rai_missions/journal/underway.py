@@ -53,8 +53,6 @@ class Underway:
         """Number of a step → those of its effects of which nothing says that they were carried out."""
         self.handover: Handover | None = None
         """Asked for and not acknowledged."""
-        self.is_held_for_mission = False
-        """Whoever holds control was given it by the mission."""
 
     def follow(self, row: Row) -> None:
         """Take the next row."""
@@ -102,7 +100,6 @@ class Underway:
         if event.kind == "command" and event.name == "migrate":  # what was under way in the run that it goes on with
             accepted = event.data.get("accepted")
             self.accepted |= {number for number in self.open if isinstance(accepted, list) and number in accepted}
-            self.is_held_for_mission = event.data.get("is_held_for_mission") is True
         if event.kind == "command" and event.name == "kill":
             self.stop()
         else:
@@ -115,9 +112,7 @@ class Underway:
         self.unsure = {seq: effects for seq, effects in left.items() if effects}
 
     def _control(self, event: Event) -> None:
-        is_asked_for = self.handover is not None and self.handover.to == event.name
-        self.is_held_for_mission = is_asked_for or event.data.get("by") == "mission"
-        if is_asked_for:
+        if self.handover is not None and self.handover.to == event.name:
             self.handover = None
 
     def _effect(self, effect: Effect) -> None:

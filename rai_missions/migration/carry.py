@@ -6,15 +6,17 @@ Rule: what is written as it was goes on as it stood; whatever else begins anew, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.chart.core import Timer
+from rai_missions.chart.hold import OUTCOME
 from rai_missions.errors import Fault
 from rai_missions.event import Event
 from rai_missions.journal.underway import Underway
 from rai_missions.migration.naming import Naming
 from rai_missions.migration.stand import Stand
+from rai_missions.mission import BUILT_IN_EVENTS
 from rai_missions.states.asking import Asking
 from rai_missions.states.compound import Each
 from rai_missions.states.goals import Goal
@@ -26,6 +28,7 @@ __all__ = ("Carried", "carry")
 
 UNCHANGED = (
     "mode", "holder", "outcome", "why", "_number", "_paused_at", "_cancel_by", "at", "event", "answer",
+    "taken", "_asked", "_held_since",
 )  # fmt: skip
 
 
@@ -82,10 +85,10 @@ class _Carrying:
             "_rounds": self._rounds(),
             "_settling": {new: was["_settling"][old] for new, old in origins.items() if old in was["_settling"]},
             "_calls": dict(was["_calls"]),
-            "_queue": self._queue(),
-            "_suspended": tuple(
-                new for new, old in origins.items() if old in was["_suspended"] and self._goes_on(old, new)
-            ),
+            "_queue": self._queue(was["_queue"]),
+            "_kept": self._queue(was["_kept"]),
+            "_suspended": self._waiting(was["_suspended"]),
+            "_laid_by": self._waiting(was["_laid_by"]),
             "_unknown": frozenset(name for name in was["_unknown"] if name in self.naming.now.invariants),
             "atomic": self.found.atomic,
             "memory": self._memory(),
@@ -219,15 +222,29 @@ class _Carrying:
             if new in lists and old in self.was["_rounds"]
         }  # fmt: skip
 
-    def _queue(self) -> tuple[Event, ...]:
-        """What came while the run was paused."""
+    def _waiting(self, names: Collection[str]) -> tuple[str, ...]:
+        """States whose activity is to start again."""
+        origins = self.found.origins.items()
+        return tuple(new for new, old in origins if old in names and self._goes_on(old, new))
+
+    def _queue(self, events: Iterable[Event]) -> tuple[Event, ...]:
+        """What came while the run was paused or held."""
         queue = []
-        for event in self.was["_queue"]:
+        for event in events:
+            if event.kind == OUTCOME:
+                state = self.naming.state(event.data["state"])
+                queue += [event._replace(data={**event.data, "state": state})] if state is not None else []
+                continue
+            if event.kind == "event" and event.name in BUILT_IN_EVENTS:
+                queue.append(event)
+                continue
             name = self.naming.event(event.name) if event.kind == "event" else event.name
             if name is not None:
                 queue.append(event._replace(name=name))
             elif event.name not in self.naming.map.events:
-                sentence = f"'{event.name}' came while the run was paused, and the mission now has no such event"
+                sentence = (
+                    f"'{event.name}' came while the run was paused or held, and the mission now has no such event"
+                )
                 self.faults.append(Fault("/events", f'{sentence}; name it, or drop it: "{event.name}": null'))
         return tuple(queue)
 

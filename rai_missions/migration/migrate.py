@@ -145,6 +145,7 @@ def _data(naming: Naming, resumed: Resumption, chart: Chart, source: str) -> dic
     Raises:
         DefinitionError: The map does not say enough, or what is not so; every fault at once.
     """
+    resumed.chart.settle_holds()
     was = resumed.chart.snapshot()
     found, lost = stand(naming, was, resumed.chart.active, chart)
     known, unknown = board(naming, was["board"], resumed.at)
@@ -158,7 +159,6 @@ def _data(naming: Naming, resumed: Resumption, chart: Chart, source: str) -> dic
         "begins": [list(each) for each in carried.begins],
         "under_way": packed(carried.under_way),
         "accepted": sorted(resumed.under.accepted),
-        "is_held_for_mission": resumed.under.is_held_for_mission,
         "notes": list(carried.notes),
     }
 

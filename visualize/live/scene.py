@@ -10,8 +10,8 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rai_missions.event import Image
-from rai_missions.step import Ask, Step, Withdraw
+from rai_missions.event import Image, is_taken
+from rai_missions.step import Ask, Handover, Step, Withdraw
 from rai_missions.verdict import Question
 from visualize.live.lines import bounded, line, question_data
 from visualize.page.plain import Json
@@ -46,6 +46,11 @@ class Scene:
         self.board: dict[str, tuple[Any, float]] = dict(board or {})
         self.questions = {question.number: question for question in questions}
         self.paused_at: float | None = at if mode == "paused" else None
+        self.held_by = ""
+        """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
+        self.held_since: float | None = None
+        """Since when, on the run's clock."""
+        self._asked_for = ""
         self.cut = ""
         """How it is known that the run was cut short; empty where it was not."""
         self.closed: dict[str, dict[str, str]] = {}
@@ -130,7 +135,12 @@ class Scene:
             elif event.name == "cancel" and not step.outcome and not step.why:
                 self._go("canceling")
         elif event.kind == "control" and f"control: {event.name}" in step.notes:
+            taken = is_taken(event, holder=self.control, taken=self.held_by == "operator", asked=self._asked_for)
             self._hold(event.name)
+            self._hold_up("operator" if taken else event.name if event.name == "nobody" else "", step.at)
+        for effect in step.effects:
+            if isinstance(effect, Handover):
+                self._asked_for = effect.to
         if "paused" in step.notes:
             self._go("paused")
             self.paused_at = step.at
@@ -155,6 +165,11 @@ class Scene:
         self.control = control
         self._fields.add("control")
 
+    def _hold_up(self, by: str, at: float) -> None:
+        if by != self.held_by:
+            self.held_by, self.held_since = by, at if by else None
+            self._fields |= {"held_by", "held_since"}
+
     def _shift(self, at: float) -> None:
         """Questions have the time left that they had when the run was paused."""
         by_s = at - self.paused_at if self.paused_at is not None else 0.0
@@ -169,7 +184,8 @@ class Scene:
         before = tuple(self.questions)
         if step.event.kind == "proposal":
             self._answered.add(step.event.number)
-        if self.mode != "paused":  # then an answer waits until the run goes on
+        is_kept = self.mode == "paused" or (self.held_by and not (step.moves or step.effects))
+        if not is_kept:  # then an answer waits until the run goes on
             for number in self._answered:
                 self.questions.pop(number, None)
             self._answered.clear()
@@ -213,7 +229,7 @@ class Scene:
     def whole(self) -> Json:
         """All of it."""
         names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults",
-                 "open_goals")  # fmt: skip
+                 "open_goals", "held_by", "held_since")  # fmt: skip
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {"board": board, "steps": list(self.tail)}
 

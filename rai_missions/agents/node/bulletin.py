@@ -74,6 +74,10 @@ class Bulletin(NamedTuple):
     """Which states wait for somebody to have control."""
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals that may still be executing although nothing waits for them: the robot may still move."""
+    held_by: str = ""
+    """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
+    held_since: float = 0.0
+    """Since when, in seconds on the run's clock; 0 while it is not held."""
     fault: str = ""
     """Why the node's last transition failed."""
     at: float = 0.0
@@ -88,7 +92,8 @@ class Bulletin(NamedTuple):
 
     def fields(self) -> dict[str, Any]:
         """As `rai_missions_msgs/msg/MissionStatus`."""
-        words = ("revision", "node", "lifecycle", "mission", "version", "run", "mode", "control", "outcome")
+        words = ("revision", "node", "lifecycle", "mission", "version", "run", "mode", "control", "outcome",
+                 "held_by", "held_since")  # fmt: skip
         return {word: getattr(self, word) for word in words} | {
             "stamp": self.at,
             "active": list(self.active),

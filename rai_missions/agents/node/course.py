@@ -25,6 +25,7 @@ from rai_missions.redact import Redaction
 from rai_missions.robot import Robot
 from rai_missions.runner import Result, Runner
 from rai_missions.step import Ask, Step
+from rai_missions.verdict import Question
 from rai_missions.wording import suggestion
 
 __all__ = ("Course",)
@@ -91,12 +92,15 @@ class Course:
         return threading.current_thread() is self._thread
 
     def questions(self) -> tuple[Open, ...]:
-        """What is asked now, the oldest first, with the time left, which stands still while the run is paused."""
+        """What is asked now, the oldest first, with the time left; it stands still in a pause, and while it is held."""
         with self._lock:
             asked = () if self.is_over else tuple(self._asked.values())
-        paused_at = self.runner.chart.paused_at
-        now = self.runner.clock.now() if paused_at is None else paused_at
-        return tuple(Open(question, max(0.0, question.until - now)) for question in asked)
+        return tuple(Open(question, max(0.0, question.until - self._now_for(question))) for question in asked)
+
+    def _now_for(self, question: Question) -> float:
+        """Now, or when the time of its state was stopped: by a pause, or by the operator who took control."""
+        since = self.runner.chart.still_since(question.owner.partition("#")[0])
+        return self.runner.clock.now() if since is None else since
 
     def stale(self) -> tuple[str, ...]:
         """The robot's keys that are older than they may be."""

@@ -104,6 +104,8 @@ class Press:
             active=status.active if status is not None else (),
             outcome=course.mode if course.is_over else "",
             waits=status.waits if status is not None and not course.is_over else "",
+            held_by=status.held_by if status is not None and not course.is_over else "",
+            held_since=status.held_since or 0.0 if status is not None and not course.is_over else 0.0,
             open_goals=result.open_goals if result is not None else status.open_goals if status is not None else (),
             why=course.error or (result.why if result is not None else status.why if status is not None else ""),
         )  # fmt: skip

@@ -194,7 +194,9 @@ class Live {
 
   waits(waiting) {
     const words = waiting.map(([name, wanted]) => `${name} waits until control is with ${wanted}`).join(", ");
-    const told = words ? `${words}; ${this.state.control} has it. The mission does not ask for it back: give it with the buttons above.` : "";
+    const { held_by: by, held_since: since, control } = this.state;
+    const held = by && !this.isOver ? `held by ${by} since ${Number(since || 0).toFixed(1)} s, until the operator gives control back with the buttons above` : "";
+    const told = held ? `${held}${words ? `: ${words}` : ""}.` : words ? `${words}; ${control} has it. The mission does not ask for it back: give it with the buttons above.` : "";
     if (told === this.told) return;
     this.told = told;
     clearTimeout(this.telling);

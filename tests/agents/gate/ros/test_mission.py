@@ -123,11 +123,18 @@ def test_an_emergency_stop_leaves_control_with_nobody_where_the_actuators_are(op
     assert "only the operator can lift it" in robotic.ask("autonomy", "autonomy")
 
 
-def test_a_gate_that_has_gone_acknowledges_nothing(open_ros: Open, robotic: Robotic) -> None:
+def test_a_run_that_begins_while_the_operator_has_control_waits_for_the_hand_back(
+    open_ros: Open, robotic: Robotic
+) -> None:
     robotic.ask("operator", "operator")
     _, end = begin(open_ros, handover_s=1.0)
-    result = end()
-    assert result.why == "crossing: rejected (agent was not given control in time)" and robotic.told.all == []
+    robotic.ask("operator", "autonomy")
+    robotic.told.wait(lambda told: told[-1] == ("/cross", "agent"), "it begins when control is given back")
+    robotic.base.publish("/there", BOOL, {"data": True})
+    assert end().outcome == "succeeded"
+
+
+def test_a_gate_that_has_gone_acknowledges_nothing(open_ros: Open, robotic: Robotic) -> None:
     robotic.gate.stop()
     _, end = begin(open_ros, handover_s=1.0)
     assert end().why == "crossing: rejected (agent was not given control in time)" and robotic.told.all == []
