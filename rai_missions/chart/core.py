@@ -174,7 +174,8 @@ class Core:
         self._shifted: set[str] = set()
         """The states that have become active or inactive since the machines were told, by their `presence`."""
         self._news: dict[str, str] = {}
-        """Key that has another value than when the machines last looked → the state whose machine alone wrote it."""
+        """Key that was given another value since the machines last looked → the state whose machine wrote it last, and
+        has looked at it since; empty for a transition, or the robot."""
         self._tree_rounds: dict[str, Rounds] = {}
         """State → what its tree has done since the event, or the instant, in hand."""
         self.effects: list[Any] = []
@@ -286,7 +287,7 @@ class Core:
         value = self.known(key)
         if value is before or (before is not None and value == before):
             return False
-        self._news[key] = by if self._news.get(key, by) == by else ""
+        self._news[key] = by
         return True
 
     def rounds(self, owner: str, loops: int) -> Rounds:
