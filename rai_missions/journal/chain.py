@@ -6,13 +6,18 @@ Rule: nobody reads a journal whose chain is broken; a run that is half believed 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from typing import NamedTuple
 
+from rai_missions.cut import cut_repr
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal.database import Unbegun
 from rai_missions.journal.record import Record
 from rai_missions.journal.rows import GENESIS, Raw, Row, StepRow, chained
+from rai_missions.journal.values import media_type, pictures_in
 
 __all__ = ("checked", "opened", "read", "verify")
 
@@ -139,11 +144,42 @@ def _row_faults(record: Record) -> Iterator[Fault]:
 
 
 def _blob_faults(record: Record) -> Iterator[Fault]:
-    for digest in record.blobs():
+    shown, kept = _shown(record), set[str]()
+    for digest, kind, _ in record.pictures():
+        kept.add(digest)
         try:
             record.blob(digest)
         except DefinitionError as error:
             yield from error.faults
+        if digest in shown and kind not in shown[digest].types:
+            row, types = shown[digest]
+            sentence = f"it is kept as {cut_repr(kind, 80)}, and row {row} has it as {sorted(types)[0]!r}"
+            yield Fault(f"picture {digest:.12}…", f"{sentence}; the journal was altered after the run")
+    for digest in sorted(shown.keys() - kept):
+        sentence = f"row {shown[digest].row} has it, and its bytes are missing; they were taken out after the run"
+        yield Fault(f"picture {digest:.12}…", sentence)
+
+
+class Shown(NamedTuple):
+    """A picture whose bytes a journal's rows say to be kept."""
+
+    row: int
+    """The first that has it."""
+    types: set[str]
+    """As what, by the rows that have it."""
+
+
+def _shown(record: Record) -> dict[str, Shown]:
+    """Hash → a picture that a question has shown; a row that cannot be read is a fault of its own."""
+    found: dict[str, Shown] = {}
+    for number, _, content, _ in record.raw():
+        if not isinstance(content, str) or "sha256" not in content:
+            continue
+        with suppress(ValueError, KeyError, TypeError, RecursionError):
+            for picture in pictures_in(json.loads(content)):
+                kind = media_type(picture["encoding"], picture["width"], picture["height"])
+                found.setdefault(str(picture["sha256"]), Shown(number, set())).types.add(kind)
+    return found
 
 
 def _collected(faults: Iterator[Fault]) -> tuple[Fault, ...]:

@@ -7,14 +7,17 @@ Rule: what cannot come back equal is refused. An object of the format's own has 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
 from rai_missions.event import Image
 
-__all__ = ("Fetch", "Keep", "from_json", "keep_nothing", "to_json")
+__all__ = ("Fetch", "Keep", "from_json", "keep_nothing", "media_type", "pictures_in", "to_json")
+
+MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg"}
+"""Encoding of a picture → as what its bytes are kept; others are raw."""
 
 Keep = Callable[[Image], str]
 """Stores the bytes of a picture and gives their SHA-256 in hex; empty where they are not kept."""
@@ -76,6 +79,25 @@ def _object(value: Mapping[Any, Any], keep: Keep) -> dict[str, Any]:
         own = own or name.startswith("$")
         plain[name] = to_json(item, keep)
     return {"$object": plain} if own else plain
+
+
+def pictures_in(written: Any) -> Iterator[Mapping[str, Any]]:
+    """The pictures of which a written value says that their bytes are kept, each as it is written."""
+    if isinstance(written, list):
+        for item in written:
+            yield from pictures_in(item)
+    elif isinstance(written, dict):
+        own = written.get("$object")
+        if "$image" in written and written.get("sha256"):
+            yield written
+        for item in (own if isinstance(own, dict) else written).values():
+            yield from pictures_in(item)
+
+
+def media_type(encoding: str, width: int, height: int) -> str:
+    """As what a picture's bytes are kept."""
+    raw = f"application/octet-stream; encoding={encoding}; width={width}; height={height}"
+    return MEDIA_TYPES.get(encoding, raw)
 
 
 def _picture(image: Image, keep: Keep) -> dict[str, Any]:

@@ -23,12 +23,11 @@ from rai_missions.event import Image
 from rai_missions.journal.codec import encode
 from rai_missions.journal.database import BLOB, ROW, Lock, SqliteError, open_to_write
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
-from rai_missions.journal.values import to_json
+from rai_missions.journal.values import media_type, to_json
 from rai_missions.step import Step
 
 __all__ = ("Journal", "versions")
 
-MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg"}
 CLOSE_S = 1.0
 Redact = Callable[[str], str]
 """Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
@@ -183,7 +182,10 @@ class Journal:
         with self._alone:
             number = self._number + 1
             digest = chained(self._hash, number, kind, content)
-            blobs = tuple((name, _media_type(image), image.data) for name, image in (pictures or {}).items())
+            blobs = tuple(
+                (name, media_type(image.encoding, image.width, image.height), image.data)
+                for name, image in (pictures or {}).items()
+            )
             raw = (number, kind, content, digest)
             self._run([*((BLOB, blob) for blob in blobs), (ROW, raw)], f"row {number}")
             self._number, self._hash = number, digest
@@ -214,11 +216,6 @@ def _filled(header: Header) -> Header:
         started=header.started or datetime.datetime.now(datetime.UTC).isoformat(timespec="milliseconds"),
         versions=header.versions or versions(),
     )
-
-
-def _media_type(image: Image) -> str:
-    raw = f"application/octet-stream; encoding={image.encoding}; width={image.width}; height={image.height}"
-    return MEDIA_TYPES.get(image.encoding, raw)
 
 
 def _digest(image: Image, pictures: dict[str, Image]) -> str:
