@@ -15,6 +15,7 @@ from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.mission import Mission
+from rai_missions.sort_of_file import irregular
 from rai_missions.states import Asked, Decision, Include, Transition
 from rai_missions.states.state import ANY_EVENT
 from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
@@ -51,7 +52,7 @@ def included_file(written: str, chain: Chain) -> Path:
         raise refused(f"{shown(written)} cannot be included; name a .json file relative to this one, with '/'")
     try:
         file = (here.parent / written).resolve()
-        found = file.is_relative_to(chain.folder) and file.is_file()
+        found = file.is_relative_to(chain.folder) and file.exists()
     except (OSError, RuntimeError):  # a name too long, links in a circle
         raise refused(f"{shown(written)} cannot be opened; name a .json file") from None
     if not file.is_relative_to(chain.folder):
@@ -59,6 +60,8 @@ def included_file(written: str, chain: Chain) -> Path:
     if not found:
         near = (each.name for each in here.parent.glob("*.json") if each.name != here.name)
         raise refused(f"there is no file {shown(written)}{suggestion(written, near)}")
+    if sort := irregular(file):
+        raise refused(f"{shown(written)} is {sort}; name a .json file")
     if file in chain.files:
         circle = " → ".join(chain.named(each) for each in (*chain.files[chain.files.index(file) :], file))
         raise refused(f"a mission cannot include itself: {circle}; break the circle")

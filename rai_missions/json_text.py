@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.cut import shown
 from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.sort_of_file import irregular
 from rai_missions.wording import pointer
 
 __all__ = ("MAX_BYTES", "MAX_DEPTH", "file_bytes", "parse_json", "read_json", "too_deep")
@@ -51,8 +52,8 @@ def file_bytes(path: Path) -> bytes:
     """
     if not os.path.exists(path):  # pathlib's raises on a name that is too long
         raise UsageError(f"there is no file {shown(str(path), 200)}")
-    if not path.is_file():
-        raise UsageError(f"{shown(str(path), 200)} is no file; name a .json or .py file")
+    if sort := irregular(path):
+        raise UsageError(f"{shown(str(path), 200)} is {sort}; name a .json or .py file")
     try:
         with path.open("rb") as file:
             raw = file.read(MAX_BYTES + 1)

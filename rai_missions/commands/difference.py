@@ -14,6 +14,7 @@ from rai_missions.commands.given import warn
 from rai_missions.errors import MissionError, UsageError
 from rai_missions.load import load
 from rai_missions.mission import Mission
+from rai_missions.sort_of_file import irregular
 
 if TYPE_CHECKING:
     from visualize import Difference
@@ -65,6 +66,8 @@ def textconv(given: argparse.Namespace) -> int:
     try:
         text = outline(read_mission(Path(given.file)))
     except MissionError:
+        if irregular(given.file):
+            raise
         text = Path(given.file).read_text(encoding="utf-8", errors="replace")
     sys.stdout.write(text)
     return 0

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission import Mission
+from rai_missions.sort_of_file import irregular
 
 if TYPE_CHECKING:
     from rai_missions.journal.record import Record
@@ -36,6 +37,8 @@ def named_in(path: str | None, *, python: bool = True) -> dict[str, Callable[...
         raise UsageError(f"--guards {path} is Python, which --no-python refuses; leave one of them out")
     import runpy
 
+    if sort := irregular(path):
+        raise UsageError(f"'{path}' is {sort}; name a .py file with guards")
     if not Path(path).is_file():
         raise UsageError(f"there is no file '{path}' with guards")
     try:

@@ -21,6 +21,7 @@ from urllib.parse import urlsplit
 from rai_missions.commands.given import warn
 from rai_missions.commands.live import opened, place_of
 from rai_missions.errors import MissionError, UsageError
+from rai_missions.sort_of_file import irregular
 
 __all__ = ("found", "serving", "watch")
 
@@ -126,6 +127,8 @@ def _elsewhere() -> list[Path]:
 def serving(journal: Path) -> dict[str, Any] | None:
     """What the run of a journal says of its own page, if it is there and answers."""
     path = Path(f"{journal}.watch")
+    if irregular(path):
+        return None
     try:
         about = path.stat()
         told = json.loads(path.read_text(encoding="utf-8"))

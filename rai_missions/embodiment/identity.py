@@ -16,6 +16,7 @@ from rai_missions.embodiment.body import Body, read_body
 from rai_missions.embodiment.picture import read_picture
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.event import Image
+from rai_missions.sort_of_file import irregular
 
 __all__ = ("Identity",)
 
@@ -118,7 +119,9 @@ class Reader:
         target = _resolved(path)
         if not target.is_relative_to(self.root):
             raise ValueError("leads out of the identity's folder; copy the file into it")
-        if not target.is_file():  # a pipe would never end
+        if sort := irregular(target):  # a pipe would never end
+            raise ValueError(f"is {sort}, no file")
+        if not target.is_file():
             raise ValueError("is no file")
         largest = LARGEST[path.suffix.lower()]
         try:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from rai_missions.cut import cut
 from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.sort_of_file import irregular
 
 __all__ = (
     "BLOB", "FORMAT", "LONGEST_BYTES", "ROW", "Lock", "Reading", "SqliteError", "Unbegun", "log_of",
@@ -67,11 +68,15 @@ class Lock:
     """(device, inode) → descriptor, of the journals this process writes."""
 
     def __init__(self, path: Path, *, new: bool) -> None:
+        if not new and irregular(path):
+            raise UsageError(f"no journal at {path}: {_instead(path)}")
         try:
             if not new and _identity(path) in self.held:
                 raise UsageError(f"{path} is being written by this process already; close that journal first")
             self.descriptor = os.open(path, os.O_RDWR | (os.O_CREAT | os.O_EXCL if new else 0), 0o644)
         except FileExistsError:
+            if sort := irregular(path):
+                raise UsageError(f"a journal cannot be written at {path}: that is {sort}; name another file") from None
             raise UsageError(
                 f"{path} is there already, and a journal is never overwritten; name another file"
             ) from None
@@ -91,6 +96,12 @@ class Lock:
         """Give it back; doing so twice changes nothing."""
         if self.held.pop(self._key, None) is not None:
             os.close(self.descriptor)
+
+
+def _instead(path: Path) -> str:
+    """What there is where a journal was expected."""
+    sort = irregular(path)
+    return f"that is {sort}" if sort else "there is no such file"
 
 
 def _identity(path: Path) -> tuple[int, int]:
@@ -129,7 +140,7 @@ def open_to_read(path: Path) -> Reading:
     """
     try:
         if not path.is_file():
-            raise UsageError(f"no journal at {path}: {'that is no file' if path.exists() else 'there is no such file'}")
+            raise UsageError(f"no journal at {path}: {_instead(path)}")
         if not os.access(path, os.R_OK):
             raise UsageError(f"the journal {path} cannot be read: permission denied")
         connection = _opened(path.resolve())

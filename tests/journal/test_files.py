@@ -349,7 +349,7 @@ def test_a_file_that_is_no_journal_is_refused(tmp_path: Path, content: bytes) ->
 def test_a_path_without_a_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no such file"):
         read(tmp_path / "none")
-    with pytest.raises(UsageError, match="that is no file"):
+    with pytest.raises(UsageError, match="that is a folder"):
         read(tmp_path)
 
 

@@ -108,7 +108,8 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "sentence"), [("no.json", "there is no file"), (".", "is no file; name"), ("x" * 5000, "there is no file")]
+    ("name", "sentence"),
+    [("no.json", "there is no file"), (".", "is a folder; name"), ("x" * 5000, "there is no file")],
 )
 def test_a_file_that_is_not_there_is_for_the_caller_to_mend(tmp_path: Path, name: str, sentence: str) -> None:
     with pytest.raises(UsageError, match=sentence):
@@ -117,5 +118,5 @@ def test_a_file_that_is_not_there_is_for_the_caller_to_mend(tmp_path: Path, name
 
 def test_a_pipe_is_no_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.json")
-    with pytest.raises(UsageError, match="is no file"):
+    with pytest.raises(UsageError, match="is a "):
         file_bytes(tmp_path / "pipe.json")
