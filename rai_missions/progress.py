@@ -79,12 +79,16 @@ class Lines:
         self._is_waiting = False
         self._open_goals: tuple[OpenGoal, ...] = ()
 
-    def begin(self, robot: str, answerers: str, journal: str, *, model: str | None, goes_on: str = "") -> None:
+    def begin(
+        self, robot: str, answerers: str, journal: str, *, model: str | None, goes_on: str = "", moved_aside: str = ""
+    ) -> None:
         """The head of a run: what runs on what, who answers, where it is written down, from where it goes on."""
         self._print(f"{self._mission.name} {self._mission.version} on {robot or 'no robot'}")
         self._print(f"model: {model or 'none, no model is asked'}")
         self._print(f"questions are answered by: {answerers or 'nobody, so each takes its fallback'}")
         self._print(f"journal: {journal or 'none'}")
+        if moved_aside:
+            self._print(f"the journal of an earlier run, which had this name, is now {moved_aside}")
         if goes_on:
             self._print(goes_on)
         self._print("")
@@ -153,6 +157,8 @@ class Lines:
         )
         if result.journal:
             self._print(f"journal: {result.journal}")
+        if result.moved_aside:
+            self._print(f"the journal of an earlier run, which had this name, is now {result.moved_aside}")
         if picture:
             self._print(f"picture: {picture}")
 

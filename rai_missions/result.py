@@ -30,6 +30,8 @@ class Result(NamedTuple):
     duration_s: float = 0.0
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals of the run that may still be executing: the robot may still move."""
+    moved_aside: str | None = None
+    """Where the journal of an earlier run is now, whose name this one's took."""
 
     @property
     def warning(self) -> str:

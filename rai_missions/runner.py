@@ -67,6 +67,7 @@ class Runner(Steered):
         on_status: Told of each change of mode, control or active states.
         resumed: Where a run stood that was cut short, to go on from there; its clock must not be behind it.
         clean: Takes secrets out of what is heard, before it becomes a step.
+        moved_aside: Where the journal of an earlier run is now, whose name this one's took; for the result.
 
     Raises:
         DefinitionError: The profile lacks what the mission uses.
@@ -79,7 +80,7 @@ class Runner(Steered):
         arguments: Mapping[str, Any] | None = None, ticker: Trees | None = None, named: Named | None = None,
         run: str | None = None, on_step: Callable[[Step], None] | None = None,
         on_status: Callable[[Status], None] | None = None, resumed: Resumption | None = None,
-        clean: Callable[[Any], Any] | None = None,
+        clean: Callable[[Any], Any] | None = None, moved_aside: str | None = None,
     ) -> None:  # fmt: skip
         if robot is not None and (faults := missing(mission, robot)):
             raise DefinitionError(faults, robot.name)
@@ -87,7 +88,7 @@ class Runner(Steered):
         self.clock: Clock = clock if clock is not None else WallClock()
         self.mailbox, self._clean = Mailbox(clean, self.clock.now), clean or (lambda said: said)
         self.lifecycle = Lifecycle()
-        self._resumed = resumed
+        self._resumed, self._moved_aside = resumed, moved_aside
         self.chart = resumed.chart if resumed is not None else Chart(
             mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None, named=named
         )  # fmt: skip
@@ -399,4 +400,5 @@ class Runner(Steered):
         return Result(
             chart.outcome or "failed", chart.why, chart.seq, self._scribe.path, self.run_id,
             tuple(sorted(chart.active)), self._decisions, self.clock.now() - began, chart.loose_goals,
+            self._moved_aside,
         )  # fmt: skip

@@ -23,7 +23,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.embodiment import Identity
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.hush import hush
-from rai_missions.journal import Header, Journal, versions
+from rai_missions.journal import Header, Journal, make_way, versions
 from rai_missions.lifecycle import Status
 from rai_missions.load import dump, load
 from rai_missions.mission import Mission
@@ -67,6 +67,8 @@ class Setting:
     answerers: Mapping[str, Answerer] = field(default_factory=dict)
     """Others who answer, by the name that `ask` calls them."""
     journal: str | Path | None = None
+    moved_aside: str | Path | None = None
+    """Where the journal is now that had this one's name; one that still has it is moved when the run is made."""
     record: str | Path | None = None
     """Where an MCAP file of the run goes; its journal is written beside it where `journal` names none."""
     resume: str | Path | None = None
@@ -113,6 +115,7 @@ class Prepared:
             raise DefinitionError(lacks, _file(setting.robot, setting.resume))
         self._runner: Runner | None = None
         self.journal: Journal | None = None
+        self.moved_aside = str(setting.moved_aside) if setting.moved_aside is not None else None
         try:
             self.world, connector, clock = self._surroundings()
             self._header = self._head()
@@ -125,7 +128,7 @@ class Prepared:
                 self.mission, robot=self.robot, connector=recorded(connector, self.recording), clock=clock,
                 answerers=self.answerers, journal=self.journal, arguments=self._header.arguments, named=setting.named,
                 on_step=on_step, on_status=on_status,
-                run=self._header.run or None,
+                run=self._header.run or None, moved_aside=self.moved_aside,
                 resumed=self._resumption(), clean=self._clean,
             )  # fmt: skip
         except BaseException:
@@ -273,6 +276,9 @@ class Prepared:
             return None
         else:
             path.parent.mkdir(parents=True, exist_ok=True)
+            if (moved := make_way(path)) is not None:
+                self.moved_aside = str(moved)
+                log.info("the journal that was at %s is now at %s", path, moved)
             journal = Journal.create(path, self._header, witness=witness)
         self._closes.append(journal.close)
         return journal

@@ -9,7 +9,7 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -66,7 +66,10 @@ def run(given: argparse.Namespace) -> int:
             robot = prepared.robot.name if prepared.robot is not None else ""
             if not given.json:
                 answerers, goes_on = ", ".join(sorted(prepared.answerers)), prepared.goes_on
-                lines.begin(robot, answerers, str(setting.journal), model=given.model, goes_on=goes_on)
+                lines.begin(
+                    robot, answerers, str(setting.journal), model=given.model, goes_on=goes_on,
+                    moved_aside=prepared.moved_aside or "",
+                )  # fmt: skip
                 lines.watch(prepared.runner.chart)
             with _interruptible(prepared.runner):
                 result = watch.run(prepared, stand.run) if watch else stand.run(prepared.runner)
@@ -88,6 +91,7 @@ def run(given: argparse.Namespace) -> int:
         }
         told |= {"state": ", ".join(innermost), "steps": result.steps, "decisions": result.decisions}
         told |= {"duration_s": result.duration_s, "journal": result.journal}
+        told |= {"moved_aside": result.moved_aside}
         told |= {"open_goals": [goal.data() for goal in result.open_goals]}
         print(json.dumps(told | ({"recording": given.record} if given.record else {})))
     else:
@@ -128,21 +132,23 @@ def _managed(given: argparse.Namespace) -> int:
         named=named_in(given.guards, python=not given.no_python), speed=1.0 if given.speed == "1" else math.inf,
         journal=base,
     )  # fmt: skip
-    return managed(given, setting, lambda: _fresh(base.with_stem(f"{base.stem}-{next(numbers)}")))
+    return managed(given, setting, lambda: base.with_stem(f"{base.stem}-{next(numbers)}"))
 
 
 def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setting:
     """What the words of the command line make a run of."""
     from rai_missions.agents.mission import Setting
+    from rai_missions.journal import make_way
 
-    record = _fresh(Path(given.record), _recording_aside) if given.record else None
+    record, moved = _recorded(Path(given.record)) if given.record else None, None
     if given.resume:
         if given.set or given.journal:
             word = "--set" if given.set else "--journal"
             raise UsageError(f"{word} cannot be said with --resume: the run goes on in its journal as it began")
         journal = Path(given.resume)
     else:
-        journal = _fresh(Path(given.journal or _journal_of(mission)))
+        journal = Path(given.journal or _journal_of(mission))
+        moved = make_way(journal)
     return Setting(
         mission,
         given.robot,
@@ -151,6 +157,7 @@ def _setting(given: argparse.Namespace, mission: Mission, lines: Lines) -> Setti
         model_memory_gib=given.model_memory,
         operator=_operator(given, lines),
         journal=journal,
+        moved_aside=moved,
         record=record,
         resume=given.resume,
         seed=given.seed,
@@ -194,23 +201,14 @@ def _lines(mission: Mission, given: argparse.Namespace) -> Lines:
     return Lines(mission, sys.stdout, verbose=given.verbose)
 
 
-def _aside(path: Path, to: Path) -> None:
-    from rai_missions.journal import set_aside
+def _recorded(path: Path) -> Path:
+    """Where a recording goes; an older one of that name is moved aside."""
+    from rai_missions.journal import free_name
 
-    set_aside(path, to)
-
-
-def _recording_aside(path: Path, to: Path) -> None:
-    if not is_mcap(path):
-        raise UsageError(f"{path} is there already, and is no recording; name another file")
-    path.rename(to)
-
-
-def _fresh(path: Path, move: Callable[[Path, Path], None] = _aside) -> Path:
-    """What a run has written is never written over: an older file of the same name is moved aside."""
-    if path.exists() and path.is_file():
-        number = next(n for n in range(1, 10_000) if not path.with_suffix(f".{n}{path.suffix}").exists())
-        move(path, path.with_suffix(f".{number}{path.suffix}"))  # which looks whether it is ours to move
+    if path.is_file():
+        if not is_mcap(path):
+            raise UsageError(f"{path} is there already, and is no recording; name another file")
+        path.rename(free_name(path))
     return path
 
 

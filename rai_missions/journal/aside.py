@@ -13,7 +13,27 @@ from rai_missions.errors import UsageError
 from rai_missions.journal.chain import read
 from rai_missions.journal.database import Lock, SqliteError, Unbegun, log_of, open_to_write
 
-__all__ = ("set_aside",)
+__all__ = ("free_name", "make_way", "set_aside")
+
+
+def make_way(path: Path) -> Path | None:
+    """Move a journal that has a name aside, so that another may have it; gives its new name, None where there was none.
+
+    Raises:
+        UsageError: Another process writes it, or its log cannot be folded in.
+        DefinitionError: It is no journal, or it was altered.
+    """
+    if not path.is_file():
+        return None
+    to = free_name(path)
+    set_aside(path, to)
+    return to
+
+
+def free_name(path: Path) -> Path:
+    """The first name beside a file that no file has: `run.1.journal` for `run.journal`."""
+    names = (path.with_suffix(f".{number}{path.suffix}") for number in range(1, 10_000))
+    return next(name for name in names if not name.exists())
 
 
 def set_aside(path: Path, to: Path) -> None:

@@ -83,7 +83,7 @@ def test_a_connector_that_there_is_not_is_named() -> None:
 def test_a_journal_is_never_written_over(tmp_path: Path) -> None:
     path = tmp_path / "run.journal"
     path.write_text("mine")
-    with pytest.raises(UsageError):
+    with pytest.raises(DefinitionError, match="no journal"):
         prepare(Setting(Mission.model_validate(WAITING), robot(), journal=path))
     assert path.read_text() == "mine"
 
