@@ -51,7 +51,8 @@ class Event(NamedTuple):
     | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`, `migrate` | –                 |
     | `doubt`      | `uncertain`: whether it was done (`data["name"]`) nobody can say | – |
 
-    `take_up`: another process goes on with the run, and what the robot says now is in `data["heard"]`.
+    `take_up`: another process goes on with the run. The first reading of each fact that was known is in
+    `data["heard"]`, and the instant from which on effects are carried out again in `data["present"]`.
     `migrate`: a run of another mission goes on in this one; where it stands is in the data.
     """
     number: int = 0

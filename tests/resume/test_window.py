@@ -56,10 +56,11 @@ def unhurried(mission: Mission) -> Mission:
         if not isinstance(given, dict):
             return given
         given = {word: LONG_S if word in DEADLINES else slow(each) for word, each in given.items()}
-        return {**given, "handover_s": LONG_S} if isinstance(given.get("control"), str) else given
+        given |= {"handover_s": LONG_S} if isinstance(given.get("control"), str) else {}
+        return given | ({"settle_s": LONG_S} if "achieved" in given else {})
 
     document = json.loads(dump(mission))
-    document["blackboard"]["witness"] = WITNESS
+    document["blackboard"]["witness"], document["settle_s"] = WITNESS, LONG_S
     return Mission.model_validate({**slow(document), "blackboard": document["blackboard"]})
 
 
