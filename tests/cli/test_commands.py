@@ -54,7 +54,7 @@ def test_a_run_in_json_prints_one_object_and_nothing_else(folder: Path, capsys: 
     told = json.loads(capsys.readouterr().out)
     assert {**told, "run": "", "duration_s": 0} == {
         "mission": "lamp", "run": "", "outcome": "aborted", "why": "'off' was reached", "state": "off", "steps": 2,
-        "decisions": 0, "duration_s": 0, "journal": "a.journal", "open_goals": [],
+        "decisions": 0, "duration_s": 0, "journal": "a.journal", "moved_aside": None, "open_goals": [],
     }  # fmt: skip
 
 
