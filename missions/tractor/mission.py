@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from rai_missions import After, CallEffect, Declared, Image, In, Key, Keys, Mission, On, Set, When
+from rai_missions import After, CallEffect, Declared, Image, In, Key, Keys, Mission, On, Say, Set, When
 from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, State, Tree
 from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
 
@@ -43,7 +43,7 @@ GIVE_UP = Set(k.unfinished, True)
 def mission() -> Mission:
     return Mission(
         "tractor_orchard",
-        version="1.4.0",
+        version="1.5.0",
         about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
         keys=k,
         events={
@@ -100,7 +100,7 @@ def mission() -> Mission:
                     On("drive_over", to="crossing"),
                     On("replan", to="replanning"),
                     On("signal", to="signalling"),
-                    On("abort", to="aborted"),
+                    On("abort", to="given_up"),
                 ],
             ),
             "crossing": Action(
@@ -191,9 +191,16 @@ def mission() -> Mission:
             ),
             "unfinished_home": Final("failed", about="home, with alleys left"),
             "stranded": Final(
-                "failed", about="it stands somewhere and cannot come home; a person must fetch it", entry=[HALT]
+                "failed",
+                about="it stands somewhere and cannot come home; a person must fetch it",
+                entry=[HALT, Say("I cannot come home. A person must fetch me.")],
             ),
-            "aborted": Final("aborted", about="stopped before the work was done"),
+            "given_up": Final(
+                "aborted",
+                about="stopped in its alley for good; a person is called and must come",
+                entry=[HALT, Say("I have stopped here for good. A person must come.")],
+            ),
+            "aborted": Final("aborted", about="home before the work was done"),
             "stopped": Final("aborted", about="stopped at once, because somebody wanted it", entry=[HALT]),
         },
         transitions=[

@@ -157,8 +157,8 @@ def test_no_answer_of_the_tractors_model_leads_to_success_at_once() -> None:
 def test_an_option_that_ends_the_mission_says_so_and_one_behind_another_row_says_where() -> None:
     lens = review_data(load(ROOT / "missions/tractor/mission.json"))["lenses"][0]
     said = [item["text"] for section in lens["sections"] for item in section["items"]]
-    assert "abort: always open; leads to aborted, which ends the mission" in said
-    assert "aborted (aborted): an answer leads there at once" in said
+    assert "abort: always open; leads to given_up, which ends the mission" in said
+    assert "given_up (aborted): an answer leads there at once" in said
     assert "stopped (aborted): an answer leads there at once where the rows behind it hold already" in said
 
 

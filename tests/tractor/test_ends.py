@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every end of the shipped missions does what its texts promise: it halts where it says so, and calls whom it names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rai_missions.chart import Chart
+from rai_missions.effects import Call, Say
+from rai_missions.event import Event
+from rai_missions.load import load
+from rai_missions.states import Decision, Final
+from rai_missions.step import CallService, SayAloud
+from rai_missions.trees import PyTrees
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+CALLS, STOPS = ("a person is called", "call a person"), ("stop here for good", "stopped in")
+
+
+@pytest.mark.parametrize("name", ["tractor", "rosbot"])
+def test_an_option_and_its_end_do_what_they_say(name: str) -> None:
+    mission = load(MISSIONS / name / "mission.json")
+    promised = {state: end.about for _, state, end in mission.walk() if isinstance(end, Final)}
+    for _, _, state in mission.walk():
+        if isinstance(state, Decision):
+            for option, words in state.options.items():
+                targets = [to for row in state.transitions if option in row.on for to in row.to]
+                for to in targets:
+                    if to in promised:
+                        promised[to] += f"; {words.about}"
+    for end, words in promised.items():
+        entry = mission.state(end).entry
+        if any(each in words for each in CALLS):
+            assert any(isinstance(effect, Say) for effect in entry), (end, words)
+        if any(each in words for each in STOPS):
+            assert any(isinstance(effect, Call) and effect.call == "halt" for effect in entry), (end, words)
+
+
+def test_a_tractor_that_gives_up_halts_and_calls_a_person() -> None:
+    chart = Chart(load(MISSIONS / "tractor" / "mission.json"), PyTrees())
+    facts = {"alleys_driven": 0, "at_home": True, "autonomy_state": "WAITING", "battery": 0.9, "touched_living": False}
+    for key, value in facts.items():
+        chart.write(key, value, at=0.0)
+    chart.start()
+    chart.send(Event("anomaly", 0.1))
+    (question,) = [*chart.send(Event("agent", 0.2, {}, "control")).effects][-1:]
+    step = chart.send(Event("agent", 0.3, {"option": "abort"}, "proposal", question.question.number))
+    assert (step.outcome, chart.active) == ("aborted", frozenset({"given_up"}))
+    assert any(isinstance(effect, CallService) and effect.service == "halt" for effect in step.effects)
+    assert any(isinstance(effect, SayAloud) for effect in step.effects)
