@@ -14,8 +14,8 @@ from rai_missions.event import Event
 from rai_missions.mission import Mission
 from rai_missions.prove.answered import Answered
 from rai_missions.prove.choices import Payload
-from rai_missions.prove.explored import Explored
 from rai_missions.prove.happening import Happening
+from rai_missions.prove.rounded import Rounded
 from rai_missions.prove.watched import NOW
 from rai_missions.states.asking import Asking
 from rai_missions.states.behaving import Behaving
@@ -32,7 +32,7 @@ ENDS = ("succeeded", "failed", "canceled", "rejected")
 REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
 
 
-class Told(Explored):
+class Told(Rounded):
     """A chart that can be told anything."""
 
     def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None) -> None:
