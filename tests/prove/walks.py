@@ -153,7 +153,7 @@ class Drawn:
         events = self.reach(states)
         return {
             "format": 1, "name": "walk", "version": "1.0.0", "blackboard": KEYS,
-            "events": dict.fromkeys((*EVENTS, *events), {}), "initial": self.names[0], "states": states, **words,
+            "events": {event: {} for event in (*EVENTS, *events)}, "initial": self.names[0], "states": states, **words,
         }  # fmt: skip
 
     def reach(self, states: Json) -> list[str]:
@@ -185,7 +185,7 @@ class Walk:
         self.mission, self.r = mission, random.Random(seed)
         self.chart = Chart(mission, default_ticker(mission))
         self.goals: dict[int, bool] = {}
-        """Number of a goal that has not ended → whether it was told to end."""
+        """Number of a goal that has not ended → whether it was told to end, or is as soon as it is accepted."""
         self.calls: list[int] = []
         self.questions: list[int] = []
         self.wanted: list[str] = []
@@ -198,7 +198,7 @@ class Walk:
     def take(self, step: Step) -> None:
         for effect in step.effects:
             if isinstance(effect, StartGoal):
-                self.goals[effect.number] = False
+                self.goals[effect.number] = True
             elif isinstance(effect, CancelGoal) and effect.number in self.goals:
                 self.goals[effect.number] = True
             elif isinstance(effect, CallService):
@@ -244,7 +244,8 @@ class Walk:
             return Event(key, at, {"value": r.choice(VALUES[key])}, "write")
         if kind == "goal":
             number = r.choice(sorted(self.goals))
-            if r.random() < 0.3:
+            if r.random() < 0.4:
+                self.goals[number] = False
                 return Event("accepted", at, {}, "accepted", number)
             self.goals.pop(number)
             return Event(r.choice(["succeeded", "failed", "canceled", "rejected"]), at, {}, "result", number)
