@@ -197,9 +197,8 @@ class Walk:
 
     def take(self, step: Step) -> None:
         for effect in step.effects:
-            if isinstance(effect, StartGoal):
-                self.goals[effect.number] = True
-            elif isinstance(effect, CancelGoal) and effect.number in self.goals:
+            is_open = isinstance(effect, CancelGoal) and effect.number in self.goals
+            if isinstance(effect, StartGoal) or is_open:
                 self.goals[effect.number] = True
             elif isinstance(effect, CallService):
                 self.calls.append(effect.number)
