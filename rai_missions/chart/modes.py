@@ -55,12 +55,17 @@ class Modes(Holder):
             heard: Key → its value and stamp, as the robot says it now.
         """
         keys, board = self.mission.blackboard, self.view.board
+        before = (
+            {name: self.known(name) for name, key in keys.items() if key.source == "robot"} if self._has_trees else {}
+        )
         for name in [name for name in board if keys[name].source == "robot" and keys[name].max_age_s is not None]:
             del board[name]
         for name, (value, at) in heard.items():
             if name in keys and not fits(keys[name], value):
                 board[name] = Stamped(value, float(at))
                 self.written.append((name, value))
+        for name, known in before.items():
+            self.note_news(name, known)
         self._look_ahead()
 
     def _ask_again(self) -> None:

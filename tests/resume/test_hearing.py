@@ -15,6 +15,7 @@ from rai_missions.load import dump
 from rai_missions.mission import Mission
 from rai_missions.robot import dump_profile
 from rai_missions.step import Ask
+from rai_missions.trees import PyTrees
 from rai_missions.verdict import Question
 from tests.resume.farm import FARMER, Farm
 from tests.resume.mortal import Fate, live
@@ -142,3 +143,19 @@ def test_what_is_asked_of_a_run_that_waits_to_hear_the_robot_again_is_done_at_on
         assert rig.run().outcome == "aborted"
     taken.record.close()
     assert done[0] == 0.0, "not once the battery has not been heard for too long"
+
+
+def test_a_tree_looks_again_at_what_became_another_while_the_run_was_dead() -> None:
+    looking = {"selector": [{"check": {"key": "door", "==": True}}, {"wait_s": 100}], "memory": False}
+    waiting = Mission.model_validate({
+        "name": "waiting", "initial": "looking",
+        "blackboard": {"door": {"type": "boolean", "source": "robot", "max_age_s": 5}},
+        "states": {"looking": {"tree": looking, "transitions": [{"on": "succeeded", "to": "through"}]},
+                   "through": {"final": "canceled"}},
+    })  # fmt: skip
+    before = Chart(waiting, ticker=PyTrees())
+    before.write("door", False)
+    before.start()
+    after = Chart.restore(waiting, before.snapshot(), ticker=PyTrees())
+    step = after.send(Event("take_up", 1.0, {"heard": {"door": (True, 1.0)}}, "command"))
+    assert step.entered == ("through",)

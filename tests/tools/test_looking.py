@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import math
+import re
 import struct
 import threading
 import zlib
@@ -152,15 +153,12 @@ def size_of(png: bytes) -> tuple[int, int]:
 
 def test_a_picture_is_a_block_for_the_model_and_an_image_for_programs(local: Tried) -> None:
     picture = Image("camera@1", 4, 2, "rgb8", bytes(range(24)))
-    timer = threading.Timer(0.05, lambda: local.connector.publish("/camera", "", {"data": picture}))
-    timer.start()
     tool = {tool.name: tool for tool in local.box().tools}["get_image"]
-    message = tool.invoke(
-        {"type": "tool_call", "name": "get_image", "id": "1", "args": {"topic": "/camera", "timeout_s": PATIENCE_S}}
-    )
-    timer.join()
+    asked = {"topic": "/camera", "timeout_s": PATIENCE_S}
+    with Saying(local.connector, "/camera", "", lambda: {"data": picture}):
+        message = tool.invoke({"type": "tool_call", "name": "get_image", "id": "1", "args": asked})
     text, shown = message.content
-    assert text["text"].startswith("This is the newest picture of /camera, 0.0")
+    assert re.match(r"This is the newest picture of /camera, \d+\.\d+ s old", text["text"])
     assert (shown["type"], shown["mime_type"]) == ("image", "image/png")
     assert size_of(base64.b64decode(shown["base64"])) == (4, 2)
     assert message.artifact["image"] is picture
