@@ -256,7 +256,8 @@ class Core:
         self, key: tuple[str, Any], after_s: float, name: str, data: Mapping[str, Any] | None, control: str | None
     ) -> None:
         self._order += 1
-        self._timers[key] = Timer(self._now_of(control) + after_s, self._order, name, data or {}, control or "")
+        now = self.view.at if not self._frozen else self._now_of(control)
+        self._timers[key] = Timer(now + after_s, self._order, name, data or {}, control or "")
 
     # -- the desk of the machines (states/activity.py) ------------------------------------------------------------
 

@@ -37,7 +37,7 @@ class Instants(Modes):
 
     def _woken(self, due: float) -> Iterable[str]:
         """The states whose machines asked for an instant not later than this."""
-        for name, machine, state in self._awake():
+        for name, machine, state in self._awake() if self._running else ():
             if machine.wake_at(state, self.view) <= due:
                 yield name
 
@@ -97,14 +97,18 @@ class Instants(Modes):
         else:
             self._heard(Trigger(timer.name, timer.data))
 
-    def _deadlines(self) -> Iterable[float]:
-        """Those of timers, handovers and finals, but for what stands still."""
+    def _deadline(self, soonest: float) -> float:
+        """The next one of timers, handovers and finals, but for what stands still; at the latest the one given."""
         frozen, nodes = self._frozen, self._graph.nodes
-        yield from (timer.due for timer in self._timers.values() if timer.control not in frozen)
-        yield from self._pending.values()
+        for timer in self._timers.values():
+            if timer.due < soonest and not (frozen and timer.control in frozen):
+                soonest = timer.due
+        for until in self._pending.values():
+            soonest = min(soonest, until)
         for name, until in self._settling.items():
-            if self._final is not None or nodes[name].control not in frozen:
-                yield until
+            if until < soonest and (not frozen or self._final is not None or nodes[name].control not in frozen):
+                soonest = until
+        return soonest
 
     def _next_instant(self) -> float:
         """The earliest instant at which time alone can change something."""
@@ -117,14 +121,13 @@ class Instants(Modes):
         if self.mode == "paused":
             return soonest
         soonest = min(soonest, self._cancel_by)
-        for until in self._deadlines():
-            soonest = min(soonest, until)
+        soonest = self._deadline(soonest)
         for instant in self._config.instants:
             soonest = min(soonest, _later(instant(self.view), now))
         for final in [*map(self._graph.nodes.__getitem__, self._settling), *([self._final] if self._final else [])]:
             for instant in final.requires.instants if final.requires is not None else ():
                 soonest = min(soonest, _later(instant(self.view), now))
-        for _, machine, state in self._awake():
+        for _, machine, state in self._awake() if self._running else ():
             soonest = min(soonest, machine.wake_at(state, self.view))
         return soonest
 
