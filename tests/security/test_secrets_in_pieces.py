@@ -252,7 +252,7 @@ def test_no_piece_of_a_secret_is_in_what_a_run_leaves(caplog: pytest.LogCaptureF
 
 @pytest.mark.drill
 @pytest.mark.timeout(1800)
-@settings(LAW, max_examples=400)
+@settings(LAW, max_examples=150)
 @given(SECRETS, SECRETS)
 def test_no_piece_of_a_secret_is_in_what_many_runs_leave(
     caplog: pytest.LogCaptureFixture, own: str, theirs: str
