@@ -124,9 +124,11 @@ class Instants(Modes):
         soonest = self._deadline(soonest)
         for instant in self._config.instants:
             soonest = min(soonest, _later(instant(self.view), now))
-        for final in [*map(self._graph.nodes.__getitem__, self._settling), *([self._final] if self._final else [])]:
-            for instant in final.requires.instants if final.requires is not None else ():
-                soonest = min(soonest, _later(instant(self.view), now))
+        if self._settling or self._final is not None:
+            finals = {self._final, *(self._graph.nodes[name] for name in self._settling)}
+            for requires in [final.requires for final in finals if final is not None and final.requires is not None]:
+                for instant in requires.instants:
+                    soonest = min(soonest, _later(instant(self.view), now))
         for _, machine, state in self._awake() if self._running else ():
             soonest = min(soonest, machine.wake_at(state, self.view))
         return soonest

@@ -20,8 +20,8 @@ from tests.chart.charts import chart, row, sent, ticked
 from tests.laws.drawn import GRID_S, Answers, Happening, document, happenings, is_far, terms
 
 Json = dict[str, Any]
-PASSING = ("seq", "_wake", "_quick", "_listening")
-"""What a snapshot has of how the run was looked at, not of the run."""
+PASSING = ("seq", "_wake", "_quick", "_listening", "_asked")
+"""What a snapshot has of how the run was looked at, not of the run; who was asked for control depends on the steps."""
 AFTER_S = 5.0
 """Seconds that are still watched once everything has happened."""
 seeds = st.integers(0, 2**32)
