@@ -43,6 +43,7 @@ def main(requests: int, replies: int, most: int) -> int:
         most: Bytes of resident memory.
     """
     _prctl(PR_SET_CHILD_SUBREAPER, 1)  # what daemons its children leave behind stay descendants
+    _prctl(PR_SET_PDEATHSIG, signal.SIGCONT)  # the model may have stopped this process
     engine = os.getppid()
     worker = os.fork()
     if worker == 0:
