@@ -87,9 +87,10 @@ class RunServer:
         with self._lock:
             self._report = None
         result = course.result
-        data = {
+        data: dict[str, Any] = {
             "outcome": course.mode, "why": result.why if result is not None else course.error,
             "run": course.runner.run_id, "journal": (result.journal if result is not None else None) or "",
+            "open_goals": [goal.data() for goal in result.open_goals] if result is not None else [],
         }  # fmt: skip
         if course.mode == "succeeded":
             report(Report(goal_id, "succeeded", data))

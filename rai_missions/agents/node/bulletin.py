@@ -99,6 +99,7 @@ class Bulletin(NamedTuple):
             "active": list(self.active),
             "questions": [each.fields() for each in self.questions],
             "why": cut(self.why, CUT),
+            "open_goals": [goal.data() for goal in self.open_goals],
         }
 
 

@@ -10,6 +10,7 @@ import pytest
 from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.contract import Heard
 from tests.agents.node.conftest import Scene
+from tests.agents.node.scenes import mission
 
 RUN = "rai_missions_msgs/action/RunMission"
 
@@ -80,6 +81,31 @@ def test_a_goal_that_cannot_be_is_rejected_and_the_reply_says_why(scene: Scene, 
     assert send(scene, arguments=arguments).wait(ended, "it is rejected")[-1].said == "rejected"
     told = scene.client.replies.wait(bool, "a reply")[-1]
     assert told["id"] == "g1" and why in told["why"]
+
+
+def test_a_goal_that_may_still_move_the_robot_is_named(open_scene: Callable[..., Scene]) -> None:
+    given = mission()
+    moving = given.states["moving"].model_copy(update={"cancel_s": 0.1})
+    scene = open_scene(typed=True, mission=given.model_copy(update={"states": {**given.states, "moving": moving}}))
+    heard: Heard[Message] = Heard(30.0)
+    scene.client.connector.subscribe("/errand/mission_status", "rai_missions_msgs/msg/MissionStatus", heard)
+    scene.client.activate()
+
+    def obey(word: str) -> None:
+        scene.robot.asked(word)
+        if word == "halt":
+            raise RuntimeError("no brakes")
+
+    scene.robot.obey = obey
+    reports = send(scene)
+    scene.client.await_status("it runs", mode="running")
+    scene.client.command(command="post", event="go")
+    scene.robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+    scene.client.connector.cancel_goal("g1")
+    open_goals = [{"number": 1, "action": "move", "owner": "moving", "reason": "refused"}]
+    last = reports.wait(ended, "the goal ends")[-1]
+    assert (last.said, last.data["open_goals"]) == ("canceled", open_goals)
+    heard.wait(lambda all_: all_[-1].data["outcome"] == "canceled" and all_[-1].data["open_goals"] == open_goals, "so")
 
 
 def test_a_second_goal_is_rejected_while_a_mission_runs(scene: Scene) -> None:
