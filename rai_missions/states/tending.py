@@ -176,7 +176,7 @@ class TendingMachine:
         growth.limit = ""
         while True:
             growth.news.clear()
-            ticked = self.ticker.tick(growth.tree, desk.view, growth.outcomes)
+            ticked = self.ticker.tick(growth.tree, desk.view, growth.outcomes, desk.begins_at - desk.view.at)
             growth.outcomes = {}
             self._apply(growth, ticked, desk)
             if ticked.status in ("success", "failure"):

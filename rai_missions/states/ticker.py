@@ -83,7 +83,9 @@ class Ticker(Protocol):
     loops: int
     """How many rounds of loops can end in one tick."""
 
-    def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
+    def tick(
+        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0
+    ) -> Ticked:  # fmt: skip
         """Tick once, as py_trees does.
 
         Args:
@@ -91,6 +93,7 @@ class Ticker(Protocol):
             view: What is known, and the time.
             outcomes: Path of a running leaf → the outcome that its activity has reported since; of a behaviour in
                 Python its last status.
+            late_s: How much later than now what is begun is carried out, in seconds; a `timeout` counts from then.
         """
 
     def stop(self, state: TreeState, view: View) -> Ticked:

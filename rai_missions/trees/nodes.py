@@ -200,7 +200,7 @@ class _Timed(decorators.Timeout):
     round: Round
 
     def initialise(self) -> None:
-        self.finish_time = self.round.sight.at + self.duration
+        self.finish_time = self.round.sight.at + self.round.sight.late_s + self.duration
 
     def update(self) -> Status:
         if self.decorated.status is RUNNING and self.round.sight.at >= self.finish_time:

@@ -23,7 +23,8 @@ class Sight:
         held: Held guard → since when its inner guard has been true; the tree keeps these itself.
     """
 
-    __slots__ = ("_own", "_view", "active", "answer", "at", "began", "board", "entered", "event", "held")
+    __slots__ = ("_own", "_view", "active", "answer", "at", "began", "board", "entered", "event", "held",
+                 "late_s")  # fmt: skip
 
     def __init__(self, view: View, state: str, began: float, held: Mapping[str, float]) -> None:
         self._view, self._own = view, False
@@ -31,6 +32,8 @@ class Sight:
         self.began, self.board = began, view.board
         self.entered: Mapping[str, float] = view.entered if state in view.entered else {**view.entered, state: began}
         self.held: Mapping[str, float] = held
+        self.late_s = 0.0
+        """How much later than now what is begun is carried out, in seconds."""
 
     def write(self, key: str, value: Any) -> None:
         """Let the rest of the tick see a value."""

@@ -47,8 +47,11 @@ class TreeTicker:
         self._looked: tuple[TreeState | None, Looked | None] = (None, None)
         """What was worked out last, and of which state."""
 
-    def tick(self, state: TreeState, view: View, outcomes: Mapping[str, str]) -> Ticked:
+    def tick(
+        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0
+    ) -> Ticked:  # fmt: skip
         sight = self._restore(state, view)
+        sight.late_s = late_s
         self._shown = None
         pending = {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome}
         self.round.begin(sight, {**pending, **outcomes} if pending else outcomes)

@@ -15,6 +15,7 @@ from rai_missions.clock import ContinuedClock, Mailbox, SimulatedClock
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
 from rai_missions.load import dump
+from rai_missions.rebuild import default_ticker
 from rai_missions.robot import dump_profile
 from rai_missions.step import Step
 from rai_missions.verdict import Question
@@ -29,7 +30,7 @@ ENDS: Json = {"early": {"final": "canceled"}, "late": {"final": "failed"}}
 def resumed(path: Path, states: Json, moments: Mapping[float, Callable[[Rig], object]], **words: Any) -> list[Step]:
     """The steps of a run that was killed at 0 s, in its first state and with a battery that was known."""
     killed = mission({**states, **ENDS})
-    chart = Chart(killed)
+    chart = Chart(killed, default_ticker(killed))
     with Journal.create(path, Header(dump(killed), dump_profile(robot()), run="run")) as journal:
         journal.write(chart.start(), since=0.0)
         journal.write(chart.write("battery", 0.5), since=0.0)
@@ -67,6 +68,15 @@ def test_control_that_is_asked_for_late_may_come_late(tmp_path: Path) -> None:
               "honking": {"call": "horn", "timeout_s": 0.5, "control": "agent", "handover_s": 1,
                           "transitions": [{"on": "succeeded", "to": "early"},
                                           {"on": ["rejected", "timed_out"], "to": "late"}]}}  # fmt: skip
+    steps = resumed(tmp_path / "run.journal", states, {0.5: lambda rig: rig.post("go")})
+    assert reached(steps) == ("early", WINDOW_S)
+
+
+def test_a_timeout_in_a_tree_over_a_call_that_is_made_late_counts_from_the_call(tmp_path: Path) -> None:
+    tree = {"timeout": 0.5, "child": {"call": "horn"}}
+    states = {"waiting": {"transitions": [{"on": "go", "to": "honking"}]},
+              "honking": {"tree": tree, "transitions": [{"on": "succeeded", "to": "early"},
+                                                        {"on": "failed", "to": "late"}]}}  # fmt: skip
     steps = resumed(tmp_path / "run.journal", states, {0.5: lambda rig: rig.post("go")})
     assert reached(steps) == ("early", WINDOW_S)
 
