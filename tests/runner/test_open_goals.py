@@ -334,3 +334,13 @@ def test_a_start_that_takes_effect_after_the_end_is_stopped_again() -> None:
 def test_a_run_whose_goals_have_ended_names_none() -> None:
     result = played(Plan(), Act(3, "go"), actions=("move", "turn"))
     assert (result.open_goals, result.warning) == ((), "")
+
+
+def test_a_goal_that_was_not_confirmed_is_told_to_end_once_more_as_the_run_is_over() -> None:
+    asked: list[int] = []
+    rig = Rig(mission(_states(["move"])), on_step=lambda step: asked.append(len(rig.move.canceled)))
+    rig.move.on_cancel = ("cancel_rejected",)
+    rig.connector.start()  # one of the run's own would end its goals as it stops
+    result = rig.run()
+    assert [goal.reason for goal in result.open_goals] == ["refused"]
+    assert len(rig.move.canceled) == asked[-1] + 1

@@ -9,9 +9,9 @@ import os
 import random
 import re
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -24,6 +24,9 @@ from tests.tractor.ros2_processes import TRACTOR, Graph, Process, graph_in
 
 pytestmark = [pytest.mark.sim, on_ros]
 BRANCH = {"alleys": 1, "length_m": 14, "obstacles": ["branch"]}
+ANIMAL = {**BRANCH, "obstacles": ["animal"]}
+ORCHARD = {"alleys": 2, "seed": 3}
+"""What the world chooses by its seed: it stands twice for an animal and once for a branch."""
 WHY = "'done' was reached, and alleys_driven ≥ alleys"
 WORDS = ("state: DRIVING", "state: STOPPED", "passed: True", "state: CHANGING_PATH")
 OFTEN = {
@@ -57,13 +60,13 @@ class Orchard(Graph):
     kills = 0
     numbers = itertools.count()
 
-    def drive(self, deaths: list[Death]) -> None:
+    def drive(self, deaths: list[Death], options: Mapping[str, Any] = BRANCH, speed: str = "1") -> None:
         """One run, killed so, with a world of its own; it must end as if it had not been."""
-        world = self.world(speed="1", **BRANCH)
+        world = self.world(speed=speed, **options)
         journal = self.folder / f"{next(self.numbers)}.journal"
         for death in (*deaths, Death()):
             said = len(world.said.all)
-            self.nursery.begin(self.words(journal), death.instant)
+            self.nursery.begin(self.words(journal, options["alleys"]), death.instant)
             status = self.life(world, death, said) if death in deaths else self.nursery.ends()
             text = self.nursery.out.read_text(errors="replace")
             assert "Traceback" not in text, text
@@ -80,13 +83,14 @@ class Orchard(Graph):
         world.signal(signal.SIGINT)
         assert world.ends() == 0, world.text
 
-    def words(self, journal: Path) -> list[str]:
+    def words(self, journal: Path, alleys: int) -> list[str]:
         if journal.exists():
             return ["run", "--resume", str(journal), "--no-operator"]
         robot, mission = str(TRACTOR / "robot.ros2.json"), self.folder / "mission.json"
         patient = json.loads((TRACTOR / "mission.json").read_text()) | {"ready_s": PATIENT_S}
         mission.write_text(json.dumps(patient))
-        return ["run", str(mission), "--robot", robot, "--no-operator", "--set", "alleys=1", "--journal", str(journal)]
+        return ["run", str(mission), "--robot", robot, "--no-operator", "--set", f"alleys={alleys}",
+                "--journal", str(journal)]  # fmt: skip
 
     def life(self, world: Process, death: Death, said: int) -> int:
         def is_over() -> bool:
@@ -131,6 +135,16 @@ def test_a_tractor_that_finished_its_alley_alone_is_no_failure(orchard: Orchard,
 def test_a_start_of_which_nobody_knows_is_looked_after(orchard: Orchard) -> None:
     """Killed as it is told to drive on, and then as it is told to drive over the branch."""
     orchard.drive([Death(delay_s=60.0, instant=Instant("a call is sent", number, True)) for number in (1, 2)])
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("options", [BRANCH, ANIMAL, ORCHARD], ids=["branch", "animal", "seed 3"])
+def test_killed_after_a_row_it_ends_as_if_it_had_not_been(orchard: Orchard, options: Mapping[str, Any]) -> None:
+    """`RAI_MISSIONS_ROWS` says after which rows, as `9,11,12`."""
+    for row in (int(each) for each in os.environ.get("RAI_MISSIONS_ROWS", "3,9,11,12,15,20").split(",")):
+        orchard.drive([Death(delay_s=60.0, instant=Instant("a row is written", row, True))], options)
+        print(f"after row {row}: {orchard.kills} kills", flush=True)  # noqa: T201 - the figure
 
 
 def chosen(chance: random.Random) -> Death:
