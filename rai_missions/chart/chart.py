@@ -257,16 +257,20 @@ class Chart(Saving):
         if self._given_up:
             self._take_back()
         self.seq += 1
-        self._look_ahead()
+        changed = self.moves or self.effects or self.notes or self._touched or self._refused
+        is_quiet = not changed and event.kind in ("write", "tick") and self.mode == "running"
+        if is_quiet:
+            self._wake = self.view.at if self._unfinished() else self._next_instant()
+        else:
+            self._look_ahead()
         is_over = self.outcome is not None and self.mode == "ended"
         why = self.why if is_over and (self._ended or not self._refused) else self._refused
-        step = Step(
+        step: Step = _new(Step, (
             self.seq, self.view.at, event, tuple(self.moves), tuple(self.looked), tuple(self.written), self.outcome,
             None if self._wake == math.inf else self._wake, tuple(self.effects), why, tuple(self.notes), self._resting,
-        )  # fmt: skip
-        asked = any(place.startswith("named:") for place, _ in self.looked)
-        said = self.moves or self.effects or self.notes or self._touched or self._refused or asked
-        self.quiet = not said and event.kind in ("write", "tick")
+        ))  # fmt: skip
+        asked = self.looked and any(place.startswith("named:") for place, _ in self.looked)
+        self.quiet = not (changed or asked) and event.kind in ("write", "tick")
         self._clear()
         return step
 

@@ -21,6 +21,8 @@ class Instants(Modes):
 
     def _catch_up(self, at: float) -> None:
         """Let everything that was due until `at` happen, each at its own instant."""
+        if at < self._wake:
+            return
         same, moved = 0, False
         if unfinished := self._unfinished():
             self._due, moved = unfinished, True
