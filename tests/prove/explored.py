@@ -36,8 +36,8 @@ Seen = tuple[frozenset[str], str | None, str]
 class Seeing(Space):
     """A space that remembers the active states of each of its states."""
 
-    def __init__(self, chart: Free, most: int) -> None:
-        super().__init__(chart, Limits(most, work=WORK * most))
+    def __init__(self, chart: Free, most: int, work: float = WORK) -> None:
+        super().__init__(chart, Limits(most, work=work * most))
         self.seen: set[Seen] = set()
 
     def _learn(self, source: int, way: Way, *, is_paused: bool) -> None:

@@ -33,9 +33,9 @@ class Moving(Space):
         self.came: list[tuple[int, bool, tuple[Move, ...]]] = []
         self._moves: dict[int, tuple[Arrival, tuple[Move, ...]]] = {}
 
-    def _arrival(self, way: Way, kind: HappeningKind, before: Own) -> Arrival:
+    def _arrival(self, way: Way, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
         moves = tuple(self.chart.moves)
-        arrival = super()._arrival(way, kind, before)
+        arrival = super()._arrival(way, kind, before, kept)
         self._moves[id(arrival)] = arrival, moves  # the arrival is kept, so that no other gets its id
         return arrival
 
