@@ -7,14 +7,14 @@ Rule: a Step is a value. Who performs its effects, writes it down or draws it ne
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.verdict import Question
 
 __all__ = (
-    "Ask", "CallService", "CancelGoal", "Effect", "Handover", "LogLine", "Move", "PublishMessage", "SayAloud",
+    "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage", "SayAloud",
     "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw",
 )  # fmt: skip
 
@@ -112,6 +112,10 @@ Effect = (
     | StopBehaviour
 )
 """What the performer is to do."""
+
+Cause = Literal["", "invariant", "cycle"]
+"""What ended a mission that its own rules did not end: an invariant that is false, or a cycle without end at one
+instant. Empty for any other end, and while the mission runs."""
 
 
 class Move(NamedTuple):

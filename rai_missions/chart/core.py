@@ -26,7 +26,7 @@ from rai_missions.states.goals import Ledger
 from rai_missions.states.rounds import Rounds
 from rai_missions.states.terms import Terms
 from rai_missions.states.ticker import Trees
-from rai_missions.step import CancelGoal, Move
+from rai_missions.step import CancelGoal, Cause, Move
 from rai_missions.wording import in_words
 
 __all__ = ("Core", "Look", "Named", "Timer", "TimerKey", "Trigger")
@@ -132,6 +132,10 @@ class Core:
         """What came meanwhile for held states, in order."""
         self.outcome: str | None = None
         self.why = ""
+        self.cause: Cause = ""
+        """What has ended the mission, where no rule of it did."""
+        self.false_invariant = ""
+        """The name of the invariant that has ended the mission; empty for any other end."""
         self.quiet = False
         """The last step did nothing but write the blackboard: it need not be written down by itself."""
         self._config: Configuration = self._graph.empty
@@ -360,6 +364,6 @@ class Core:
         """Make one microstep."""
         raise NotImplementedError
 
-    def _end(self, outcome: str, why: str, *, killed: bool = False) -> None:
+    def _end(self, outcome: str, why: str, *, killed: bool = False, cause: Cause = "") -> None:
         """The mission is over."""
         raise NotImplementedError

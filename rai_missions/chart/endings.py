@@ -13,6 +13,7 @@ from rai_missions.guards.guard import Operand, Site
 from rai_missions.states.activity import Outcome
 from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, worst
+from rai_missions.step import Cause
 
 __all__ = ("Endings",)
 
@@ -160,7 +161,8 @@ class Endings(Activities):
             value = condition.test(self.view)
             if value is False:
                 self.looked.append((condition.place, value))
-                return self._kill(f"invariant '{name}' is false: {condition.guard.words()}")
+                self.false_invariant = name
+                return self._kill(f"invariant '{name}' is false: {condition.guard.words()}", cause="invariant")
             if value is None:
                 unknown.add(name)
         for name in sorted(unknown - self._unknown):
@@ -168,24 +170,25 @@ class Endings(Activities):
         self._touched = self._touched or self._unknown != unknown
         self._unknown = frozenset(unknown)
 
-    def _kill(self, why: str) -> None:
+    def _kill(self, why: str, *, cause: Cause = "") -> None:
         self.effects += self._ledger.stop_all(self.begins_at)
         self.holder, self.taken = "nobody", False
-        self._end("aborted", why, killed=True)
+        self._end("aborted", why, killed=True, cause=cause)
 
-    def _end(self, outcome: str, why: str, *, killed: bool = False) -> None:
+    def _end(self, outcome: str, why: str, *, killed: bool = False, cause: Cause = "") -> None:
         """The mission is over: everything that runs is ended, and the active states do what they do when left.
 
         Args:
             outcome: How it ended.
             why: The rule that decided it.
             killed: By an emergency stop or an invariant: no `exit` is done, and a cancel under way makes no difference.
+            cause: What it was, where no rule of the mission ended it; a cancel under way ends as a cancel all the same.
         """
         if self.outcome is not None:
             return
         if self.mode == "canceling" and not killed:
-            outcome, why = "canceled", self.why
-        self.outcome, self.why, self._ended, self._touched = outcome, why, True, True
+            outcome, why, cause = "canceled", self.why, ""
+        self.outcome, self.why, self.cause, self._ended, self._touched = outcome, why, cause, True, True
         self._hear_kept(None)
         for name in list(self._running):
             self._leave_activity(self._graph.nodes[name])

@@ -44,7 +44,8 @@ class Instants(Modes):
                 yield name
 
     def _endless(self) -> None:
-        self._end("failed", f"timers without end in {', '.join(sorted(self.view.active))}")
+        where = ", ".join(sorted(self.view.active))
+        self._end("failed", f"timers without end in {where}", cause="cycle")
 
     def _instant(self) -> None:
         """What time alone does now."""

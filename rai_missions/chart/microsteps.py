@@ -70,7 +70,7 @@ class Microsteps(Endings):
 
     def _circle(self) -> None:
         states = " → ".join(dict.fromkeys(name for move in self.moves[-50:] for name in move.entered))
-        self._end("failed", f"a cycle without end: {states or 'internal events'}")
+        self._end("failed", f"a cycle without end: {states or 'internal events'}", cause="cycle")
 
     def _answer(self, trigger: Trigger) -> None:
         """Find the rows that a trigger fires, and take them."""

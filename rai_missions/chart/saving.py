@@ -21,9 +21,9 @@ Snapshot = Mapping[str, Any]
 """All that a chart remembers, as values; `Chart.restore` goes on from there."""
 
 VALUES = (
-    "seq", "mode", "holder", "outcome", "why", "_order", "_number", "_paused_at", "_queue", "_suspended", "_unknown",
-    "_cancel_by", "_unbegun", "_present", "_wake", "_quick", "_listening", "taken", "_asked", "_held_since", "_laid_by",
-    "_kept",
+    "seq", "mode", "holder", "outcome", "why", "cause", "false_invariant", "_order", "_number", "_paused_at", "_queue",
+    "_suspended", "_unknown", "_cancel_by", "_unbegun", "_present", "_wake", "_quick", "_listening", "taken", "_asked",
+    "_held_since", "_laid_by", "_kept",
 )  # fmt: skip
 COPIES = ("_timers", "_frozen", "_running", "_pending", "_rounds", "_settling", "_calls")
 SEEN = ("at", "board", "entered", "held", "event", "answer")

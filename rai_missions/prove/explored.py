@@ -125,6 +125,7 @@ class Explored(Resting):
         view.entered, view.held, view.event = entered.copy(), held.copy(), {}
         view.active = self._config.active
         self.board.refill(board, own)
+        self.cause, self.false_invariant = "", ""
         self._quick, self._due, self._asked, self._queue = False, frozenset(), "", ()
         self.leave_open()
         self._wavering.clear()

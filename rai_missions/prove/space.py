@@ -284,11 +284,11 @@ class Space(Reached):
                 self._flaw("comes to rest", source, sentence, way)
             return
         self._end(source, way)
-        if chart.why.startswith("invariant ") and is_paused:
-            self.in_pause.add(chart.why.split("'")[1])
-        elif chart.why.startswith("invariant "):
+        if chart.cause == "invariant" and is_paused:
+            self.in_pause.add(chart.false_invariant)
+        elif chart.cause == "invariant":
             self._flaw("invariants", source, chart.why, way)
-        elif chart.why.startswith(("a cycle without end", "timers without end")):
+        elif chart.cause == "cycle":
             self._flaw("comes to rest", source, chart.why, way)
         if chart.outcome == "succeeded" and not chart.rests_on_facts:
             self._flaw("answers", source, "the mission succeeds, whatever the robot says", way)

@@ -51,9 +51,23 @@ class Rounds:
         return begins
 
     @property
+    def spent(self) -> tuple[object, ...]:
+        """What tells how much room is left, but for `room`."""
+        return self._leaf_ends, self.own, self.heard, sorted(self._begun)
+
+    @property
+    def room(self) -> int:
+        """So many rounds more can end before the tree rests."""
+        return MOST_ROUNDS - self._loops - self._ended
+
+    def skip(self, rounds: int) -> None:
+        """So many rounds more have ended."""
+        self._ended += rounds
+
+    @property
     def are_spent(self) -> bool:
         """There is no room for the rounds of one more tick."""
-        return self._ended + self._loops > MOST_ROUNDS
+        return self.room < 0
 
     def leaf_ended(self) -> bool:
         """A leaf has ended as soon as it was started; whether there is room for a tick that takes it."""

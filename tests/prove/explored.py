@@ -164,5 +164,4 @@ def walked(
         at += wait
         robot.hear(chart.send(robot.event(drawn, at)))
         found.append(seen(chart))
-    broken = chart.why.split("'")[1] if chart.why.startswith("invariant ") else ""
-    return [each for each in found if each[1] is None] if broken in assumed else found
+    return [each for each in found if each[1] is None] if chart.false_invariant in assumed else found

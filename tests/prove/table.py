@@ -234,6 +234,16 @@ row("a round of one region, rest in another", "comes to rest", "the first region
         "two": {"initial": "b", "states": {"b": waits(STOP)}},
     }}})  # fmt: skip
 
+NEVER: Json = {"check": {"key": "n", "<": 0}}
+row("an instant circle through a tree's loop", "ends, comes to rest",
+    "at the limit of a step the tree rests and goes on in the next: an event can come between",
+    {"looking": tree({"retry": 20, "child": NEVER}, ended("succeeded"), ended("failed", to="looking"), STOP,
+                     {"on": "go", "to": "lost"}), "lost": LOST})  # fmt: skip
+row("an instant circle through a loop of few rounds", "comes to rest",
+    "the limit of microsteps comes before that of rounds: the mission fails before anybody can say anything",
+    {"looking": tree({"retry": 3, "child": NEVER}, ended("succeeded"), ended("failed", to="looking"), STOP,
+                     {"on": "go", "to": "lost"}), "lost": LOST})  # fmt: skip
+
 # -- loops with numbers ----------------------------------------------------------------------------------------------
 
 WAIT_CLEAR: Json = {"sequence": [{"wait_s": 1}, {"check": CLEAR}]}

@@ -208,11 +208,11 @@ class Walk:
                 self.wanted.append(effect.to)
         self.entered.update(step.entered)
         self.is_tired = self.is_tired or len(step.moves) > LONG
-        if step.why.startswith(("a cycle without end", "timers without end")):
+        if self.chart.cause == "cycle":
             self.broken["comes to rest"] = step.why
         if step.resting and step.wake_at != step.at:
             self.broken["comes to rest"] = f"{step.resting} rest at a limit"
-        if step.outcome is not None and step.why.startswith("invariant ") and self.chart.paused_at is None:
+        if self.chart.cause == "invariant" and self.chart.paused_at is None:
             self.broken.setdefault("invariants", step.why)
 
     def go(self, many: int) -> None:
