@@ -16,6 +16,7 @@ from rai_missions.chart.configuration import Configuration
 from rai_missions.chart.node import Node
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.mission import Mission
+from rai_missions.prove.branches import Groups
 from rai_missions.prove.handed import kept_words
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.parts import guards_in, parts
@@ -50,6 +51,8 @@ class Explored(Resting):
         self.own_fade = any(mission.blackboard[key].max_age_s is not None for key in self.own_keys)
         """Some of them grow stale."""
         self._own_order: dict[frozenset[str], tuple[str, ...]] = {}
+        self.groups: dict[str, Groups] = {}
+        """State → the groups of its tree's waits and timeouts, where there are several: see `branches`."""
         self.loops: tuple[Loop, ...] = ()
         """The loops of which a few rounds may stand for all."""
 
@@ -100,6 +103,7 @@ class Explored(Resting):
             _kept(self._rounds), _kept(self._settling), _kept(self._calls), _kept(self._ledger.goals), self._unknown,
             self._cancel_by, _kept(view.entered), _kept(view.held), view.answer, self._known_of_robot(),
             self._listening, self._suspended, self.taken, self._frozen, self._laid_by, self._kept,
+            _kept(self.groups),
         )  # fmt: skip
 
     def _known_of_robot(self) -> dict[str, Any]:
@@ -116,11 +120,12 @@ class Explored(Resting):
             atomic, self.mode, self._holder, self.outcome, self.why, self._final, self._number, self._order,
             memory, timers, running, pending, rounds, settling, calls, goals, self._unknown, self._cancel_by,
             entered, held, view.answer, board, self._listening, self._suspended, self.taken, self._frozen,
-            self._laid_by, self._kept,
+            self._laid_by, self._kept, groups,
         ) = state  # fmt: skip
         self._config = self._configured(atomic)
         self._memory, self._timers, self._running = memory.copy(), timers.copy(), running.copy()
         self._pending, self._rounds, self._settling = pending.copy(), rounds.copy(), settling.copy()
+        self.groups = groups.copy()
         self._calls, self._ledger.goals, self._ledger.changed = calls.copy(), goals.copy(), False
         view.entered, view.held, view.event = entered.copy(), held.copy(), {}
         view.active = self._config.active
@@ -205,6 +210,7 @@ class Explored(Resting):
             [(name, str(each)) for name, each in sorted(self._rounds.items())] if self._rounds else (),
             list(self._settling), sorted(self._unknown), self._cancel_by == math.inf,
             (self._laid_by, self.taken, [kept_words(each) for each in self._kept]) if self._frozen else (),
+            [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())],
         )  # fmt: skip
 
     def _told_goals(self) -> tuple[Any, ...]:

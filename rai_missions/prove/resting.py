@@ -248,7 +248,7 @@ class Resting(Handed):
     def make(self, happens: Callable[[], None]) -> None:
         """Let something happen; what it did can be read until the next."""
         self._clear()
-        self.ticks, self.turned = 0, set()
+        self.ticks, self.turned, self.begun = 0, set(), {}
         several = len(self._timers) + len(self._calls) + len(self._ledger.goals) >= MANY
         before = {words: keys for words, keys in self._alike().items() if len(keys) >= MANY} if several else {}
         happens()

@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import Any
 
 from rai_missions.mission import Mission
+from rai_missions.prove.branches import firsts, parted, passed
 from rai_missions.prove.choices import MISSING
 from rai_missions.prove.happening import Happening
 from rai_missions.prove.resting import PURSUED
@@ -34,6 +35,8 @@ class Timely(Told):
         keys = mission.blackboard.items()
         self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
         """What a robot must say again and again."""
+        self._over = ("", frozenset[str]())
+        """The state of the tree, and the group of its waits, of which something is over in this step."""
         self._spans = self._durations()
         self._keepers = {memory: node.name for node in self._graph.order for row in node.rows
                          for memory in (row.condition.holds if row.condition is not None else ())}  # fmt: skip
@@ -181,7 +184,36 @@ class Timely(Told):
             if limit_of(state) == "rounds":
                 yield Happening(f"the rounds of '{name}' continue", "time", self._continue(name), owner=name)
             if isinstance(state, Tending) and NOW < state.wake < math.inf:
-                yield Happening(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name), owner=name)
+                yield from self._tree_times(name, state)
+
+    def _tree_times(self, name: str, state: Tending) -> Iterator[Happening]:
+        """What the tree waits for by itself is over; of branches that began at several instants, that of any."""
+        groups = self.groups.get(name, ())
+        if not groups or all(memory.get("until") != state.wake for memory in state.tree.nodes.values()):
+            yield Happening(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name), owner=name)
+        for group in firsts(state, groups):
+            words = f"time passes for '{name}' ({min(group)})"
+            yield Happening(words, "time", self.elapse(self._pass_for(name, group), name), owner=name)
+
+    def _pass_for(self, name: str, group: frozenset[str]) -> Callable[[], None]:
+        def change() -> None:
+            self._over = (name, group)
+            self._running[name] = passed(self._running[name], group, NOW)
+
+        return change
+
+    def make(self, happens: Callable[[], None]) -> None:
+        self._over = ("", frozenset())
+        super().make(happens)
+
+    def settle(self) -> None:
+        super().settle()
+        over, group = self._over
+        for name, state in self._running.items():
+            if isinstance(state, Tending):
+                its_own = group if name == over else None
+                self.groups[name] = parted(state, self.groups.get(name, ()), self.begun.get(name, ()), its_own)
+        self.groups = {name: each for name, each in self.groups.items() if each and name in self._running}
 
     def _continue(self, name: str) -> Callable[[], None]:
         return lambda: self.time_passes(name)
@@ -248,6 +280,7 @@ class Timely(Told):
         def change() -> None:
             state, machine = self._running[name], self._machines[name]
             assert isinstance(machine, TendingMachine)
+            self._over = (name, frozenset())
             tree = machine.ticker.shifted(state.tree, NOW - state.wake)
             self._running[name] = state._replace(tree=tree, wake=NOW)
 

@@ -59,6 +59,8 @@ class Watched(Chart):
         """Ticks of trees in this step."""
         self.turned: set[str] = set()
         """The states of whose tree a loop's round that has taken time has ended in this step."""
+        self.begun: dict[str, set[str]] = {}
+        """State → the paths of what has begun in its tree in this step."""
         self.answered: set[tuple[str, str]] = set()
         """Who asks, and an option that was taken there."""
         self.schemas: dict[tuple[str, str], Mapping[str, Any]] = {}
@@ -227,6 +229,8 @@ class Watched(Chart):
         def counted(*given: Any) -> Any:
             self.ticks += 1
             ticked = tick(*given)
+            begun = [path for path, call, _ in ticked.trace if call == "initialise"]
+            self.begun.setdefault(machine.owner, set()).update(begun)
             if any(not each.at_once for each in ticked.rounds):
                 self.turned.add(machine.owner)
             return ticked

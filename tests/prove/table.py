@@ -244,6 +244,24 @@ row("an instant circle through a loop of few rounds", "comes to rest",
     {"looking": tree({"retry": 3, "child": NEVER}, ended("succeeded"), ended("failed", to="looking"), STOP,
                      {"on": "go", "to": "lost"}), "lost": LOST})  # fmt: skip
 
+# -- waits of one tree -----------------------------------------------------------------------------------------------
+
+
+def branches(first: float, second: float, *before: Json) -> Json:
+    """Two waits in parallel; the tree succeeds if the first is over before the second, and fails if not."""
+    return {"parallel": [{"sequence": [{"wait_s": first}, {"set": "n", "value": 1}]},
+                         {"sequence": [*before, {"wait_s": second}, {"check": {"key": "n", "==": 1}}]}]}  # fmt: skip
+
+
+LATER: Json = {"sequence": [{"failure_is_running": {"check": CLEAR}}, {"check": {"key": "n", "==": 0}}]}
+row("a shorter wait that begins with a longer one", "", "the shorter is always over first",
+    {"both": tree(branches(5, 3), ended("failed"), ended("succeeded", to="lost")), "lost": LOST})  # fmt: skip
+row("a shorter wait that begins after a longer one", "ends", "if it is clear after 4 s, the longer is over first",
+    {"both": tree(branches(5, 3, LATER), ended("failed"), ended("succeeded", to="lost")), "lost": LOST})  # fmt: skip
+row("a longer wait that begins after a shorter one", "", "it is always over last: what it then checks is true",
+    {"both": tree(branches(3, 5, {"failure_is_running": {"check": CLEAR}}),
+                  ended("succeeded"), ended("failed", to="lost")), "lost": LOST})  # fmt: skip
+
 # -- loops with numbers ----------------------------------------------------------------------------------------------
 
 WAIT_CLEAR: Json = {"sequence": [{"wait_s": 1}, {"check": CLEAR}]}

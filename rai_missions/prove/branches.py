@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The waits and timeouts of one tree: which of them can be over first.
+
+Rule: those that began together, or at the end of one of the same group, are over in the order of their durations. What
+begins at any other instant begins after an unknown time, in which those before it may have come near to their ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+from rai_missions.states.tending import Tending
+
+__all__ = ("Groups", "firsts", "parted", "passed")
+
+Groups = tuple[frozenset[str], ...]
+"""Paths of what waits in a tree, in groups. Of one before another, what is left of its time is at the most what is
+noted; of the last one it is known how much was left when it became the last."""
+
+
+def _until(nodes: Mapping[str, Mapping[str, Any]], group: Collection[str]) -> float:
+    return min(float(nodes[path]["until"]) for path in group)
+
+
+def firsts(state: Tending, groups: Groups) -> Iterator[frozenset[str]]:
+    """The groups of which something can be over before all else: not if one before it is over by then."""
+    nodes, soonest = state.tree.nodes, float("inf")
+    for group in groups:
+        until = _until(nodes, group)
+        if until < soonest:
+            yield group
+            soonest = until
+
+
+def passed(state: Tending, group: Collection[str], now: float) -> Tending:
+    """The state once the first of a group is over; how long that took is not known of the others."""
+    nodes = dict(state.tree.nodes)
+    late = now - _until(nodes, group)
+    for path in group:
+        nodes[path] = {**nodes[path], "until": nodes[path]["until"] + late}
+    return state._replace(tree=state.tree._replace(nodes=nodes), wake=now)
+
+
+def parted(state: Tending, groups: Groups, begun: Collection[str], over: Collection[str] | None) -> Groups:
+    """The groups after a step; none where one is left.
+
+    Args:
+        state: The tree's state.
+        groups: The groups before it; none for one.
+        begun: The paths of what has begun in it.
+        over: The group of which something was over; empty for the only one, None where it was another's step.
+    """
+    waiting = {path for path, memory in state.tree.nodes.items() if "until" in memory}
+    old, new = frozenset(waiting.difference(begun)), frozenset(waiting.intersection(begun))
+    found = [each & old for each in groups or (old,)]
+    if over is not None:
+        at = groups.index(frozenset(over)) if over else 0
+        new |= found.pop(at)
+    found = [each for each in (*found, new) if each]
+    return tuple(found) if len(found) > 1 else ()
