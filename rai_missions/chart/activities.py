@@ -160,9 +160,7 @@ class Activities(Hold):
         number = event.number
         known = number in self._ledger.goals
         if self.mode == "paused" and any(getattr(state, "number", 0) == number for state in self._running.values()):
-            self._queue = (*self._queue, event)
-            self._touched = True
-            return
+            return self._wait_out_pause(event)
         if self._is_for_held(number):
             return self._keep(event)
         self.effects += self._ledger.hear(event)

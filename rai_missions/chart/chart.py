@@ -299,10 +299,7 @@ class Chart(Saving):
             self._write(event)
         elif kind == "control":
             self._control(event)
-        elif self.mode == "paused":
-            self._queue = (*self._queue, event)
-            self._touched = True
-        elif self._final is not None:
+        elif self._final is not None and self.mode != "paused":
             self._refused = f"the mission is ending in '{self._final.name}'"
         else:
             self._happen(event)

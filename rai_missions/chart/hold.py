@@ -89,11 +89,20 @@ class Hold(Core):
 
     def _keep_trigger(self, trigger: Trigger) -> None:
         """The same for what only the transitions of held states name, wherever it came from."""
+        self._keep(self._event_of(trigger))
+
+    def _event_of(self, trigger: Trigger) -> Event:
+        """What a trigger waits as; `_trigger_of` undoes it."""
         name, data, source = trigger.name, trigger.data, trigger.source
-        if source is not None:
-            given = {"state": source.name, "climbs": trigger.climbs, "why": trigger.why, "data": dict(data)}
-            return self._keep(Event(name, self.view.at, given, OUTCOME))
-        self._keep(Event(name, self.view.at, data))
+        if source is None:
+            return Event(name, self.view.at, data)
+        given = {"state": source.name, "climbs": trigger.climbs, "why": trigger.why, "data": dict(data)}
+        return Event(name, self.view.at, given, OUTCOME)
+
+    def _wait_out_pause(self, event: Event) -> None:
+        """Have an event wait until the run is resumed."""
+        self._queue = (*self._queue, event)
+        self._touched = True
 
     def _trigger_of(self, event: Event) -> Trigger | None:
         """The trigger that was kept as this event; None where the state that reported it was left meanwhile."""

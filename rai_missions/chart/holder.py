@@ -116,14 +116,18 @@ class Holder(Microsteps):
         """What came meanwhile happens now, in the order in which it came."""
         kept, self._kept = self._kept, ()
         for event in kept:
-            if self.outcome is not None:
-                return
-            if event.number and self._is_for_held(event.number):
-                self._kept = (*self._kept, event)
-            elif event.kind == "proposal":
-                if not self._dispatch(event):
-                    self.notes.append(f"stale: question {event.number} is no longer asked")
-            elif event.number:
-                self._report(event)
-            elif (trigger := self._trigger_of(event)) is not None:
-                self._heard(trigger)
+            self._handle_late(event)
+
+    def _handle_late(self, event: Event) -> None:
+        """What has waited for the hand-back, or the end of a pause, happens now, unless what it is for is held."""
+        if self.outcome is not None:
+            return
+        if event.number and self._is_for_held(event.number):
+            self._kept = (*self._kept, event)
+        elif event.kind in ("proposal", "behaviour"):
+            if not self._dispatch(event) and event.kind == "proposal":
+                self.notes.append(f"stale: question {event.number} is no longer asked")
+        elif event.number:
+            self._report(event)
+        elif (trigger := self._trigger_of(event)) is not None:
+            self._heard(trigger)

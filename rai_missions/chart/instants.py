@@ -10,7 +10,7 @@ from typing import Any
 from rai_missions.chart.core import Timer, Trigger
 from rai_missions.chart.microsteps import MOST_MICROSTEPS
 from rai_missions.chart.modes import Modes
-from rai_missions.states.activity import Outcome
+from rai_missions.states.activity import NO_KEYS, Outcome
 from rai_missions.step import CancelGoal
 
 __all__ = ("Instants",)
@@ -57,6 +57,7 @@ class Instants(Modes):
             return
         if self.mode == "canceling" and now >= self._cancel_by:
             self._end("canceled", "the cancel took longer than cancel_s")
+        machines, self._due = self._due, NO_KEYS  # their turn comes after that of all timers
         for _ in range(MOST_MICROSTEPS):
             due = [(timer.due, timer.order, key) for key, timer in self._timers.items()
                    if timer.due <= now and timer.control not in self._frozen]  # fmt: skip
@@ -77,6 +78,7 @@ class Instants(Modes):
                 self._outcome_of(node, Outcome("rejected", why=f"{node.control} was not given control in time"))
             )
         self._give_up_goals()
+        self._due = machines
         self._poll()
         self._complete(None)
 

@@ -25,8 +25,12 @@ class Microsteps(Endings):
     """A chart that takes rows."""
 
     def _heard(self, trigger: Trigger) -> None:
-        """A macrostep of its own; while paused or after the end, nothing."""
-        if self.mode in ("running", "canceling") and self.outcome is None:
+        """A macrostep of its own: after a pause, if there is one; after the end, nothing."""
+        if self.outcome is not None:
+            return
+        if self.mode == "paused":
+            self._wait_out_pause(self._event_of(trigger))
+        elif self.mode in ("running", "canceling"):
             self._complete(trigger)
 
     def _complete(self, trigger: Trigger | None) -> None:

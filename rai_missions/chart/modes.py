@@ -146,8 +146,7 @@ class Modes(Holder):
         self._ask_back()
         self._complete(None)
         for event in queue:
-            if self.outcome is None:
-                self._happen(event)
+            self._handle_late(event)
 
     def _make_up_pause(self) -> None:
         """Time goes on: for held states from where it stood when the run was paused."""
@@ -156,20 +155,17 @@ class Modes(Holder):
         self._frozen = {control: since + by_s for control, since in self._frozen.items()}
 
     def _happen(self, event: Event) -> None:
-        if event.kind == "event":
-            if event.name not in self._declared:
-                known = suggestion(event.name, self._declared)
-                self._refused = f"the mission declares no event '{event.name}'{known}"
-            else:
-                self._heard(Trigger(event.name, event.data))
-        elif event.kind in ("proposal", "behaviour"):
-            if self._is_for_held(event.number):
-                self._keep(event)
-            elif not self._dispatch(event) and event.kind == "proposal":
-                self._refused = f"stale: question {event.number} is no longer asked"
-        elif event.kind in ("accepted", "result"):
-            self._report(event)
-        elif event.kind == "doubt":
-            self._heard(Trigger(event.name, event.data))
-        else:
-            self._refused = f"there is no event of kind '{event.kind}'{suggestion(event.kind, KINDS)}"
+        """Something of the world outside, unless nobody knows it; while paused it waits."""
+        name, kind = event.name, event.kind
+        if kind == "event" and name not in self._declared:
+            self._refused = f"the mission declares no event '{name}'{suggestion(name, self._declared)}"
+        elif kind not in ("event", "doubt", "proposal", "behaviour"):
+            self._refused = f"there is no event of kind '{kind}'{suggestion(kind, KINDS)}"
+        elif self.mode == "paused":
+            self._wait_out_pause(event)
+        elif kind in ("event", "doubt"):
+            self._heard(Trigger(name, event.data))
+        elif self._is_for_held(event.number):
+            self._keep(event)
+        elif not self._dispatch(event) and kind == "proposal":
+            self._refused = f"stale: question {event.number} is no longer asked"

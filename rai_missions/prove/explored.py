@@ -102,7 +102,7 @@ class Explored(Resting):
             self._order, _kept(self._memory), _kept(self._timers), _kept(self._running), _kept(self._pending),
             _kept(self._rounds), _kept(self._settling), _kept(self._calls), _kept(self._ledger.goals), self._unknown,
             self._cancel_by, _kept(view.entered), _kept(view.held), view.answer, self._known_of_robot(),
-            self._listening, self._suspended, self.taken, self._frozen, self._laid_by, self._kept,
+            self._listening, self._suspended, self.taken, self._frozen, self._laid_by, self._kept, self._queue,
             _kept(self.groups),
         )  # fmt: skip
 
@@ -120,7 +120,7 @@ class Explored(Resting):
             atomic, self.mode, self._holder, self.outcome, self.why, self._final, self._number, self._order,
             memory, timers, running, pending, rounds, settling, calls, goals, self._unknown, self._cancel_by,
             entered, held, view.answer, board, self._listening, self._suspended, self.taken, self._frozen,
-            self._laid_by, self._kept, groups,
+            self._laid_by, self._kept, self._queue, groups,
         ) = state  # fmt: skip
         self._config = self._configured(atomic)
         self._memory, self._timers, self._running = memory.copy(), timers.copy(), running.copy()
@@ -131,7 +131,7 @@ class Explored(Resting):
         view.active = self._config.active
         self.board.refill(board, own)
         self.cause, self.false_invariant = "", ""
-        self._quick, self._due, self._asked, self._queue = False, frozenset(), "", ()
+        self._quick, self._due, self._asked = False, frozenset(), ""
         self.leave_open()
         self._wavering.clear()
 
@@ -210,6 +210,7 @@ class Explored(Resting):
             [(name, str(each)) for name, each in sorted(self._rounds.items())] if self._rounds else (),
             list(self._settling), sorted(self._unknown), self._cancel_by == math.inf,
             (self._laid_by, self.taken, [kept_words(each) for each in self._kept]) if self._frozen else (),
+            [kept_words(each) for each in self._queue],
             [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())],
         )  # fmt: skip
 

@@ -35,6 +35,8 @@ class Handed(Watched):
         """The mission is resumed: what waits for control may find that it was given meanwhile."""
         self.found: Event | None = None
         """What has happened to control before the last look, as it was found then."""
+        self._named_events = frozenset(name for row in self._graph.rows.values() for name in row.transition.on)
+        """The events, and outcomes, that transitions name."""
         self._may_be_held = False
         """Nothing here tells yet whether the operator has taken control."""
 
@@ -131,12 +133,23 @@ class Handed(Watched):
             names = {*self._suspended, *self._laid_by}
             self._suspended = tuple(sorted(names, key=lambda name: nodes[name].index))
             self._laid_by = ()
+            self._queue, self._kept = self._kept, ()
 
     def _keep(self, event: Event) -> None:
         """What comes from outside can come just as well right after the hand-back; all else is kept, once."""
-        is_own = event.kind == OUTCOME or event.name in BUILT_IN_EVENTS
-        if is_own and all(kept_words(event) != kept_words(each) for each in self._kept):
+        if _is_new(event, self._kept):
             super()._keep(event)
+
+    def _wait_out_pause(self, event: Event) -> None:
+        """The same for the end of a pause, where some transition names it."""
+        if event.name in self._named_events and _is_new(event, self._queue):
+            super()._wait_out_pause(event)
+
+
+def _is_new(event: Event, waiting: tuple[Event, ...]) -> bool:
+    """Whether it comes from inside, and nothing that waits makes the same difference."""
+    is_own = event.kind == OUTCOME or event.name in BUILT_IN_EVENTS
+    return is_own and all(kept_words(event) != kept_words(each) for each in waiting)
 
 
 def kept_words(event: Event) -> tuple[str, str]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.chart import Chart
-from rai_missions.event import Event
+from rai_missions.event import Event, Tick
 from rai_missions.step import Step, Withdraw
 from rai_missions.verdict import Question
 from tests.chart.charts import mission, row, sent, ticked
@@ -198,3 +199,15 @@ def test_no_proposal_moves_the_mission_off_its_options(proposals: list[dict[str,
             assert data.get("option") == "over"
     ticked(made, 100.0)
     assert made.active != {"ask"}
+
+
+@pytest.mark.parametrize("other", [{}, {"entry": [{"raise": "e", "after_s": 2}]}])
+def test_at_one_instant_timers_come_before_the_deadline_of_a_question_whatever_else_is_due(
+    other: dict[str, Any],
+) -> None:
+    asked = {"question": "Well?", "options": {"x": {"about": "x"}}, "fallback": "x", "ask": ["rules"], "deadline_s": 2}
+    inside = {"a": {"decision": asked, "transitions": [row("x", "b"), row(to="c", after_s=2)]}, "b": {}, "c": {}}
+    regions = {"r1": {"initial": "s", "states": {"s": other}}, "r2": {"initial": "a", "states": inside}}
+    made = Chart(mission({"p": {"parallel": regions}}))
+    made.start(0.0)
+    assert "c" in made.send(Tick(2.0)).entered

@@ -264,3 +264,72 @@ def test_invariants_go_on() -> None:
     made = begun({"a": {"control": "agent"}}, blackboard=keys, invariants={"never": {"key": "k", "!=": True}})
     taken(made, 1.0)
     assert made.write("k", True, at=2.0).outcome == "aborted"
+
+
+# -- given back in a pause ------------------------------------------------------------------------------------------
+
+
+def commanded(made: Chart, name: str, at: float) -> Step:
+    return made.send(Event(name, at, kind="command"))
+
+
+def given_back_in_a_pause(made: Chart) -> Step:
+    commanded(made, "pause", 3.0)
+    given(made, "agent", 4.0)
+    return commanded(made, "resume", 5.0)
+
+
+def agents(states: Json, **words: Any) -> Chart:
+    made = Chart(mission(states, **words))
+    made.send(Event("agent", 0.0, {"by": "robot"}, "control"))
+    return made
+
+
+def test_an_outcome_that_waited_is_handled_though_control_came_back_in_a_pause() -> None:
+    waiting = {"a": {"transitions": [row("succeeded", "b", of="x")]}, "b": {}}
+    made = agents({"p": {"parallel": {"r1": {"initial": "a", "control": "agent", "states": waiting},
+                                      "r2": {"initial": "x", "states": {"x": {"call": "horn"}}}}}})  # fmt: skip
+    number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
+    taken(made, 1.0)
+    made.send(Event("succeeded", 2.0, {}, "result", number))
+    assert given_back_in_a_pause(made).entered == ("b",)
+
+
+@pytest.mark.parametrize("name", ["call_failed", "uncertain"])
+def test_an_event_of_the_engine_that_waited_is_handled_though_control_came_back_in_a_pause(name: str) -> None:
+    here = {"control": "agent", "entry": [{"call": "horn"}], "transitions": [row(name, "b")]}
+    made = agents({"a": here, "b": {}}, events=[])
+    number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
+    taken(made, 1.0)
+    heard = Event("failed", 2.0, {}, "result", number) if name == "call_failed" else Event(name, 2.0, {}, "doubt")
+    made.send(heard)
+    step = given_back_in_a_pause(made)
+    assert step.entered == ("b",) and not step.why
+
+
+def test_a_call_that_fails_in_a_pause_is_heard_of_at_its_end() -> None:
+    made = Chart(mission({"a": {"entry": [{"call": "horn"}], "transitions": [row("call_failed", "b")]}, "b": {}}))
+    number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
+    commanded(made, "pause", 1.0)
+    assert not made.send(Event("failed", 2.0, {}, "result", number)).moves
+    assert commanded(made, "resume", 3.0).entered == ("b",)
+
+
+def test_a_goal_that_is_orphaned_in_a_pause_is_heard_of_at_its_end() -> None:
+    states = {"a": {**ACT, "cancel_s": 5, "transitions": [row("e", "b")]},
+              "b": {"transitions": [row("orphaned", "c")]}, "c": {}}  # fmt: skip
+    made = Chart(mission(states))
+    goal = made.start(0.0).effects[0]
+    made.send(Event("go", 0.5, {}, "accepted", goal.number))  # type: ignore[attr-defined]
+    made.send(Event("e", 1.0))
+    commanded(made, "pause", 2.0)
+    assert "orphaned" in made.send(Tick(7.0)).notes[0]
+    assert commanded(made, "resume", 8.0).entered == ("c",)
+
+
+def test_an_event_that_nobody_declares_is_refused_in_a_pause_as_it_comes() -> None:
+    made = Chart(mission({"a": {}}))
+    made.start(0.0)
+    commanded(made, "pause", 1.0)
+    assert "declares no event" in made.send(Event("unheard_of", 2.0)).why
+    assert not commanded(made, "resume", 3.0).why

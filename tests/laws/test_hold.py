@@ -23,7 +23,7 @@ from tests.strategies import mission_documents
 Json = dict[str, Any]
 Script = list[tuple[tuple[Any, ...], float]]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
-PASSING = ("seq", "_wake", "_quick", "_listening", "_held_since", "_paused_at")
+PASSING = ("seq", "_wake", "_quick", "_listening", "_held_since", "_paused_at", "event")
 """What a snapshot says of the way rather than of where it led."""
 KEPT = ("accepted", "result", "proposal", "event", "write", "tick")
 
@@ -111,6 +111,7 @@ def test_for_what_needs_control_a_hold_is_a_pause(document: Json, script: Script
 
 
 @pytest.mark.drill
+@pytest.mark.timeout(3600)
 @settings(lenient, max_examples=3000)
 @given(mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
 def test_for_what_needs_control_a_hold_is_a_pause_however_often_it_is_tried(
@@ -153,6 +154,46 @@ def _event(word: str, what: Any, at: float) -> Event:
     return Event(what, at) if word == "event" else Tick(at)
 
 
+# -- given back in a pause ------------------------------------------------------------------------------------------
+
+
+def ends_in_a_pause(document: Json, script: Script, holder: str) -> None:
+    """It makes no difference whether the operator gives control back in a pause that ends then."""
+    document = under("agent", document)
+    stop = Event(holder, data={"by": "operator"}, kind="control")
+    go = Event("agent", data={"by": "operator"}, kind="control")
+    one, other = Play(document, stop, go), Pausing(document, stop, go)
+    for each in (one, other):
+        each.play(script)
+    assert one.stands() == other.stands()
+
+
+class Pausing(Play):
+    """Somebody pauses it as soon as it is held, and resumes it once control is given back."""
+
+    def hear(self, step: Step) -> None:
+        super().hear(step)
+        chart = self.chart
+        if chart.mode == ("running" if chart.held_by else "paused"):
+            super().hear(chart.send(Event("pause" if chart.held_by else "resume", chart.at, kind="command")))
+
+
+@lenient
+@given(mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
+def test_a_pause_within_a_hold_makes_no_difference(document: Json, script: Script, holder: str) -> None:
+    ends_in_a_pause(document, script, holder)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(3600)
+@settings(lenient, max_examples=3000)
+@given(mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
+def test_a_pause_within_a_hold_makes_no_difference_however_often_it_is_tried(
+    document: Json, script: Script, holder: str
+) -> None:
+    ends_in_a_pause(document, script, holder)
+
+
 def long_holds() -> st.SearchStrategy[list[tuple[int, float]]]:
     return st.lists(st.tuples(st.integers(0, 8), st.sampled_from([0.0, 4.0, 64.0, 1024.0])), max_size=4)
 
@@ -166,6 +207,7 @@ def test_a_hold_makes_no_difference_but_of_time(
 
 
 @pytest.mark.drill
+@pytest.mark.timeout(3600)
 @settings(lenient, max_examples=3000)
 @given(charts(TASTE), plain_scripts(timed=True, writes=True), long_holds())
 def test_a_hold_makes_no_difference_but_of_time_however_often_it_is_tried(
@@ -223,6 +265,7 @@ def test_a_held_state_does_nothing_until_it_is_given_back(
 
 
 @pytest.mark.drill
+@pytest.mark.timeout(3600)
 @settings(lenient, max_examples=3000)
 @given(mission_documents(), happenings(commands=False), controls())
 def test_a_held_state_does_nothing_until_it_is_given_back_however_often_it_is_tried(
