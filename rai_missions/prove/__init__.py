@@ -17,7 +17,7 @@ from rai_missions.prove.circles import circling
 from rai_missions.prove.claims import CLAIMS, Claim, claims, lost, stuck
 from rai_missions.prove.free import Free
 from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
-from rai_missions.prove.loops import FEW, Loop, long_loops, unlike, with_rounds
+from rai_missions.prove.loops import FEW, Loop, long_loops, may_rest, unlike, with_rounds
 from rai_missions.prove.space import Space
 from rai_missions.prove.unrolled import repeated, unrolled
 from rai_missions.prove.witness import Player, Scene, scenes, ways_to
@@ -122,6 +122,8 @@ class _Proving:
     def proof(self) -> Proof:
         while True:
             space = self._explored(progress=self._progress)
+            if space.is_whole and self._has_more(space.chart):
+                continue
             found = claims(self._few, space, is_sampled=bool(space.chart.values.learned.sampled))
             short = self._short(space) if space.levels and space.is_whole else []
             ways = {} if short else {each.name: self._told(space, each) for each in found if each.has_run}
@@ -131,6 +133,16 @@ class _Proving:
                 return self._proof(space, found, ways)
             self._rounds |= {loop: min(2 * self._rounds[loop], loop.rounds) for loop in short}
             self._few = with_rounds(self._mission, self._rounds)
+
+    def _has_more(self, chart: Free) -> bool:
+        """Have all the rounds of trees explored that may rest at the limit of a step; whether some were left out."""
+        resting = may_rest(self._mission, chart.at_once, chart.restarted)
+        more = {
+            loop: loop.rounds for loop, many in self._rounds.items() if loop.state in resting and many < loop.rounds
+        }
+        self._rounds |= more
+        self._few = with_rounds(self._mission, self._rounds)
+        return bool(more)
 
     def _short(self, space: Space) -> list[Loop]:
         """The loops of which more rounds must be explored."""

@@ -11,6 +11,7 @@ rounds have the same states, all later ones have them too, and so it is with wha
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
@@ -22,12 +23,13 @@ from rai_missions.mission import Mission
 from rai_missions.prove.learned import Learned
 from rai_missions.prove.parts import parts, writes_in
 from rai_missions.prove.reached import Reached
+from rai_missions.states.rounds import MOST_ROUNDS
 from rai_missions.states.terms import Terms
 from rai_missions.states.tree import Tree, TreeNode, tree_paths
 from rai_missions.states.tree.decorators import OneShot, Repeat, Retry, StatusToBlackboard
 from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf, DecisionLeaf, SetLeaf
 
-__all__ = ("FEW", "Level", "Loop", "long_loops", "unlike", "with_rounds")
+__all__ = ("FEW", "Level", "Loop", "long_loops", "may_rest", "unlike", "with_rounds")
 
 FEW = 8
 """So many rounds are explored at first."""
@@ -75,6 +77,27 @@ def _in(name: str, state: Tree, read: Collection[str]) -> Iterator[Loop]:
     for path, node in tree_paths(state.tree):
         if isinstance(node, Retry | Repeat) and _rounds(node) > LONG and _is_alike(node.child, read):
             yield Loop(name, path, "failures" if isinstance(node, Retry) else "success", _rounds(node))
+
+
+def may_rest(mission: Mission, at_once: Collection[str], restarted: Collection[str]) -> frozenset[str]:
+    """The states whose tree may come to the limit of rounds in a step; a few rounds do not stand for all there.
+
+    Args:
+        mission: With all rounds.
+        at_once: The states of whose tree a round ended as soon as it began.
+        restarted: The states whose tree has begun twice in one step.
+    """
+    trees = {name: state for _, name, state in mission.walk() if isinstance(state, Tree) and name in at_once}
+    return frozenset(name for name, state in trees.items() if name in restarted or _most_at_once(state) > MOST_ROUNDS)
+
+
+def _most_at_once(state: Tree) -> float:
+    """So many rounds may end in one step before the last one; those without a number are any number."""
+    loops = {path: node for path, node in tree_paths(state.tree) if isinstance(node, Retry | Repeat)}
+    many = {path: _rounds(node) if _rounds(node) >= 0 else math.inf for path, node in loops.items()}
+    ended = sum(math.prod(each for outer, each in many.items() if f"{path}/".startswith(f"{outer}/" if outer else ""))
+                for path in many)  # fmt: skip
+    return ended - 1 + len(many)
 
 
 def _rounds(node: Retry | Repeat) -> int:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from rai_missions.chart.configuration import Leap
 from rai_missions.chart.core import Trigger
 from rai_missions.chart.microsteps import MOST_MICROSTEPS
-from rai_missions.chart.node import Row
+from rai_missions.chart.node import Node, Row
 from rai_missions.prove.explored import Explored
 from rai_missions.prove.remembered import plain, told, told_timer
 from rai_missions.prove.resting import MANY
@@ -39,6 +39,8 @@ class Visit(NamedTuple):
 class Rounded(Explored):
     """A chart that leaves the circles of a step out when the first one closes."""
 
+    restarted: frozenset[str] = frozenset()
+    """The states whose tree has ever begun twice in one step."""
     _jumps = 0
     _microsteps = 0
     """As `_complete` counts them."""
@@ -56,6 +58,11 @@ class Rounded(Explored):
     def _begin_starting(self) -> None:
         self._microsteps += 1
         super()._begin_starting()
+
+    def _begin(self, node: Node) -> None:
+        if node.name in self._tree_rounds:
+            self.restarted |= {node.name}
+        super()._begin(node)
 
     def _take(self, rows: list[Row], trigger: str) -> None:
         self._microsteps += not trigger

@@ -59,6 +59,8 @@ class Watched(Chart):
         """Ticks of trees in this step."""
         self.turned: set[str] = set()
         """The states of whose tree a loop's round that has taken time has ended in this step."""
+        self.at_once: set[str] = set()
+        """The states of whose tree a loop's round has ever ended as soon as it began."""
         self.begun: dict[str, set[str]] = {}
         """State → the paths of what has begun in its tree in this step."""
         self.answered: set[tuple[str, str]] = set()
@@ -233,6 +235,8 @@ class Watched(Chart):
             self.begun.setdefault(machine.owner, set()).update(begun)
             if any(not each.at_once for each in ticked.rounds):
                 self.turned.add(machine.owner)
+            if any(each.at_once for each in ticked.rounds):
+                self.at_once.add(machine.owner)
             return ticked
 
         machine.ticker.tick = counted  # type: ignore[method-assign,assignment]

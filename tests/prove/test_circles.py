@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Circles within one step: the explorer comes to where the real chart comes, at whichever limit that is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rai_missions.chart import Chart
+from rai_missions.event import Event
+from rai_missions.mission import Mission
+from rai_missions.prove import prove
+from rai_missions.prove.free import Free
+from rai_missions.rebuild import default_ticker
+
+Json = dict[str, Any]
+NEVER: Json = {"check": {"key": "n", "<": 0}}
+
+
+def failing(tree: Json, failed: str, *, between: bool = False) -> Mission:
+    """A tree that fails at once, and what is done then; `between`, another state is on the way back."""
+    rows: list[Json] = [{"on": ["succeeded", "timed_out"], "to": "over"}, {"on": "go", "to": "there"}]
+    rows.append({"on": "failed", "to": "between" if between else failed})
+    return Mission.model_validate({
+        "format": 1, "name": "failing", "initial": "going", "events": {"go": {}},
+        "blackboard": {"n": {"type": "integer", "initial": 0}},
+        "states": {"going": {"tree": tree, "transitions": rows}, "over": {"final": "aborted"}, "there": {},
+                   "between": {"transitions": [{"when": {"key": "n", ">=": 0}, "to": failed}]}},
+    })  # fmt: skip
+
+
+@pytest.mark.parametrize("between", [False, True])
+@pytest.mark.parametrize("rounds", [2, 3, 4, 5, 6, 7, 9, 13, 20, 333])
+@pytest.mark.parametrize("inner", [1, 3])
+def test_a_circle_comes_to_the_limit_of_the_real_chart(rounds: int, inner: int, *, between: bool) -> None:
+    tree: Json = {"retry": rounds, "child": NEVER if inner == 1 else {"retry": inner, "child": NEVER}}
+    mission = failing(tree, "going", between=between)
+    chart, free = Chart(mission, default_ticker(mission)), Free(mission, default_ticker(mission))
+    step = chart.start()
+    free.make(free.begin)
+    assert (free.outcome, free.cause, free.active) == (step.outcome, chart.cause, chart.active)
+    assert [each.tree.nodes for each in free._running.values()] == [
+        {path: {**memory, **({"began": 1e6} if "began" in memory else {})} for path, memory in each.tree.nodes.items()}
+        for each in chart._running.values()
+    ]
+
+
+def test_many_rounds_at_once_are_not_left_out_where_the_tree_rests_among_them() -> None:
+    mission = failing({"retry": 20_005, "child": NEVER}, "over")
+    proof = prove(mission, default_ticker(mission))
+    chart = Chart(mission, default_ticker(mission))
+    chart.start()
+    assert "there" in chart.send(Event("go", 0.0)).entered
+    assert "there" not in proof.never and proof.alike == {}
