@@ -208,7 +208,8 @@ def _recorded(path: Path) -> Path:
     if path.is_file():
         if not is_mcap(path):
             raise UsageError(f"{path} is there already, and is no recording; name another file")
-        path.rename(free_name(path))
+        moved = path.rename(free_name(path))
+        warn(f"the recording of an earlier run, which had this name, is now {moved}")
     return path
 
 

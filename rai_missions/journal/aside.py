@@ -6,6 +6,7 @@ Rule: nothing of it is lost by that: the log beside its file is folded in first,
 
 from __future__ import annotations
 
+import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -23,21 +24,24 @@ def make_way(path: Path) -> Path | None:
         UsageError: Another process writes it, or its log cannot be folded in.
         DefinitionError: It is no journal, or it was altered.
     """
-    if not path.is_file():
-        return None
-    to = free_name(path)
-    set_aside(path, to)
-    return to
+    return set_aside(path) if path.is_file() else None
 
 
 def free_name(path: Path) -> Path:
-    """The first name beside a file that no file has: `run.1.journal` for `run.journal`."""
+    """The first name beside a file that no file has: `run.1.journal` for `run.journal`.
+
+    Nor may a log be left there, of a journal that was deleted: SQLite would take its rows for those of the next one.
+    """
     names = (path.with_suffix(f".{number}{path.suffix}") for number in range(1, 10_000))
-    return next(name for name in names if not name.exists())
+    return next(name for name in names if not os.path.lexists(name) and not os.path.lexists(log_of(name)))
 
 
-def set_aside(path: Path, to: Path) -> None:
-    """Rename a journal, or a file in which one was begun.
+def set_aside(path: Path, to: Path | None = None) -> Path:
+    """Rename a journal, or a file in which one was begun; gives its new name.
+
+    Args:
+        path: Where it is.
+        to: Its new name; by default the first that is free once nobody else may move it.
 
     Raises:
         UsageError: Another process writes it, or its log cannot be folded in.
@@ -48,7 +52,7 @@ def set_aside(path: Path, to: Path) -> None:
         with suppress(Unbegun):  # no row is in it, so none can be lost
             read(path).close()
             _fold_in(path)
-        path.rename(to)
+        return path.rename(to or free_name(path))
     finally:
         lock.release()
 

@@ -12,7 +12,7 @@ import pytest
 from rai_missions.cli import main
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
-from rai_missions.journal import Header, Journal, read, set_aside
+from rai_missions.journal import Header, Journal, make_way, read, set_aside
 from rai_missions.step import Step
 
 
@@ -44,6 +44,17 @@ def test_a_new_run_takes_no_row_of_a_killed_one_of_the_same_name(
     assert main(["run", str(mission), "--journal", str(path)]) == 1
     with read(tmp_path / "run.1.journal") as old, read(path) as new:
         assert (len(list(old.steps())), len(list(new.steps()))) == (7, 1)
+
+
+def test_a_journal_that_is_moved_aside_takes_no_row_of_one_that_was_deleted(tmp_path: Path) -> None:
+    """Its log was left behind."""
+    path = tmp_path / "run.journal"
+    Journal.create(path, Header("{}")).close()
+    killed(tmp_path / "run.1.journal", 7).unlink()
+    moved = make_way(path)
+    assert moved == tmp_path / "run.2.journal"
+    with read(moved) as record:
+        assert not list(record.steps())
 
 
 def test_a_journal_that_is_being_written_is_not_moved(tmp_path: Path) -> None:

@@ -53,9 +53,10 @@ def test_a_run_in_json_names_its_recording(folder: Path, capsys: pytest.CaptureF
     assert json.loads(capsys.readouterr().out)["recording"] == "run.mcap"
 
 
-def test_a_recording_of_the_same_name_is_moved_aside(folder: Path) -> None:
+def test_a_recording_of_the_same_name_is_moved_aside(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for _ in range(2):
         main(["run", "lamp.json", "--record", "run.mcap"])
+    assert "the recording of an earlier run, which had this name, is now run.1.mcap" in capsys.readouterr().err
     assert main(["replay", "run.mcap"]) == main(["replay", "run.1.mcap"]) == 0
 
 
