@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.errors import UsageError
 from rai_missions.redact import variables
+from rai_missions.sort_of_file import irregular
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
@@ -148,7 +149,9 @@ def gguf(file: Path) -> Path:
         UsageError: It is missing, cannot be read, or begins otherwise.
     """
     try:
-        if not file.is_file():  # a pipe would never end
+        if sort := irregular(file):  # a pipe would never end
+            raise UsageError(f"'{file}' is {sort}; name a GGUF file: local:FILE.gguf")
+        if not file.is_file():
             raise UsageError(f"there is no file '{file}'; name a GGUF file: local:FILE.gguf")
         with file.open("rb") as opened:
             magic = opened.read(len(MAGIC))

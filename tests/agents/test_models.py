@@ -147,8 +147,8 @@ def test_a_name_that_no_file_can_have_is_told(name: str) -> None:
 
 def test_a_folder_and_a_pipe_are_no_files(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    assert refusal(lambda: local_model(tmp_path)).startswith("there is no file")
-    assert refusal(lambda: local_model(tmp_path / "pipe")).startswith("there is no file")
+    assert refusal(lambda: local_model(tmp_path)).startswith(f"'{tmp_path}' is a folder; name a GGUF file")
+    assert refusal(lambda: local_model(tmp_path / "pipe")).startswith(f"'{tmp_path}/pipe' is a named pipe (FIFO); name")
 
 
 @pytest.mark.parametrize("content", [b"", b"GG", b"hello, I am a model"])

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from rai_missions.lifecycle import CONTROLLERS
+from rai_missions.sort_of_file import irregular
 
 __all__ = ("Memory", "usual_path")
 
@@ -32,6 +33,8 @@ class Memory:
     def first(self, safe: str) -> str:
         """Who holds control as the gate begins: the safe one, unless the operator or nobody may have had it last."""
         try:
+            if sort := irregular(self.path):  # a pipe would never end
+                raise OSError(f"that is {sort}")
             said = json.loads(self.path.read_text(encoding="utf-8"))
             last = said["holder"]
         except FileNotFoundError:

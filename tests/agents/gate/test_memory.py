@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,11 @@ def test_a_gate_that_does_not_know_its_last_holder_begins_with_nobody(
     path = tmp_path_factory.mktemp("gate") / "gate.json"
     path.write_bytes(said)
     assert Memory(path).first("autonomy") == "nobody"
+
+
+def test_a_memory_that_is_a_pipe_holds_up_no_gate(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "gate.json")
+    assert Memory(tmp_path / "gate.json").first("autonomy") == "nobody"
 
 
 def test_a_memory_that_cannot_be_written_holds_up_no_handover(tmp_path: Path) -> None:
