@@ -221,7 +221,7 @@ class GoalClient:
         if len(now) > 1:
             self.runtime.post(self._probe)
         for goal in running:
-            if are_gone(goal.peers, now) or not is_there:
+            if are_gone(goal.peers, now) or not (goal.peers or is_there):
                 goal.end("lost", why=f"the server of {self.action} is gone")
             else:
                 goal.look()

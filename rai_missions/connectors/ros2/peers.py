@@ -55,7 +55,11 @@ def _name_of(endpoint: Any) -> str:
 
 
 def are_gone(then: Peers, now: Peers) -> bool:
-    """Whether the servers that were there then are there no more; unknown ones are taken to be there."""
+    """Whether the servers that were there then are there no more; unknown ones are taken to be there.
+
+    Where they are known, this says it, and not whether ROS calls a server of the name ready: while another one comes
+    or goes and is not matched yet, it calls none so.
+    """
     left = then.keys() & now.keys()
     reborn = {now[identity] for identity in now.keys() - then.keys()} - {""}
     return bool(then) and all(now[identity] in reborn for identity in left)

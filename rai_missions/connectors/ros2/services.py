@@ -153,7 +153,7 @@ class Client:
         self._is_watched = False
         now = self._peers()
         for call in list(self._sent):
-            if are_gone(call.peers, now) or not self._client.service_is_ready():
+            if are_gone(call.peers, now) or not (call.peers or self._client.service_is_ready()):
                 self._end(call, Reply("unavailable", {}, f"the server of {self._service} vanished before it answered"))
         self._watch()
 

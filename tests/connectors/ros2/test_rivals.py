@@ -17,8 +17,10 @@ from typing import Any, NamedTuple
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from rclpy.action import ActionClient
+from rclpy.client import Client
 
-from rai_missions.connectors.connector import Report
+from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.contract import Heard
 from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
@@ -29,6 +31,7 @@ from tests.connectors.ros2.scripted_server import PROGRAM, Script
 
 Open = Callable[..., Any]
 PATIENCE_S = 30.0
+TRIGGER = "std_srvs/srv/Trigger"
 
 
 class Plan(NamedTuple):
@@ -101,7 +104,7 @@ class Stand:
     def __init__(self, open_ros: Open) -> None:
         self._open, self.name = open_ros, f"/rivals_{uuid.uuid4().hex[:8]}"
         self.servers: list[ScriptedServer] = []
-        self._nodes: list[Any] = []
+        self.nodes: list[Any] = []
 
     def serve(self, plan: Plan) -> ScriptedServer:
         """One more server, on a node of its own."""
@@ -109,7 +112,7 @@ class Stand:
         node.offer(self.name, FIBONACCI, server)
         server.die = lambda: node._session.runtime.close()  # as a process that is killed: nothing is aborted first
         self.servers.append(server)
-        self._nodes.append(node)
+        self.nodes.append(node)
         return server
 
     def wait_for(self, connector: Any, count: int) -> None:
@@ -130,7 +133,7 @@ class Stand:
     def close(self) -> None:
         for server in self.servers:
             server.close()
-        for node in self._nodes:
+        for node in self.nodes:
             with suppress(Exception):
                 node.stop()
 
@@ -190,6 +193,35 @@ def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal
     until_said(reports, "canceled")
     assert said(reports) == ["accepted", "contested", "canceled"]
     assert first.executing == set()
+
+
+@pytest.mark.parametrize("what", ["service", "goal"])
+def test_a_second_server_of_which_half_is_known_yet_takes_nobody_s_server_away(
+    open_ros: Open, stand: Stand, what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While another server is on the graph and not matched yet, ROS says that none of its name is ready."""
+    first, connector = stand.serve(Plan(ends=1.5)), open_ros()
+    stand.wait_for(connector, 1)
+    if what == "goal":
+        _, reports = stand.send(connector)
+        until_said(reports, "accepted")
+        monkeypatch.setattr(ActionClient, "server_is_ready", lambda _: False)
+        assert until_said(reports, "succeeded", "lost")[-1].said == "succeeded"
+        assert first.executing == set()
+        return
+    asked, free, replies = Heard[bool](PATIENCE_S), threading.Event(), Heard[Reply](PATIENCE_S)
+
+    def answer(_request: Any) -> Mapping[str, Any]:
+        asked(True)
+        return {"success": free.wait(PATIENCE_S), "message": ""}
+
+    stand.nodes[0].serve(f"{stand.name}/service", TRIGGER, answer)
+    connector.call(f"{stand.name}/service", TRIGGER, {}, answered=replies)
+    asked.wait(bool, "it is asked")
+    monkeypatch.setattr(Client, "service_is_ready", lambda _: False)
+    threading.Timer(1.5, free.set).start()
+    (reply,) = replies.wait(bool, "an answer")
+    assert reply.outcome == "succeeded", reply
 
 
 @pytest.mark.parametrize(
