@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
 from rai_missions.mission import Mission
-from rai_missions.sort_of_file import irregular
 from visualize.live.app import Desk, application
 from visualize.live.door import Door, is_loopback
 from visualize.live.feed import Feed
@@ -175,8 +174,8 @@ def _context(place: Place) -> ssl.SSLContext:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     for file in (place.certificate, place.key):
-        if sort := irregular(file):  # a pipe would never end
-            raise UsageError(f"TLS cannot use {file}: that is {sort}; give PEM files")
+        if Path(file).exists() and not Path(file).is_file():  # a pipe would never end
+            raise UsageError(f"TLS cannot use {file}: that is no regular file; give PEM files")
     try:
         context.load_cert_chain(place.certificate, place.key)
     except (OSError, ssl.SSLError) as error:
