@@ -89,6 +89,8 @@ def _of(write: Write) -> Origin:
             if next(references(write.value), None) is not None
             else Origin(constants=frozenset([_text(write.value)]))
         )
+    if write.by == "status":
+        return Origin(constants=frozenset(map(_text, ("running", "success", "failure"))))
     if write.by == "add":
         return STRANGER
     root = write.value.partition(".")[0]

@@ -24,6 +24,7 @@ from rai_missions.states.tree import (
     EternalGuard,
     PublishLeaf,
     SetLeaf,
+    StatusToBlackboard,
 )
 
 __all__ = ("Done", "Read", "Row", "Ruled", "Scope", "Spot", "Survey", "Work", "Write")
@@ -87,7 +88,7 @@ class Write(NamedTuple):
     key: str
     place: str
     by: str
-    """`set`, `add`, `from`, `result` or `each`."""
+    """`set`, `add`, `from`, `result`, `each`, or `status` for what a tree's node says."""
     value: Any
     """The constant, the number added, or the path."""
     scope: Scope
@@ -213,6 +214,8 @@ class Survey:
             self._guard(node.guard, f"{place}/eternal_guard", "tree", scope)
         elif isinstance(node, SetLeaf):
             self._effects((node.effect(),), "", scope, (place,))
+        elif isinstance(node, StatusToBlackboard):
+            self.writes.append(Write(node.key, f"{place}/{node.word}", "status", None, scope))
         elif isinstance(node, PublishLeaf):
             self._template(node.message, f"{place}/message", scope)
         elif isinstance(node, DecisionLeaf):

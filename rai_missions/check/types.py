@@ -150,6 +150,8 @@ def _written(survey: Survey, write: Write, key: Key) -> tuple[str, str] | None:
                 f"{write.place}/add",
                 f"'{write.key}' is an integer, and {write.value:g} is none; add a whole number, or make it a number",
             )
+    elif write.by == "status" and key.type != "string":
+        return write.place, f"'{write.key}' is of type '{key.type}', and a status is a string; write one that is"
     elif write.by == "set" and next(template_reads(write.value, ""), None) is None and (why := fits(key, write.value)):
         return f"{write.place}/value", f"'{write.key}' cannot hold this: {why}; write one that is"
     return None
