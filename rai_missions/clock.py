@@ -203,7 +203,10 @@ class ContinuedClock:
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         self.begin()
         assert self._ahead is not None
-        self._clock.wait(mailbox, until - self._ahead, paced=paced)
+        theirs = until - self._ahead
+        while theirs + self._ahead < until:  # rounded; who waits for `until` would be left just before it
+            theirs = math.nextafter(theirs, math.inf)
+        self._clock.wait(mailbox, theirs, paced=paced)
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
         self._clock.taken(mailbox, paced=paced)

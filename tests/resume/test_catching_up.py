@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rai_missions.agents.resuming import take_up
 from rai_missions.chart import Chart
@@ -137,6 +139,16 @@ def test_a_step_that_asks_for_nothing_late_says_so_to_a_replay(tmp_path: Path) -
     steps = resumed(tmp_path / "run.journal", waiting, {})
     data = next(step.event.data for step in steps if step.event.name == "take_up")
     assert data["present"] == WINDOW_S
+
+
+@given(st.floats(0, 1e5), st.floats(0, 1e5), st.floats(0, 100))
+def test_a_resumed_run_that_has_waited_until_an_instant_is_there(before: float, start: float, wait_s: float) -> None:
+    """Rounding must not leave it just before: nothing else moves simulated time, and it would wait for ever."""
+    mailbox, world = Mailbox(), SimulatedClock()
+    world.wait(mailbox, before, paced=False)
+    clock = ContinuedClock(world, start)
+    clock.wait(mailbox, start + wait_s, paced=False)
+    assert clock.now() >= start + wait_s
 
 
 def test_the_time_of_a_resumed_run_begins_when_it_looks() -> None:
