@@ -97,6 +97,7 @@ class Scene:
         self._runner = Runner(mission(), robot=robot, connector=connector, clock=self._clock, on_step=self.steps)
         self._thread = threading.Thread(target=self._runner.run)
         self._thread.start()
+        self.steps.wait(lambda steps: steps[-1].event.name == "start", "the run begins")  # what comes before is dropped
 
     def go(self, state: str, script: Script, window: str) -> int:
         """Enter a state that pursues a goal, and wait for a moment of the goal's life."""
