@@ -2,8 +2,9 @@
 """Breaks the code in small ways, one at a time, and sees whether the tests of its part notice.
 
 `python scripts/mutate.py --count 300 --seed 1`: draws so many mutants over the parts that `tests/mutants/parts.toml`
-names, with Cosmic Ray's operators and one that deletes a statement. Each is tried in a copy of the checkout. Results
-are kept in `out/mutants.jsonl`; the same seed continues where it was stopped.
+names, with Cosmic Ray's operators and one that deletes a statement. Each is tried in a copy of the checkout, with the
+tests of its part that run the line. Results are kept in `out/mutants.jsonl`; the same seed continues where it was
+stopped.
 
 Exit status: 0 when at least 95 of 100 are found or listed in `tests/mutants/equivalent.toml`; else 1.
 """
@@ -34,6 +35,7 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.operators.operator import Operator
 from cosmic_ray.plugins import get_operator
+from coverage import CoverageData
 
 ROOT = Path(__file__).parent.parent
 PARTS = ROOT / "tests/mutants/parts.toml"
@@ -175,6 +177,51 @@ def draw(parts: dict[str, Any], count: int, seed: int) -> list[Mutant]:
     return [chance.choice(places[place]) for place in chosen]
 
 
+def tests_of(part: dict[str, Any]) -> list[str]:
+    """What pytest is given for a part."""
+    return [*part["tests"], *(f"--ignore={path}" for path in part.get("ignore", ()))]
+
+
+class Covered:
+    """Which tests of a part run a line: worked out once a commit, by a run under coverage.
+
+    Args:
+        folder: Where what was worked out is kept.
+        parts: Name → its files and tests.
+        jobs: Processes.
+    """
+
+    def __init__(self, folder: Path, parts: dict[str, Any], jobs: int) -> None:
+        commit = subprocess.run(
+            ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        self._lines: dict[str, dict[str, dict[int, list[str]]]] = {}
+        for name, part in parts.items():
+            path = folder / f"coverage-{name}-{commit.stdout.strip()}"
+            if not path.exists():
+                print(f"which tests of '{name}' run which lines", flush=True)
+                self._work_out(path, part, jobs)
+            data = CoverageData(str(path))
+            data.read()
+            self._lines[name] = {
+                Path(file).relative_to(ROOT).as_posix(): data.contexts_by_lineno(file) for file in data.measured_files()
+            }
+
+    @staticmethod
+    def _work_out(path: Path, part: dict[str, Any], jobs: int) -> None:
+        subprocess.run(
+            [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "--dist", "loadgroup", "-p", "no:cacheprovider",
+             "--cov=rai_missions", "--cov-context=test", "--cov-report=", *tests_of(part)],
+            cwd=ROOT, check=False, env={**os.environ, "COVERAGE_FILE": str(path), "HYPOTHESIS_PROFILE": "first"},
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        )  # fmt: skip
+
+    def tests(self, mutant: Mutant) -> list[str]:
+        """The tests that run the line of a mutant; empty where none does, or it is run as its module is loaded."""
+        contexts = self._lines[mutant.part].get(mutant.file, {}).get(mutant.line, [])
+        return sorted({context.partition("|")[0] for context in contexts if context})
+
+
 class Copies:
     """Copies of the checkout, one for each mutant that is tried at the same time."""
 
@@ -236,7 +283,7 @@ class Copies:
         """The part whose tests fail where nothing is broken, or empty."""
         copy = self.free.get()
         try:
-            return next((name for name, each in parts.items() if self.run(copy, each["tests"], limit_s, 2)), "")
+            return next((name for name, each in parts.items() if self.run(copy, tests_of(each), limit_s, 2)), "")
         finally:
             self.free.put(copy)
 
@@ -261,6 +308,7 @@ def main() -> int:
     given.results.parent.mkdir(parents=True, exist_ok=True)
     lines = given.results.read_text().splitlines() if given.results.exists() else []
     done = {(row["file"], tuple(row["before"]), tuple(row["after"])): row for row in map(json.loads, lines)}
+    covered = Covered(given.results.parent, parts, given.jobs)
     copies = Copies(given.jobs)
     if not given.trust and (part := copies.whole(parts, 2 * given.limit)):
         print(f"the tests of '{part}' fail before anything is broken", file=sys.stderr)
@@ -274,7 +322,9 @@ def main() -> int:
             if (mutant.file, "\n".join(before).strip(), "\n".join(after).strip()) in equivalent:
                 row = {**asdict(mutant), "before": before, "after": after, "result": "equivalent", "seconds": 0}
             else:
-                result, seconds = copies.try_one(mutant, parts[mutant.part]["tests"], given.limit)
+                result, seconds = copies.try_one(
+                    mutant, covered.tests(mutant) or tests_of(parts[mutant.part]), given.limit
+                )
                 row = {
                     **asdict(mutant),
                     "before": before,
