@@ -29,6 +29,7 @@ from functools import cache
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
+from xml.etree import ElementTree
 
 import parso
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -42,6 +43,8 @@ PARTS = ROOT / "tests/mutants/parts.toml"
 EQUIVALENT = ROOT / "tests/mutants/equivalent.toml"
 ENOUGH = 0.95
 """The share of mutants that the tests must find."""
+LIMIT_S, LIMIT_FACTOR = 60, 4
+"""A mutant under which the tests take longer than so many seconds plus so many times their own is found."""
 PAIRS = (
     "Eq_NotEq", "NotEq_Eq", "Lt_LtE", "Lt_GtE", "LtE_Lt", "LtE_Gt", "Gt_GtE", "Gt_LtE", "GtE_Gt", "GtE_Lt",
     "Is_IsNot", "IsNot_Is",
@@ -183,7 +186,7 @@ def tests_of(part: dict[str, Any]) -> list[str]:
 
 
 class Covered:
-    """Which tests of a part run a line: worked out once a commit, by a run under coverage.
+    """Which tests run a line and how long they take: worked out once a commit, by one run under coverage.
 
     Args:
         folder: Where what was worked out is kept.
@@ -195,31 +198,77 @@ class Covered:
         commit = subprocess.run(
             ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True
         )
-        self._lines: dict[str, dict[str, dict[int, list[str]]]] = {}
-        for name, part in parts.items():
-            path = folder / f"coverage-{name}-{commit.stdout.strip()}"
-            if not path.exists():
-                print(f"which tests of '{name}' run which lines", flush=True)
-                self._work_out(path, part, jobs)
-            data = CoverageData(str(path))
-            data.read()
-            self._lines[name] = {
-                Path(file).relative_to(ROOT).as_posix(): data.contexts_by_lineno(file) for file in data.measured_files()
-            }
+        path = folder / f"coverage-{commit.stdout.strip()}"
+        report = path.with_suffix(".xml")
+        if not report.exists():
+            print("which tests run which lines", flush=True)
+            self._work_out(path, report, sorted({test for part in parts.values() for test in tests_of(part)}), jobs)
+        data = CoverageData(str(path))
+        data.read()
+        self._lines = {
+            Path(file).relative_to(ROOT).as_posix(): data.contexts_by_lineno(file) for file in data.measured_files()
+        }
+        cases = ElementTree.parse(report).iter("testcase")
+        self._seconds = {
+            f"{case.get('classname')}::{case.get('name')}": float(case.get("time") or 0)
+            for case in cases
+            if all(each.tag not in ("failure", "error", "skipped") for each in case)
+        }
 
     @staticmethod
-    def _work_out(path: Path, part: dict[str, Any], jobs: int) -> None:
+    def _work_out(path: Path, report: Path, tests: list[str], jobs: int) -> None:
         subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "--dist", "loadgroup", "-p", "no:cacheprovider",
-             "--cov=rai_missions", "--cov-context=test", "--cov-report=", *tests_of(part)],
+            [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "--dist", "loadfile", "-p", "no:cacheprovider",
+             "--cov=rai_missions", "--cov-context=test", "--cov-report=", f"--junitxml={report}", *tests],
             cwd=ROOT, check=False, env={**os.environ, "COVERAGE_FILE": str(path), "HYPOTHESIS_PROFILE": "first"},
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL,
         )  # fmt: skip
 
-    def tests(self, mutant: Mutant) -> list[str]:
-        """The tests that run the line of a mutant; empty where none does, or it is run as its module is loaded."""
-        contexts = self._lines[mutant.part].get(mutant.file, {}).get(mutant.line, [])
-        return sorted({context.partition("|")[0] for context in contexts if context})
+    def every(self) -> list[str]:
+        """The tests of all lines."""
+        contexts = {each for lines in self._lines.values() for line in lines.values() for each in line if each}
+        names = {context.rpartition("|")[0] for context in contexts}
+        return sorted(name for name in names if _junit_name(name) in self._seconds)
+
+    def tests(self, mutant: Mutant) -> list[tuple[float, str]]:
+        """The tests that pass and run the line of a mutant with their seconds, the quickest first.
+
+        A line that is run as its module is loaded, or by no test, gets all tests that run a line of its file.
+        """
+        lines = self._lines.get(mutant.file, {})
+        contexts = [each for each in lines.get(mutant.line, []) if each] or [
+            each for line in lines.values() for each in line
+        ]
+        names = {context.rpartition("|")[0] for context in contexts if context}
+        timed = ((self._seconds.get(_junit_name(name)), name) for name in names)
+        return sorted((seconds, name) for seconds, name in timed if seconds is not None)
+
+
+def _junit_name(test: str) -> str:
+    """`a/b.py::C::d` as JUnit's report writes it: `a.b.C::d`."""
+    path, _, rest = test.partition("::")
+    *classes, name = _outside_brackets(rest)
+    return ".".join((path.removesuffix(".py").replace("/", "."), *classes)) + f"::{name}"
+
+
+def _outside_brackets(rest: str) -> list[str]:
+    head, bracket, parameters = rest.partition("[")
+    *classes, name = head.split("::")
+    return [*classes, name + bracket + parameters]
+
+
+def rounds_of(tests: list[tuple[float, str]]) -> Iterator[list[tuple[float, str]]]:
+    """The tests in rounds of 20 s, 60 s, 180 s, …, in the order given."""
+    chosen: list[tuple[float, str]] = []
+    spent, budget = 0.0, 20.0
+    for each in tests:
+        if chosen and spent + each[0] > budget:
+            yield chosen
+            chosen, spent, budget = [], 0.0, budget * 3
+        chosen.append(each)
+        spent += each[0]
+    if chosen:
+        yield chosen
 
 
 class Copies:
@@ -237,8 +286,19 @@ class Copies:
                     shutil.copy2(ROOT / name, copy / name)
             self.free.put(copy)
 
+    def try_in_rounds(self, mutant: Mutant, tests: list[tuple[float, str]]) -> tuple[str, float]:
+        """Tries a mutant with its quick tests, then with the others; how that ended, and after how many seconds."""
+        result, spent = "not found", 0.0
+        for chosen in rounds_of(tests):
+            limit_s = LIMIT_S + LIMIT_FACTOR * sum(seconds for seconds, _ in chosen)
+            result, seconds = self.try_one(mutant, [name for _, name in chosen], limit_s)
+            spent += seconds
+            if result != "not found":
+                break
+        return result, spent
+
     def try_one(self, mutant: Mutant, tests: list[str], limit_s: float) -> tuple[str, float]:
-        """`found`, `found: time` or `not found`, and how long that took."""
+        """`found`, `found: time` or `not found`, and how many seconds that took."""
         copy = self.free.get()
         target = copy / mutant.file
         whole, began = target.read_text(encoding="utf-8"), time.monotonic()
@@ -251,24 +311,13 @@ class Copies:
         return result, time.monotonic() - began
 
     @staticmethod
-    def run(copy: Path, tests: list[str], limit_s: float, output: int = subprocess.DEVNULL) -> int | None:
+    def run(copy: Path, tests: list[str], limit_s: float) -> int | None:
         """The exit status of the tests in a copy; None where they are not over in time."""
         command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-x",
-            "-q",
-            "-n",
-            "0",
-            "-p",
-            "no:cacheprovider",
-            "--timeout",
-            "120",
-            *tests,
-        ]
+            sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", "--timeout", "120", *tests,
+        ]  # fmt: skip
         process = subprocess.Popen(
-            command, cwd=copy, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True,
+            command, cwd=copy, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
             env={**os.environ, "PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_PROFILE": "first"},
         )  # fmt: skip
         try:
@@ -279,14 +328,6 @@ class Copies:
             subprocess.run(["pkill", "-9", "-s", str(process.pid)], check=False)
             process.wait()
 
-    def whole(self, parts: dict[str, Any], limit_s: float) -> str:
-        """The part whose tests fail where nothing is broken, or empty."""
-        copy = self.free.get()
-        try:
-            return next((name for name, each in parts.items() if self.run(copy, tests_of(each), limit_s, 2)), "")
-        finally:
-            self.free.put(copy)
-
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -294,9 +335,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--part", action="append", help="only these parts")
-    parser.add_argument("--limit", type=float, default=600, help="seconds after which a mutant counts as found")
     parser.add_argument("--results", type=Path, default=ROOT / "out/mutants.jsonl")
-    parser.add_argument("--trust", action="store_true", help="do not see first that the tests pass as they are")
     given = parser.parse_args()
 
     parts = {
@@ -310,8 +349,8 @@ def main() -> int:
     done = {(row["file"], tuple(row["before"]), tuple(row["after"])): row for row in map(json.loads, lines)}
     covered = Covered(given.results.parent, parts, given.jobs)
     copies = Copies(given.jobs)
-    if not given.trust and (part := copies.whole(parts, 2 * given.limit)):
-        print(f"the tests of '{part}' fail before anything is broken", file=sys.stderr)
+    if copies.run(copies.folder / "0/checkout", ["--collect-only", *covered.every()], 300):
+        print("pytest does not find the tests by their names", file=sys.stderr)
         return 2
     rows: list[dict[str, Any]] = []
 
@@ -322,9 +361,7 @@ def main() -> int:
             if (mutant.file, "\n".join(before).strip(), "\n".join(after).strip()) in equivalent:
                 row = {**asdict(mutant), "before": before, "after": after, "result": "equivalent", "seconds": 0}
             else:
-                result, seconds = copies.try_one(
-                    mutant, covered.tests(mutant) or tests_of(parts[mutant.part]), given.limit
-                )
+                result, seconds = copies.try_in_rounds(mutant, covered.tests(mutant))
                 row = {
                     **asdict(mutant),
                     "before": before,
