@@ -16,11 +16,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypedDict
 
-from rai_missions.chart import Chart
 from rai_missions.check import check
+from rai_missions.engine import Chart
 from rai_missions.event import Event
-from rai_missions.load import load
-from rai_missions.mission import Mission
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
 
 Json = dict[str, Any]
 Send = Callable[[str], object]

@@ -16,8 +16,8 @@ from typing import Any
 from jsonschema import Draft202012Validator
 
 from rai_missions.check import check
-from rai_missions.mission import Mission
-from rai_missions.schema import mission_schema
+from rai_missions.mission.mission import Mission
+from rai_missions.mission.schema import mission_schema
 
 SIZES = (10, 100, 1_000, 10_000)
 

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from visualize import difference, drawn, picture
 
 ROOT = Path(__file__).parents[1]

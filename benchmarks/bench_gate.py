@@ -78,7 +78,7 @@ def main() -> None:
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ.setdefault("ROS_LOG_DIR", tempfile.mkdtemp())
     script, python = str(Path(__file__)), [sys.executable, "-W", "ignore"]
-    gate = subprocess.Popen([*python, "-m", "rai_missions.cli", "gate", "--domain", str(DOMAIN), "--quiet"])
+    gate = subprocess.Popen([*python, "-m", "rai_missions.cli.main", "gate", "--domain", str(DOMAIN), "--quiet"])
     plain = subprocess.Popen([*python, script, "relay"])
     speaker = subprocess.Popen([*python, script, "speak"])
     try:

@@ -15,10 +15,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from rai_missions.engine.decision import Evidence, Offer, Question
+from rai_missions.engine.step import Ask, CancelGoal, Handover, Move, Step
 from rai_missions.event import Event, Image
 from rai_missions.journal import Header, Journal, read, verify
-from rai_missions.step import Ask, CancelGoal, Handover, Move, Step
-from rai_missions.verdict import Evidence, Offer, Question
 
 STEPS = 20_000
 WANTED_PER_S = 5_000

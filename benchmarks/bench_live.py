@@ -20,13 +20,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.commands.live import Watch
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.cli.commands.run_page import Watch
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.step import Step
 from rai_missions.event import Event
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
-from rai_missions.step import Step
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
 from visualize.live import LivePage, Place
 
 EVENTS = 20_000
@@ -68,7 +68,7 @@ class Flood:
 
     def __init__(self, folder: Path, *, paged: bool) -> None:
         self.at: list[tuple[float, float]] = []
-        setting = Setting(
+        setting = RunConfig(
             MISSION, ROBOT, connector=LocalConnector(), journal=folder / f"{time.time_ns()}.journal", on_step=self._see
         )
         self.page = LivePage(Place(port=0)) if paged else None

@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.bench_stop import ACTION, Server, loaded, pictures, told
-from rai_missions.agents.decision import DecisionAgent
-from rai_missions.agents.doubles import DoubleModel
-from rai_missions.agents.model_process.model import ModelProcess
+from rai_missions.answerers.model.agent import DecisionAgent
+from rai_missions.answerers.model.process.model import ModelProcess
+from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.decision import Evidence
 from rai_missions.event import Image
-from rai_missions.testing import QUESTION, Told
-from rai_missions.verdict import Evidence
+from rai_missions.testing import QUESTION, ReplyCallback
 
 QUESTIONS, STOPS = 300, 100
 HELD_S = 0.5
@@ -53,7 +53,7 @@ def exchanges(agent: DecisionAgent, picture: Image | None) -> list[float]:
     shown = (*QUESTION.evidence, Evidence("camera", picture, 0.1, fresh=True)) if picture else QUESTION.evidence
     spent = []
     for number in range(QUESTIONS + 5):
-        answer = Told()
+        answer = ReplyCallback()
         began = time.perf_counter()
         agent.ask(QUESTION._replace(number=number + 1, evidence=shown), answer)
         said = answer.wait(30)

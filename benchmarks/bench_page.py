@@ -15,10 +15,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.bench_draw import ROOT, chain
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Step
 from rai_missions.event import Event
-from rai_missions.mission import Mission
-from rai_missions.step import Step
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from visualize.page import review, run_of_steps
 

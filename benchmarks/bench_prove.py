@@ -41,10 +41,10 @@ def counting(regions: int) -> dict[str, Any]:
 
 def measure(what: str) -> dict[str, Any]:
     from rai_missions import load
-    from rai_missions.mission import Mission
+    from rai_missions.mission.mission import Mission
+    from rai_missions.profile import load_profile, terms
     from rai_missions.prove import prove
-    from rai_missions.rebuild import default_ticker
-    from rai_missions.robot import load_profile, terms
+    from rai_missions.replay.rebuild import default_ticker
 
     robot = None
     if what.isdigit():

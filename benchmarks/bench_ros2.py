@@ -167,11 +167,11 @@ def plain(kind: str) -> None:
 
 def missions(kind: str) -> None:
     """One mission, or a hundred with one connector."""
-    from rai_missions.agents.decision import DecisionAgent
+    from rai_missions.answerers.model.agent import DecisionAgent
     from rai_missions.connectors.ros2 import open_connector
-    from rai_missions.mission import Mission
-    from rai_missions.robot import Robot as Profile
-    from rai_missions.runner import Runner
+    from rai_missions.mission.mission import Mission
+    from rai_missions.profile import Robot as Profile
+    from rai_missions.runtime.runner import Runner
     from rai_missions.testing import HangingModel
 
     begin = time.perf_counter()

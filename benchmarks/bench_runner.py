@@ -16,15 +16,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from rai_missions.agents.decision import DecisionAgent
-from rai_missions.clock import SimulatedClock
+from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
-from rai_missions.runner import Runner
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.runner import Runner
 from rai_missions.testing import HangingModel
 
 EVENTS = 1000

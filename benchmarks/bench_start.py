@@ -29,7 +29,7 @@ def main() -> None:
     pydantic = cpu_ms("-c", "import pydantic; pydantic.BaseModel")[0]
     ours = cpu_ms("-c", "import rai_missions")[0]
     used = cpu_ms("-c", "from rai_missions import Chart, Mission")[0]
-    help_cpu, help_wall = cpu_ms("-m", "rai_missions.cli", "--help")
+    help_cpu, help_wall = cpu_ms("-m", "rai_missions.cli.main", "--help")
     print(f"{'process':44}{'CPU ms':>10}{'target':>24}")
     print(f"{'python -c pass':44}{nothing:10.0f}")
     print(f"{'import pydantic.BaseModel':44}{pydantic:10.0f}")

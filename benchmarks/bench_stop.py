@@ -59,13 +59,13 @@ def loaded(
     connector: Any, kind: str, folder: Path, number: int, ended: threading.Event, agent: Any = None
 ) -> Any:  # fmt: skip
     """A runner under full load, and its flood."""
-    from rai_missions.agents.decision import DecisionAgent
+    from rai_missions.answerers.model.agent import DecisionAgent
     from rai_missions.event import Event
     from rai_missions.journal import Header, Journal
-    from rai_missions.load import dump
-    from rai_missions.mission import Mission
-    from rai_missions.robot import Robot
-    from rai_missions.runner import Runner
+    from rai_missions.mission.files import dump
+    from rai_missions.mission.mission import Mission
+    from rai_missions.profile import Robot
+    from rai_missions.runtime.runner import Runner
     from rai_missions.testing import HangingModel
 
     mission = Mission.model_validate(MISSION)

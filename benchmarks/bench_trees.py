@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 
 import py_trees
 
-from rai_missions.blackboard import Stamped
+from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.guards.guard import Truth
-from rai_missions.states.ticker import TreeState
+from rai_missions.keys import Stamped
 from rai_missions.states.tree import TreeNode, tree_paths
 from rai_missions.trees import PyTrees
 

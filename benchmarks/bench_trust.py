@@ -22,11 +22,11 @@ from random import Random
 from langchain_core.messages import AIMessage, BaseMessage
 from pydantic import PrivateAttr
 
-from rai_missions.agents.decision import DecisionAgent
-from rai_missions.agents.doubles import DoubleModel
-from rai_missions.clock import SimulatedClock
+from rai_missions.answerers.model.agent import DecisionAgent
+from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.runner import Runner
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.runner import Runner
 from rai_missions.testing import call
 from rai_missions.tools import Allowed, Toolbox
 from tests.drills.yard import Yard, yard_mission, yard_robot

@@ -13,9 +13,9 @@ import graphviz
 from graphviz.backend import dot_command
 from transitions.extensions import HierarchicalGraphMachine
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from visualize import Picture, picture
-from visualize.dot import layout_program
+from visualize.graphviz import layout_program
 
 __all__ = ("by_transitions", "machine_of")
 

@@ -186,7 +186,7 @@ def others(kind: str, *, is_apart: bool) -> Iterator[None]:
     started = [other(here, "mission" if kind == "gate" else kind)]
     if kind == "gate":
         started.append(
-            other("rai_missions.cli", "gate", "--ros", "--quiet", "--command", "/cmd_vel=geometry_msgs/msg/Twist")
+            other("rai_missions.cli.main", "gate", "--ros", "--quiet", "--command", "/cmd_vel=geometry_msgs/msg/Twist")
         )
     if is_apart:
         started.append(other(here, "camera"))
@@ -231,7 +231,7 @@ def measured(kind: str, *, is_apart: bool) -> list[float]:
 
 def robot_process(kind: str, layout: str) -> None:
     if layout == "roomy":
-        from rai_missions.connectors.ros2.middleware import PICTURES
+        from rai_missions.connectors.ros2.fastdds import PICTURES
 
         os.environ[VARIABLE] = str(PICTURES)
     told(f"over ROS 2, {KINDS[kind]}{LAYOUTS[layout]}", measured(kind, is_apart=layout == "apart"))

@@ -9,40 +9,72 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.event import Event
 
 # `event` and `load` are names of modules of ours too: taken at once, they are these, whoever imports the modules later.
-from rai_missions.load import dump, load
-from rai_missions.reference import answer, event
+from rai_missions.mission.files import dump, load
+from rai_missions.mission.references import answer, event
 
 if TYPE_CHECKING:
-    from rai_missions.blackboard import Key
-    from rai_missions.build import After, Keys, On, Ref, When
-    from rai_missions.chart import Chart
-    from rai_missions.effects import Call as CallEffect
-    from rai_missions.effects import Drop, Log, Publish, Raise, Say, Set
+    from rai_missions.engine import Chart
+    from rai_missions.engine.step import Step
     from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError
     from rai_missions.event import Image, Tick
     from rai_missions.guards import Elapsed, Guard, Held, In, Named
-    from rai_missions.mission import Declared, Mission
-    from rai_missions.runner import Result, Runner
-    from rai_missions.step import Step
+    from rai_missions.keys import Key
+    from rai_missions.mission.builder import After, Keys, On, Ref, When
+    from rai_missions.mission.mission import EventSpec, Mission
+    from rai_missions.runtime.runner import Result, Runner
+    from rai_missions.states.effects import Call as CallEffect
+    from rai_missions.states.effects import Drop, Log, Publish, Raise, Say, Set
 
 __all__ = (
-    "After", "CallEffect", "Chart", "ConnectorError", "Declared", "DefinitionError", "Drop", "Elapsed", "Event",
-    "Fault", "Guard", "Held", "Image", "In", "Key", "Keys", "Log", "Mission", "MissionError", "Named", "On", "Publish",
-    "Raise", "Ref", "Result", "Runner", "Say", "Set", "Step", "Tick", "UsageError", "When", "answer", "dump", "event",
+    "After",
+    "CallEffect",
+    "Chart",
+    "ConnectorError",
+    "DefinitionError",
+    "Drop",
+    "Elapsed",
+    "Event",
+    "EventSpec",
+    "Fault",
+    "Guard",
+    "Held",
+    "Image",
+    "In",
+    "Key",
+    "Keys",
+    "Log",
+    "Mission",
+    "MissionError",
+    "Named",
+    "On",
+    "Publish",
+    "Raise",
+    "Ref",
+    "Result",
+    "Runner",
+    "Say",
+    "Set",
+    "Step",
+    "Tick",
+    "UsageError",
+    "When",
+    "answer",
+    "dump",
+    "event",
     "load",
 )  # fmt: skip
 
 ROOMS = {
-    "blackboard": ("Key",),
-    "build": ("After", "Keys", "On", "Ref", "When"),
-    "chart": ("Chart",),
-    "effects": ("CallEffect", "Drop", "Log", "Publish", "Raise", "Say", "Set"),
+    "keys": ("Key",),
+    "mission.builder": ("After", "Keys", "On", "Ref", "When"),
+    "engine": ("Chart",),
+    "states.effects": ("CallEffect", "Drop", "Log", "Publish", "Raise", "Say", "Set"),
     "errors": ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError"),
     "event": ("Image", "Tick"),
     "guards": ("Elapsed", "Guard", "Held", "In", "Named"),
-    "mission": ("Declared", "Mission"),
-    "runner": ("Result", "Runner"),
-    "step": ("Step",),
+    "mission.mission": ("EventSpec", "Mission"),
+    "runtime.runner": ("Result", "Runner"),
+    "engine.step": ("Step",),
 }
 ROOM = {name: room for room, names in ROOMS.items() for name in names}
 

@@ -7,9 +7,11 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rai_missions.agents.agent_contract import check_agent
-    from rai_missions.agents.contract import QUESTION, Told, answer_fault, check_answerer
-    from rai_missions.agents.doubles import (
+    from rai_missions.agents.contract import check_agent
+    from rai_missions.answerers.contract import QUESTION, ReplyCallback, answer_fault, check_answerer
+    from rai_missions.answerers.script import ScriptAnswerer
+    from rai_missions.answerers.test_answerers import ChatteringAnswerer, LateAnswerer, RaisingAnswerer, SilentAnswerer
+    from rai_missions.answerers.test_models import (
         BabblingModel,
         HangingModel,
         LyingModel,
@@ -20,28 +22,47 @@ if TYPE_CHECKING:
         WordyModel,
         call,
     )
-    from rai_missions.agents.hostile import ChatteringAnswerer, LateAnswerer, RaisingAnswerer, SilentAnswerer
-    from rai_missions.agents.script import ScriptAnswerer
     from rai_missions.connectors.chaos import ChaosConnector, Rates
     from rai_missions.connectors.contract import Heard, PatientServer, check_connector
     from rai_missions.worlds.contract import check_world
 
 __all__ = (
-    "QUESTION", "BabblingModel", "ChaosConnector", "ChatteringAnswerer", "HangingModel", "Heard", "LateAnswerer",
-    "LyingModel", "PatientServer", "RaisingAnswerer", "RaisingModel", "Rates", "ScriptAnswerer", "ScriptedModel",
-    "SilentAnswerer", "SilentModel", "Told", "ToolFloodModel", "WordyModel", "answer_fault", "call", "check_agent",
-    "check_answerer", "check_connector", "check_world",
+    "QUESTION",
+    "BabblingModel",
+    "ChaosConnector",
+    "ChatteringAnswerer",
+    "HangingModel",
+    "Heard",
+    "LateAnswerer",
+    "LyingModel",
+    "PatientServer",
+    "RaisingAnswerer",
+    "RaisingModel",
+    "Rates",
+    "ReplyCallback",
+    "ScriptAnswerer",
+    "ScriptedModel",
+    "SilentAnswerer",
+    "SilentModel",
+    "ToolFloodModel",
+    "WordyModel",
+    "answer_fault",
+    "call",
+    "check_agent",
+    "check_answerer",
+    "check_connector",
+    "check_world",
 )  # fmt: skip
 
 ROOMS = {
-    "agents.agent_contract": ("check_agent",),
-    "agents.contract": ("QUESTION", "Told", "answer_fault", "check_answerer"),
-    "agents.doubles": (
+    "agents.contract": ("check_agent",),
+    "answerers.contract": ("QUESTION", "ReplyCallback", "answer_fault", "check_answerer"),
+    "answerers.test_models": (
         "BabblingModel", "HangingModel", "LyingModel", "RaisingModel", "ScriptedModel", "SilentModel", "ToolFloodModel",
         "WordyModel", "call",
     ),
-    "agents.hostile": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
-    "agents.script": ("ScriptAnswerer",),
+    "answerers.test_answerers": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
+    "answerers.script": ("ScriptAnswerer",),
     "connectors.chaos": ("ChaosConnector", "Rates"),
     "connectors.contract": ("Heard", "PatientServer", "check_connector"),
     "worlds.contract": ("check_world",),

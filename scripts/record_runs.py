@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from rai_missions.replay import replay  # noqa: E402
+from rai_missions.replay.replay import replay  # noqa: E402
 from tests.recorded.generated import generated  # noqa: E402
 from tests.recorded.shipped import shipped  # noqa: E402
 from tests.recorded.small import small  # noqa: E402

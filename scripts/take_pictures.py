@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.peers_draw import by_transitions  # noqa: E402
-from rai_missions.load import load  # noqa: E402
+from rai_missions.mission.files import load  # noqa: E402
 from visualize import draw_review, drawn, picture  # noqa: E402
 
 FOLDER = ROOT / "docs/pictures"

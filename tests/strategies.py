@@ -11,7 +11,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 
 __all__ = ("EVENTS", "KEYS", "guards", "mission_documents", "missions", "tree_nodes")
 

@@ -39,7 +39,7 @@ def test_the_licence_travels_with_the_package() -> None:
     assert metadata["License-Expression"] == "Apache-2.0"
 
 
-@pytest.mark.parametrize("code", ["import rai_missions", "from rai_missions.cli import main; main(['--help'])"])
+@pytest.mark.parametrize("code", ["import rai_missions", "from rai_missions.cli.main import main; main(['--help'])"])
 def test_what_is_heavy_is_imported_when_used(code: str) -> None:
     told = f"import sys\ntry:\n    {code}\nexcept SystemExit: pass\nprint([m for m in {HEAVY!r} if m in sys.modules])"
     heard = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)

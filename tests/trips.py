@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from rai_missions.agents.mission import Prepared, Setting, prepare
+from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
+from rai_missions.engine.step import Step
 from rai_missions.event import Event
-from rai_missions.json_text import parse_json
-from rai_missions.robot import Robot
-from rai_missions.runner import Result
-from rai_missions.step import Step
+from rai_missions.mission.json_reader import parse_json
+from rai_missions.profile import Robot
+from rai_missions.runtime.runner import Result
 
 __all__ = ("Moments", "Trip", "profile_of", "trips")
 
@@ -33,13 +33,13 @@ class Trip:
         mission: The folder of the shipped mission.
         profile: The robot, as JSON has it.
         moments: When → what happens then.
-        words: Fields of `Setting`.
+        words: Fields of `RunConfig`.
     """
 
     def __init__(self, mission: Path, profile: Mapping[str, Any], moments: Moments, **words: Any) -> None:
         self.moments, self.steps = sorted(moments.items()), list[Step]()
-        self.prepared: Prepared = prepare(
-            Setting(mission / "mission.json", Robot.model_validate(profile), on_step=self._see, **words)
+        self.prepared: PreparedRun = prepare(
+            RunConfig(mission / "mission.json", Robot.model_validate(profile), on_step=self._see, **words)
         )
         self.world: Any = self.prepared.world
         self.runner = self.prepared.runner

@@ -4,11 +4,11 @@
 Rule: reads missions, steps and journals only, and changes nothing; Graphviz is looked for when a picture needs it.
 """
 
+from visualize.build import picture
 from visualize.diff import Difference, difference
 from visualize.files import FORMATS, draw, draw_difference, draw_review, drawn
+from visualize.model import Picture
 from visualize.notebook import Drawing, show, show_missions
-from visualize.picture import picture
-from visualize.shapes import Picture
 
 __all__ = (
     "FORMATS",

@@ -12,15 +12,15 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
-from rai_missions.step import Step
+from rai_missions.mission.mission import Mission
+from visualize.build import picture
 from visualize.diff import Difference
-from visualize.dot import render
-from visualize.graphing import dot_text
+from visualize.dot_text import dot_text
+from visualize.graphviz import render
 from visualize.mermaid import mermaid
-from visualize.picture import picture
-from visualize.shapes import Picture
+from visualize.model import Picture
 from visualize.table import table
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def _compared(given: Difference, form: str) -> bytes:
 
         return markdown(given)
     if form == "json":
-        from visualize.diff.plain import as_json
+        from visualize.diff.as_json import as_json
 
         return as_json(given)
     return drawn(given.picture, form)

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from visualize.labels import row_text
-from visualize.shapes import Edge, Node, Picture
+from visualize.dot_labels import row_text
+from visualize.model import Edge, Node, Picture
 from visualize.style import LOOKS, OUTCOMES, clean, wrapped
 
 __all__ = ("MOST", "mermaid", "oversize")

@@ -9,12 +9,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 
+from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
-from rai_missions.step import Step
+from rai_missions.mission.mission import Mission
+from visualize.build import picture
 from visualize.files import drawn
-from visualize.picture import picture
-from visualize.shapes import Picture
+from visualize.model import Picture
 
 __all__ = ("Drawing", "show", "show_missions")
 

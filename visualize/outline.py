@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.guards import Compare, Guard, Named
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
+from rai_missions.model import MissionModel
 from rai_missions.states import Transition
-from rai_missions.written import Written
 from visualize.style import clean
 
 __all__ = ("outline",)
@@ -26,7 +26,7 @@ def outline(mission: Mission) -> str:
     return "\n".join([*(clean(line) for line in _fields(mission, "")), ""])
 
 
-def _fields(item: Written, indent: str) -> Iterator[str]:
+def _fields(item: MissionModel, indent: str) -> Iterator[str]:
     """What is written in a thing, in the order of its kind's fields."""
     for name, field in type(item).model_fields.items():
         value = getattr(item, name)
@@ -42,15 +42,15 @@ def _value(word: str, value: Any, indent: str) -> Iterator[str]:
         yield from (
             line for field in ("when", "do", "internal", "about") for line in _part(value, field, indent + INDENT)
         )
-    elif isinstance(value, Written):
+    elif isinstance(value, MissionModel):
         kind = getattr(value, "word", "")
         yield f"{indent}{word}:" + (f" {kind}" if kind and kind != word else "")
         yield from _fields(value, indent + INDENT)
-    elif isinstance(value, Mapping) and any(isinstance(each, Written) for each in value.values()):
+    elif isinstance(value, Mapping) and any(isinstance(each, MissionModel) for each in value.values()):
         yield f"{indent}{word}:"
         for name in sorted(value):
             yield from _value(name, value[name], indent + INDENT)
-    elif isinstance(value, tuple) and any(isinstance(each, Written) for each in value):
+    elif isinstance(value, tuple) and any(isinstance(each, MissionModel) for each in value):
         for each in value:
             yield from _value(word, each, indent)
     elif value != () or word != "transitions":

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from visualize.shapes import Edge, Picture
+from visualize.model import Edge, Picture
 from visualize.style import clean
 
 __all__ = ("table",)

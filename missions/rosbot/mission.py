@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from rai_missions import After, Declared, Guard, Image, Key, Keys, Mission, On, Set, When
+from rai_missions import After, EventSpec, Guard, Image, Key, Keys, Mission, On, Set, When
 from rai_missions.states import Action, Compound, Decision, Each, Final, History, Option, State
 
 TROUBLE = ("failed", "unverified", "timed_out", "rejected")
@@ -130,7 +130,7 @@ def mission() -> Mission:
         about="Look at every waypoint; where the way is blocked, decide what to do; charge when the battery runs low; "
         "end on the dock.",
         keys=k,
-        events={"e_stop": Declared("somebody wants the robot to stop, now")},
+        events={"e_stop": EventSpec("somebody wants the robot to stop, now")},
         initial="patrolling",
         states={
             "patrolling": patrolling,

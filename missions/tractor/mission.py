@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from rai_missions import After, CallEffect, Declared, Image, In, Key, Keys, Mission, On, Say, Set, When
+from rai_missions import After, CallEffect, EventSpec, Image, In, Key, Keys, Mission, On, Say, Set, When
 from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, State, Tree
 from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
 
@@ -47,8 +47,8 @@ def mission() -> Mission:
         about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
         keys=k,
         events={
-            "anomaly": Declared("the autonomy stack stopped and asks for a decision"),
-            "e_stop": Declared("somebody wants the tractor to stop, now"),
+            "anomaly": EventSpec("the autonomy stack stopped and asks for a decision"),
+            "e_stop": EventSpec("somebody wants the tractor to stop, now"),
         },
         initial="setting_out",
         states={

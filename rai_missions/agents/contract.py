@@ -1,140 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every answerer must do, as functions that their tests call."""
+"""What every agent must do, as a function that its tests call."""
 
 from __future__ import annotations
 
-import json
 import threading
-import time
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
-from rai_missions.cut import cut_repr
-from rai_missions.verdict import Answerer, Evidence, Limits, Offer, Question
+from rai_missions.agents.agent import Agent
+from rai_missions.answerers.contract import at_once
 
-__all__ = ("QUESTION", "Told", "answer_fault", "at_once", "check_answerer")
-
-AT_ONCE_S = 1.0
-"""Longer is waiting, even on a busy machine."""
-USAGE = {"calls": int, "tokens_in": int, "tokens_out": int, "seconds": int | float, "model": str}
-
-QUESTION = Question(
-    number=1,
-    owner="assessing",
-    asked="agent",
-    text="Something blocks the alley. What should the tractor do?",
-    options=(Offer("replan", "take the next alley"), Offer("signal", "sound the horn"), Offer("abort", "stop here")),
-    evidence=(
-        Evidence("obstacle", {"kind": "branch", "height_m": 0.1}, 0.2, fresh=True),
-        Evidence("battery", None, 3.2, fresh=False),
-    ),
-    until=30.0,
-    budget=Limits(calls=4, tokens=20_000, seconds=20.0),
-)
-"""A question like any other, for tests."""
+__all__ = ("check_agent",)
 
 
-class Told:
-    """Collects what an answerer tells, from any thread."""
-
-    def __init__(self) -> None:
-        self.all: list[Mapping[str, Any]] = []
-        self._changed = threading.Condition()
-
-    def __call__(self, said: Mapping[str, Any]) -> None:
-        with self._changed:
-            self.all.append(said)
-            self._changed.notify_all()
-
-    def wait(self, within_s: float = 10.0) -> Mapping[str, Any]:
-        """The first answer; an `AssertionError` if none comes in time."""
-        with self._changed:
-            assert self._changed.wait_for(lambda: bool(self.all), within_s), f"no answer within {within_s:g} s"
-            return self.all[0]
-
-
-def answer_fault(said: Any) -> str:
-    """Why something told is no answer as `Answerer` has it; empty if it is one."""
-    if not isinstance(said, Mapping):
-        return f"an answer is a mapping, not {cut_repr(said, 80)}"
-    kinds = [kind for kind in ("option", "absent", "failed") if kind in said]
-    if len(kinds) != 1:
-        return f"an answer has one of option, absent, failed; this has {', '.join(kinds) or 'none'}"
-    if not isinstance(said[kinds[0]], str):
-        return f"'{kinds[0]}' is text, not {cut_repr(said[kinds[0]], 80)}"
-    known = {"option": {"option", "parameters", "why", "usage", "looked"}}.get(kinds[0], {kinds[0], "usage", "looked"})
-    if unknown := sorted(map(str, set(said) - known)):
-        return f"an answer with '{kinds[0]}' has no '{unknown[0]}'"
-    if not isinstance(said.get("parameters", {}), Mapping) or not isinstance(said.get("why", ""), str):
-        return "'parameters' is a mapping and 'why' is text"
-    try:
-        json.dumps(said, allow_nan=False, ensure_ascii=False).encode()
-    except (TypeError, ValueError, RecursionError) as error:
-        return f"an answer can be written as JSON in UTF-8: {error}"
-    return _looked_fault(said.get("looked", [])) or _usage_fault(said.get("usage"))
-
-
-def _looked_fault(looked: Any) -> str:
-    notes = looked if isinstance(looked, list) else [looked]
-    wrong = [note for note in notes if not isinstance(note, Mapping) or set(note) != {"tool", "arguments", "said"}]
-    return f"'looked' is a list of what has tool, arguments and said, not {cut_repr(wrong[0], 60)}" if wrong else ""
-
-
-def _usage_fault(usage: Any) -> str:
-    if usage is None:
-        return ""
-    if not isinstance(usage, Mapping) or set(usage) != set(USAGE):
-        return f"'usage' has {', '.join(USAGE)}, not {cut_repr(usage, 120)}"
-    wrong = [name for name, kind in USAGE.items() if not isinstance(usage[name], kind)]
-    return f"usage of {wrong[0]} is not {cut_repr(usage[wrong[0]], 60)}" if wrong else ""
-
-
-def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, *, within_s: float = 10.0) -> None:
-    """Hold an answerer to the contract of `Answerer`.
+def check_agent(make: Callable[[], Agent], *, within_s: float = 5.0) -> None:
+    """Hold an agent to the contract of `Agent`: it runs and stops, as often as it is told, and leaves no thread behind.
 
     Args:
-        make: Gives a fresh answerer, one that does answer the question, be it by saying that it is absent.
-        question: What it is asked; must be one that it knows.
-        within_s: How long an answer may take.
+        make: Gives a fresh agent, not running.
+        within_s: How long `run` and `stop` may take each.
 
     Raises:
         AssertionError: A promise is broken; the text says which.
     """
-    answerer = make()
-    first, second = Told(), Told()
-    at_once("withdraw", lambda: answerer.withdraw(question.number))
-    at_once("ask", lambda: answerer.ask(question, first))
-    at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 1), second))
-    for told in (first, second):
-        fault = answer_fault(told.wait(within_s))
-        assert not fault, fault
-    at_once("withdraw", lambda: answerer.withdraw(question.number))
-    at_once("withdraw", lambda: answerer.withdraw(question.number))
-    third = Told()
-    at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 2), third))
-    at_once("withdraw", lambda: answerer.withdraw(question.number + 2))
-    answerer.ask(question._replace(number=question.number + 3), last := Told())
-    last.wait(within_s)
-    for told in (first, second, third, last):
-        assert len(told.all) <= 1, f"a question is answered once, not {len(told.all)} times: {told.all}"
-    stop = getattr(answerer, "stop", None)
-    if stop is not None:
-        stop()
-
-
-def at_once(what: str, act: Callable[[], object], within_s: float = AT_ONCE_S) -> None:
-    """Do it on a thread of its own, so that what waits for ever fails the check instead of hanging it."""
-    raised: list[BaseException] = []
-
-    def attempt() -> None:
-        try:
-            act()
-        except BaseException as error:  # noqa: BLE001 - told below, where it can be seen
-            raised.append(error)
-
-    thread = threading.Thread(target=attempt, daemon=True)
-    began = time.monotonic()
-    thread.start()
-    thread.join(within_s)
-    assert not thread.is_alive(), f"{what} returns at once; it still waits after {time.monotonic() - began:.1f} s"
-    assert not raised, f"{what} raises {raised[0]!r}"
+    before = set(threading.enumerate())
+    agent = make()
+    for act, times in (("stop", 1), ("run", 2), ("stop", 2), ("run", 1), ("stop", 1)):
+        for _ in range(times):
+            at_once(act, getattr(agent, act), within_s)
+    for thread in set(threading.enumerate()) - before:
+        thread.join(within_s)
+        assert not thread.is_alive(), f"stop leaves the thread '{thread.name}' behind"

@@ -13,41 +13,41 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.agents.resuming import TakenUp, take_up
-from rai_missions.arguments import accepted
-from rai_missions.chart import Named
 from rai_missions.check import check, faults_of
-from rai_missions.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
-from rai_missions.connectors.connector import Connector, Wiretap
+from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.embodiment import Identity
+from rai_missions.engine import Named
+from rai_missions.engine.decision import Answerer
+from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.hush import hush
 from rai_missions.journal import Header, Journal, make_way, versions
-from rai_missions.lifecycle import Status
-from rai_missions.load import dump, load
-from rai_missions.mission import Mission
+from rai_missions.mission.files import dump, load
+from rai_missions.mission.mission import Mission
+from rai_missions.model import suggestion
+from rai_missions.profile import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
 from rai_missions.recording import Recording, observers, recorded
-from rai_missions.resume import Resumption
-from rai_missions.robot import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
-from rai_missions.runner import Result, Runner
-from rai_missions.step import Step
-from rai_missions.verdict import Answerer
+from rai_missions.redaction.hush import hush
+from rai_missions.replay.open_run import OpenedRun, open_run
+from rai_missions.replay.resume import Resumption
+from rai_missions.runtime.arguments import accepted
+from rai_missions.runtime.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
+from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.runner import Result, Runner
 from rai_missions.worlds.world import World, open_world
-from rai_missions.written import suggestion
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
 
-    from rai_missions.agents.model_process.model import ModelProcess
+    from rai_missions.answerers.model.process.model import ModelProcess
 
 log = logging.getLogger(__name__)
 
-__all__ = ("MissionAgent", "Setting", "prepare", "run")
+__all__ = ("MissionAgent", "RunConfig", "prepare", "run")
 
 
 @dataclass(frozen=True)
-class Setting:
+class RunConfig:
     """Everything that a run is made of, as a person names it."""
 
     mission: Mission | str | Path | None
@@ -89,17 +89,17 @@ REMOTE = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connecto
 """Kind of connector → the module that opens it; its libraries are loaded then."""
 
 
-class Prepared:
+class PreparedRun:
     """A run that is ready to begin, and what must be closed after it. A context manager."""
 
-    def __init__(self, setting: Setting) -> None:
+    def __init__(self, setting: RunConfig) -> None:
         self.setting = setting
         self._closes: list[Callable[[], None]] = []
         given = load(setting.mission) if isinstance(setting.mission, str | Path) else setting.mission
         self.robot, self._folder = _profile(setting.robot)
-        self._taken: TakenUp | None = None
+        self._taken: OpenedRun | None = None
         if setting.resume is not None:
-            self._taken = take_up(setting.resume, mission=given, robot=self.robot, named=setting.named)
+            self._taken = open_run(setting.resume, mission=given, robot=self.robot, named=setting.named)
             self._closes.append(self._taken.record.close)
             given = self._taken.mission
         if given is None:
@@ -215,15 +215,15 @@ class Prepared:
         if setting.operator is not None:
             who["operator"] = setting.operator
         if self.robot is not None and self.robot.rules:
-            from rai_missions.agents.rules import RulesAnswerer
+            from rai_missions.answerers.rules import RulesAnswerer
 
             rules = {state: [(rule.when, rule.answer) for rule in rows] for state, rows in self.robot.rules.items()}
             who["rules"] = RulesAnswerer(rules, lambda: self.runner.chart.view, keys=self.mission.blackboard)
         return who
 
     def _model(self, model: BaseChatModel | str, connector: Connector | None, clock: Clock) -> Answerer:
-        from rai_missions.agents.decision import DecisionAgent
-        from rai_missions.agents.toolset import open_toolbox
+        from rai_missions.answerers.model.agent import DecisionAgent
+        from rai_missions.answerers.model.tools import open_toolbox
 
         identity = Identity.read(self._folder) if self._folder is not None else None
         box = open_toolbox(self.mission, self.robot, connector, clock.now)
@@ -237,8 +237,8 @@ class Prepared:
 
     def _process_of(self, model: str) -> ModelProcess:
         """A model that is named: a process of its own, which opens it while the run begins."""
-        from rai_missions.agents.model_process.model import ModelProcess
-        from rai_missions.agents.models import check_model
+        from rai_missions.answerers.model.process.model import ModelProcess
+        from rai_missions.answerers.model.providers import check_model
 
         memory_gib = self.setting.model_memory_gib
         check_model(model, memory_gib=memory_gib)
@@ -261,7 +261,9 @@ class Prepared:
             return None
         about = {"robot": self.robot.name if self.robot else "", "run": self._header.run, "versions": versions()}
         words = {"mission": self.mission, "about": about, "now": clock.now, "clean": self._clean}
-        of_ros = isinstance(connector, Wiretap)  # its messages are kept in CDR, with their ros2msg definitions
+        of_ros = isinstance(
+            connector, SupportsRawMessages
+        )  # its messages are kept in CDR, with their ros2msg definitions
         recording = Recording.create(self.setting.record, profile="ros2" if of_ros else "", **words)
         self._closes.append(lambda: recording.end(self.journal))
         for raw in self._taken.record.raw() if self._taken is not None else ():
@@ -297,7 +299,7 @@ class Prepared:
             except Exception:
                 log.exception("something of the run could not be closed")
 
-    def __enter__(self) -> Prepared:
+    def __enter__(self) -> PreparedRun:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -322,14 +324,14 @@ def _profile(given: Robot | str | Path | None) -> tuple[Robot | None, Path | Non
     return robot, identity_folder(robot, given)
 
 
-def prepare(setting: Setting) -> Prepared:
+def prepare(setting: RunConfig) -> PreparedRun:
     """Read, check and connect everything; nothing moves yet.
 
     Raises:
         DefinitionError: The mission or the profile is at fault, every fault at once.
         UsageError: Something named is not there.
     """
-    return Prepared(setting)
+    return PreparedRun(setting)
 
 
 def run(mission: Mission | str | Path, robot: Robot | str | Path | None = None, **words: Any) -> Result:
@@ -338,20 +340,20 @@ def run(mission: Mission | str | Path, robot: Robot | str | Path | None = None, 
     Args:
         mission: A `Mission`, or the file of one.
         robot: A profile, or the file of one.
-        words: The other fields of `Setting`: `model="openai:gpt-4o"`, `journal="out/run.journal"`, …
+        words: The other fields of `RunConfig`: `model="openai:gpt-4o"`, `journal="out/run.journal"`, …
 
     Raises:
         DefinitionError: The mission or the profile is at fault.
         UsageError: Something named is not there.
     """
-    with prepare(Setting(mission, robot, **words)) as prepared:
+    with prepare(RunConfig(mission, robot, **words)) as prepared:
         return prepared.runner.run()
 
 
 class MissionAgent:
     """The paper's Agent around a run: `run()` begins it on a thread of its own, `stop()` cancels it and waits."""
 
-    def __init__(self, setting: Setting) -> None:
+    def __init__(self, setting: RunConfig) -> None:
         self._prepared = prepare(setting)
         self._thread: threading.Thread | None = None
         self.result: Result | None = None

@@ -2,6 +2,6 @@
 """Every fault of a mission at once, before a robot moves: rules over the graph, one file a family."""
 
 from rai_missions.check.finding import Finding, Severity, exit_status, faults_of
-from rai_missions.check.table import RULES, Rule, check
+from rai_missions.check.rules import RULES, Rule, check
 
 __all__ = ("RULES", "Finding", "Rule", "Severity", "check", "exit_status", "faults_of")

@@ -6,9 +6,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 
-from rai_missions.check.places import pointer
-from rai_missions.check.survey import Spot, Survey, Work
-from rai_missions.parameters import schema_fault
+from rai_missions.check.index import MissionIndex, StateRef, Work
+from rai_missions.check.pointers import pointer
+from rai_missions.mission.option_parameters import schema_fault
 from rai_missions.states import Action
 from rai_missions.states.tree import ActionLeaf
 
@@ -18,7 +18,7 @@ Found = Iterator[tuple[str, str]]
 ANSWERERS = ("agent", "operator", "rules")
 
 
-def unbounded_actions(survey: Survey) -> Found:
+def unbounded_actions(survey: MissionIndex) -> Found:
     """An action has a `timeout_s`, or something around it does."""
     for work in survey.works:
         if isinstance(work.work, Action | ActionLeaf) and not _bounded(work):
@@ -28,7 +28,7 @@ def unbounded_actions(survey: Survey) -> Found:
             )
 
 
-def unbounded_calls(survey: Survey) -> Found:
+def unbounded_calls(survey: MissionIndex) -> Found:
     """A call has a `timeout_s`, or something around it does."""
     for work in survey.works:
         if not isinstance(work.work, Action | ActionLeaf) and not _bounded(work):
@@ -42,7 +42,7 @@ def _bounded(work: Work) -> bool:
     return work.timed or work.work.timeout_s is not None or any(_timed(here) for here in work.owner.upward())
 
 
-def _timed(spot: Spot) -> bool:
+def _timed(spot: StateRef) -> bool:
     """It is left after a while: by its timeout, or by a row that nothing but time decides."""
     rows = (row.transition for row in spot.rows)
     return spot.state.timeout_s is not None or any(
@@ -50,7 +50,7 @@ def _timed(spot: Spot) -> bool:
     )
 
 
-def unbounded_decisions(survey: Survey) -> Found:
+def unbounded_decisions(survey: MissionIndex) -> Found:
     """A decision has a `deadline_s`, and a `fallback` for when it has passed."""
     for asked, place, _ in survey.asked:
         if asked.deadline_s is None:
@@ -65,7 +65,7 @@ def unbounded_decisions(survey: Survey) -> Found:
             yield place, f"the decision has no 'fallback' for when nobody answers; {remedy}"
 
 
-def misspelled_answerers(survey: Survey) -> Found:
+def misspelled_answerers(survey: MissionIndex) -> Found:
     """`ask` names agent, operator, rules, or a script of the program; nothing that only resembles one of these."""
     for asked, place, _ in survey.asked:
         for index, name in enumerate(asked.ask):
@@ -76,7 +76,7 @@ def misspelled_answerers(survey: Survey) -> Found:
                 yield f"{place}/ask/{index}", f"'{name}' is asked twice; raise 'attempts' instead"
 
 
-def wrong_parameters(survey: Survey) -> Found:
+def wrong_parameters(survey: MissionIndex) -> Found:
     """An option's `parameters` are a JSON Schema of an object."""
     for asked, place, _ in survey.asked:
         for name, option in asked.options.items():

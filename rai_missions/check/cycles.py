@@ -11,14 +11,14 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from rai_missions.check.knots import knots
-from rai_missions.check.places import guard_reads
-from rai_missions.check.reach import entered_with
-from rai_missions.check.survey import Row, Spot, Survey
-from rai_missions.effects import Effect, Set
+from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
+from rai_missions.check.pointers import guard_reads
+from rai_missions.check.reachability import entered_with
+from rai_missions.check.scc import knots
 from rai_missions.guards import All, Any_, Elapsed, Guard, Held, In, Not, Possible
 from rai_missions.guards.implication import Form, Junction, form, implies, never
 from rai_missions.states import Final, Parallel
+from rai_missions.states.effects import Effect, Set
 
 __all__ = ("endless_cycles", "possible_cycles")
 
@@ -34,16 +34,16 @@ TRIES = 20
 class Jump:
     """A row without an event, and what holds once it was taken."""
 
-    row: Row
+    row: TransitionRef
     guard: Guard
     form: Form
-    active: tuple[Spot, ...]
+    active: tuple[StateRef, ...]
     """What it enters, and what around that stays active; regions beside it do not count."""
     names: frozenset[str]
     """Of these."""
     ends: bool
     """The mission ends with it."""
-    stays: Spot | None
+    stays: StateRef | None
     """The innermost state around it that is not left; None for the mission."""
     writes: frozenset[str]
     """Keys set on the way."""
@@ -58,17 +58,17 @@ class Cycle(NamedTuple):
     """While the guard of one is true, so are all."""
 
 
-def endless_cycles(survey: Survey) -> Found:
+def endless_cycles(survey: MissionIndex) -> Found:
     """Rows without an event do not lead round in a circle while their guards stay true."""
     return _told(survey, certain=True)
 
 
-def possible_cycles(survey: Survey) -> Found:
+def possible_cycles(survey: MissionIndex) -> Found:
     """Rows without an event do not lead round in a circle where different guards happen to be true together."""
     return _told(survey, certain=False)
 
 
-def _told(survey: Survey, *, certain: bool) -> Found:
+def _told(survey: MissionIndex, *, certain: bool) -> Found:
     for cycle in _cycles(survey):
         if cycle.certain is certain:
             rows = " → ".join(jump.row.place for jump in (*cycle.jumps, cycle.jumps[0])[:12])
@@ -82,7 +82,7 @@ def _told(survey: Survey, *, certain: bool) -> Found:
             yield cycle.jumps[0].row.place, f"{what}{when}; {remedy}"
 
 
-def _cycles(survey: Survey) -> list[Cycle]:
+def _cycles(survey: MissionIndex) -> list[Cycle]:
     """One cycle for each knot of rows, in document order; worked out once."""
     found = survey.remembered.get("cycles")
     if isinstance(found, list):
@@ -102,7 +102,7 @@ def _cycles(survey: Survey) -> list[Cycle]:
     return cycles
 
 
-def _jump(survey: Survey, row: Row) -> Jump:
+def _jump(survey: MissionIndex, row: TransitionRef) -> Jump:
     guard = row.transition.when
     assert guard is not None
     targets = survey.found(row.transition.to)
@@ -122,7 +122,7 @@ def _set_by(effects: Iterable[Effect]) -> set[str]:
     return {effect.set for effect in effects if isinstance(effect, Set)}
 
 
-def _stays(row: Row, targets: list[Spot]) -> Spot | None:
+def _stays(row: TransitionRef, targets: list[StateRef]) -> StateRef | None:
     """The innermost compound state around owner and targets (SCXML: the transition's domain)."""
     if row.owner is None:
         return None
@@ -138,7 +138,7 @@ def _stays(row: Row, targets: list[Spot]) -> Spot | None:
     return None
 
 
-def _after(jump: Jump, guard: Guard, owner: Spot | None) -> Truth:
+def _after(jump: Jump, guard: Guard, owner: StateRef | None) -> Truth:
     """What a guard says by the configuration alone once a jump is made; None where facts decide."""
     if jump.ends:
         return False
@@ -166,9 +166,9 @@ def _active(jump: Jump, name: str) -> Truth:
     return None if any(isinstance(spot.state, Parallel) for spot in jump.active) else False
 
 
-def _followers(survey: Survey, jumps: list[Jump]) -> dict[Jump, list[Jump]]:
+def _followers(survey: MissionIndex, jumps: list[Jump]) -> dict[Jump, list[Jump]]:
     """Which jumps can be made right after which, by where they stand and what is active."""
-    owned: dict[Spot | None, list[Jump]] = {}
+    owned: dict[StateRef | None, list[Jump]] = {}
     for jump in jumps:
         owned.setdefault(jump.row.owner, []).append(jump)
     follows: dict[Jump, list[Jump]] = {}

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rai_missions.check.lexicon import Lexicon
+from rai_missions.check.index import MissionIndex, Write
+from rai_missions.check.name_table import Lexicon
 from rai_missions.check.paths import key_of, meaning
-from rai_missions.check.places import pointer
-from rai_missions.check.survey import Survey, Write
-from rai_missions.effects import Raise
+from rai_missions.check.pointers import pointer
 from rai_missions.guards import Named
+from rai_missions.states.effects import Raise
 from rai_missions.states.state import ANY_EVENT
 from rai_missions.states.tree import BehaviourLeaf
 
@@ -19,7 +19,7 @@ __all__ = ("forbidden_writes", "unknown_keys", "unknown_payload", "unused_events
 Found = Iterator[tuple[str, str]]
 
 
-def unknown_keys(survey: Survey) -> Found:
+def unknown_keys(survey: MissionIndex) -> Found:
     """What is read or written is a key of the blackboard, a field that it has, or what the row's trigger brings."""
     for read in survey.reads:
         if fault := meaning(survey, read).fault:
@@ -34,7 +34,7 @@ def _place(write: Write) -> str:
     return f"{write.place}/set" if write.by in ("set", "add", "from") else write.place
 
 
-def unknown_payload(survey: Survey) -> Found:
+def unknown_payload(survey: MissionIndex) -> Found:
     """What a `raise` brings along is what its event declares."""
     for effect, place, _ in survey.effects:
         event = survey.mission.events.get(effect.event) if isinstance(effect, Raise) else None
@@ -46,7 +46,7 @@ def unknown_payload(survey: Survey) -> Found:
                 yield pointer(place, "data", name), fields.missing(name)
 
 
-def forbidden_writes(survey: Survey) -> Found:
+def forbidden_writes(survey: MissionIndex) -> Found:
     """Only keys of the source `mission` are set."""
     whose = {
         "robot": "the robot profile alone writes it",
@@ -63,7 +63,7 @@ def forbidden_writes(survey: Survey) -> Found:
             )
 
 
-def unwritten_keys(survey: Survey) -> Found:
+def unwritten_keys(survey: MissionIndex) -> Found:
     """A key that is read has an `initial`, or is written somewhere."""
     written = {survey.keys.meant(write.key) for write in survey.writes}
     brought = _parameters(survey)
@@ -81,7 +81,7 @@ def unwritten_keys(survey: Survey) -> Found:
             yield pointer("/blackboard", name), sentence
 
 
-def _parameters(survey: Survey) -> set[str] | None:
+def _parameters(survey: MissionIndex) -> set[str] | None:
     """The names of all options' parameters; None where some option takes any."""
     names: set[str] = set()
     for asked, _, _ in survey.asked:
@@ -95,7 +95,7 @@ def _parameters(survey: Survey) -> set[str] | None:
     return names
 
 
-def unused_keys(survey: Survey) -> Found:
+def unused_keys(survey: MissionIndex) -> Found:
     """Every key is read, or is a key of the mission that is written."""
     named = any(isinstance(part, Named) for _, part, _ in survey.parts)
     if named or any(isinstance(planted.node, BehaviourLeaf) for _, planted in survey.planted):
@@ -111,7 +111,7 @@ def unused_keys(survey: Survey) -> Found:
             )
 
 
-def unused_events(survey: Survey) -> Found:
+def unused_events(survey: MissionIndex) -> Found:
     """Every declared event fires a row."""
     words = {word for row in survey.rows for word in row.transition.on}
     if ANY_EVENT in words:

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rai_missions.blackboard import Key
-from rai_missions.check.places import guard_parts, guard_reads, pointer
-from rai_missions.check.survey import Survey
+from rai_missions.check.index import MissionIndex
+from rai_missions.check.pointers import guard_parts, guard_reads, pointer
 from rai_missions.guards import Elapsed, Guard, Held, In
 from rai_missions.guards.named import Named
+from rai_missions.keys import Key
 from rai_missions.states import Tree
 from rai_missions.states.tree import (
     CheckLeaf,
@@ -55,7 +55,7 @@ SAYS: Mapping[type[TreeNode], Mapping[str, str]] = {
 """What a decorator makes of the status of its child."""
 
 
-def long_loops(survey: Survey) -> Found:
+def long_loops(survey: MissionIndex) -> Found:
     """A loop with a number goes round 10000 times at most."""
     for place, node in _nodes(survey):
         times = node.num_success if isinstance(node, Repeat) else node.num_failures if isinstance(node, Retry) else 0
@@ -67,7 +67,7 @@ def long_loops(survey: Survey) -> Found:
             )
 
 
-def waitless_loops(survey: Survey) -> Found:
+def waitless_loops(survey: MissionIndex) -> Found:
     """A loop without a number has something to wait for between its rounds: a leaf that takes time, or a key."""
     for place, node in _nodes(survey):
         goes_on = _goes_on(node)
@@ -81,7 +81,7 @@ def waitless_loops(survey: Survey) -> Found:
                 )
 
 
-def _nodes(survey: Survey) -> Iterator[tuple[str, TreeNode]]:
+def _nodes(survey: MissionIndex) -> Iterator[tuple[str, TreeNode]]:
     for spot in survey.spots:
         if isinstance(spot.state, Tree):
             for path, node in tree_paths(spot.state.tree):

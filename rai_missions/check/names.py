@@ -6,13 +6,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 
-from rai_missions.check.lexicon import Lexicon
-from rai_missions.check.places import pointer
-from rai_missions.check.survey import Spot, Survey
-from rai_missions.effects import Drop, Raise
+from rai_missions.check.index import MissionIndex, StateRef
+from rai_missions.check.name_table import Lexicon
+from rai_missions.check.pointers import pointer
 from rai_missions.guards import In, Named
-from rai_missions.mission import BUILT_IN_EVENTS
+from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.states import Decision
+from rai_missions.states.effects import Drop, Raise
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
 __all__ = (
@@ -27,7 +27,7 @@ __all__ = (
 Found = Iterator[tuple[str, str]]
 
 
-def duplicate_states(survey: Survey) -> Found:
+def duplicate_states(survey: MissionIndex) -> Found:
     """A state's name is unique in the mission, whatever it stands in."""
     for spot in survey.spots:
         first = survey.by_name[spot.name]
@@ -35,14 +35,14 @@ def duplicate_states(survey: Survey) -> Found:
             yield spot.place, f"a second state is called '{spot.name}', as {first.place} is; give it a name of its own"
 
 
-def unknown_states(survey: Survey) -> Found:
+def unknown_states(survey: MissionIndex) -> Found:
     """What `to`, `initial`, `of`, `in` and `on_cancel` name is a state."""
     for place, name in _named_states(survey):
         if name not in survey.states:
             yield place, survey.states.missing(name)
 
 
-def _named_states(survey: Survey) -> Iterator[tuple[str, str]]:
+def _named_states(survey: MissionIndex) -> Iterator[tuple[str, str]]:
     yield from _listed("/initial", survey.mission.initial)
     if survey.mission.on_cancel is not None:
         yield "/on_cancel", survey.mission.on_cancel
@@ -63,7 +63,7 @@ def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
         yield (place if len(names) == 1 else f"{place}/{index}"), name
 
 
-def unknown_events(survey: Survey) -> Found:
+def unknown_events(survey: MissionIndex) -> Found:
     """What `on` and `raise` name is an event, an outcome, or an option of the row's own decision."""
     words = Lexicon("event or outcome", (*survey.events.known, *OUTCOMES))
     options = {name: spot for spot in survey.spots for name in _options(spot)}
@@ -78,11 +78,11 @@ def unknown_events(survey: Survey) -> Found:
             yield f"{place}/raise", survey.events.missing(effect.event)
 
 
-def _options(spot: Spot | None) -> tuple[str, ...]:
+def _options(spot: StateRef | None) -> tuple[str, ...]:
     return tuple(spot.state.options) if spot is not None and isinstance(spot.state, Decision) else ()
 
 
-def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, Spot]) -> str:
+def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, StateRef]) -> str:
     if word in options:
         name = options[word].name
         return f"'{word}' is an option of '{name}', and fires only rows there: move this one, or add \"of\": \"{name}\""
@@ -92,7 +92,7 @@ def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: d
     return words.missing(word)
 
 
-def unknown_ids(survey: Survey) -> Found:
+def unknown_ids(survey: MissionIndex) -> Found:
     """What `drop` names is the `id` of a delayed `raise`."""
     raised = [done.effect for done in survey.effects if isinstance(done.effect, Raise)]
     ids = Lexicon("delayed 'raise' with the id", (effect.id for effect in raised if effect.id is not None))
@@ -107,7 +107,7 @@ def unknown_ids(survey: Survey) -> Found:
             )
 
 
-def unknown_predicates(survey: Survey) -> Found:
+def unknown_predicates(survey: MissionIndex) -> Found:
     """What `named` names is a predicate that was registered, where the registered ones are known."""
     if survey.predicates is None:
         return
@@ -117,7 +117,7 @@ def unknown_predicates(survey: Survey) -> Found:
             yield f"{place}/named", known.missing(part.named)
 
 
-def colliding_names(survey: Survey) -> Found:
+def colliding_names(survey: MissionIndex) -> Found:
     """No event is called as an outcome, no option as an event, no key `event` or `answer`."""
     for name in survey.mission.blackboard:
         if name in ("event", "answer"):

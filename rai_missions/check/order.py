@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.mission import Mission
-from rai_missions.written import Written
+from rai_missions.mission.mission import Mission
+from rai_missions.model import MissionModel
 
 __all__ = ("document_order",)
 
@@ -34,7 +34,7 @@ def document_order(mission: Mission) -> Callable[[str], tuple[int, ...]]:
 
 
 def _items(value: Any) -> list[tuple[str, Any]]:
-    if isinstance(value, Written):
+    if isinstance(value, MissionModel):
         fields = type(value).model_fields
         return [(field.alias or name, getattr(value, name)) for name, field in fields.items()]
     if isinstance(value, Mapping):

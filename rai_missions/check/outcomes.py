@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rai_missions.check.places import pointer
-from rai_missions.check.reported import reported
-from rai_missions.check.survey import Row, Spot, Survey
+from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
+from rai_missions.check.pointers import pointer
+from rai_missions.check.reported_outcomes import reported
 from rai_missions.states import Action, Call, Decision, Parallel
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
@@ -16,7 +16,7 @@ __all__ = ("deaf_rows", "handled", "together", "unhandled_options", "unhandled_s
 Found = Iterator[tuple[str, str]]
 
 
-def handled(survey: Survey) -> set[tuple[str, str]]:
+def handled(survey: MissionIndex) -> set[tuple[str, str]]:
     """Each (state, word) that a row of the state, or one that names it by `of`, waits for."""
     found = survey.remembered.get("handled")
     if not isinstance(found, set):
@@ -30,7 +30,7 @@ def handled(survey: Survey) -> set[tuple[str, str]]:
     return found
 
 
-def unhandled_options(survey: Survey) -> Found:
+def unhandled_options(survey: MissionIndex) -> Found:
     """Every option of a decision has a row of its own decision."""
     rows = handled(survey)
     for spot in survey.spots:
@@ -44,7 +44,7 @@ def unhandled_options(survey: Survey) -> Found:
                 yield place, f'nobody handles {what}; add a row {{"on": "{name}", "to": …}} to \'{spot.name}\''
 
 
-def unhandled_success(survey: Survey) -> Found:
+def unhandled_success(survey: MissionIndex) -> Found:
     """The `succeeded` of an activity, and of a compound state with a final, is handled by a row of its own."""
     ends, rows = reported(survey), handled(survey)
     for spot in survey.spots:
@@ -56,12 +56,12 @@ def unhandled_success(survey: Survey) -> Found:
             )
 
 
-def _is_region(spot: Spot) -> bool:
+def _is_region(spot: StateRef) -> bool:
     """What its end means is its parallel's affair."""
     return spot.parent is not None and isinstance(spot.parent.state, Parallel) and bool(spot.children)
 
 
-def deaf_rows(survey: Survey) -> Found:
+def deaf_rows(survey: MissionIndex) -> Found:
     """An outcome that a row waits for can be reported while the row's state is active."""
     ends = reported(survey)
     for row in survey.rows:
@@ -84,7 +84,7 @@ def deaf_rows(survey: Survey) -> Found:
             yield f"{row.place}/on", _vain(row, source, vain, possible)
 
 
-def _vain(row: Row, source: Spot | None, vain: list[str], possible: frozenset[str]) -> str:
+def _vain(row: TransitionRef, source: StateRef | None, vain: list[str], possible: frozenset[str]) -> str:
     whose = source or row.owner
     who = f"'{whose.name}'" if whose is not None else "no state of the mission"
     verb = "never reports" if whose is not None else "reports"
@@ -97,7 +97,7 @@ def _vain(row: Row, source: Spot | None, vain: list[str], possible: frozenset[st
     return f"{who} {verb} {' or '.join(repr(word) for word in vain)}; {hint}"
 
 
-def together(one: Spot | None, other: Spot) -> bool:
+def together(one: StateRef | None, other: StateRef) -> bool:
     """Whether two states can be active at the same time."""
     if one is None or one is other or one.inside(other) or other.inside(one):
         return True
@@ -105,7 +105,7 @@ def together(one: Spot | None, other: Spot) -> bool:
     return meeting is not None and isinstance(meeting.state, Parallel)
 
 
-def unused_wildcards(survey: Survey) -> Found:
+def unused_wildcards(survey: MissionIndex) -> Found:
     """`*` is any declared event, so at least one is declared."""
     if not survey.mission.events:
         for row in survey.rows:

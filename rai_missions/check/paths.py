@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from rai_missions.blackboard import Key
-from rai_missions.check.lexicon import Lexicon
-from rai_missions.check.survey import Read, Scope, Survey
+from rai_missions.check.index import MissionIndex, Read, Scope
+from rai_missions.check.name_table import Lexicon
+from rai_missions.keys import Key
 from rai_missions.states import Decision, Option
 from rai_missions.states.state import ANY_EVENT
 
@@ -27,7 +27,7 @@ class Meaning(NamedTuple):
     """Why it reads nothing."""
 
 
-def key_of(survey: Survey, path: str) -> str | None:
+def key_of(survey: MissionIndex, path: str) -> str | None:
     """The key that a path reads; None for a payload, and for a name that nothing resembles."""
     root = path.partition(".")[0]
     if root in ("event", "answer") and root not in survey.keys:
@@ -35,7 +35,7 @@ def key_of(survey: Survey, path: str) -> str | None:
     return survey.keys.meant(root)
 
 
-def meaning(survey: Survey, read: Read) -> Meaning:
+def meaning(survey: MissionIndex, read: Read) -> Meaning:
     """What a path means where it stands."""
     root, *fields = read.path.split(".")
     key = survey.mission.blackboard.get(root)
@@ -66,7 +66,7 @@ def _field(name: str, key: Key, fields: list[str]) -> Meaning:
     return Meaning(kind)
 
 
-def _event(survey: Survey, scope: Scope, fields: list[str]) -> Meaning:
+def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     """The payload of what fires the row."""
     if scope.row is None or not scope.row.transition.on:
         return Meaning(
@@ -87,7 +87,7 @@ def _event(survey: Survey, scope: Scope, fields: list[str]) -> Meaning:
     return Meaning(kinds.pop() if len(kinds) == 1 else None)
 
 
-def _answer(survey: Survey, scope: Scope, fields: list[str]) -> Meaning:
+def _answer(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     """The parameters of the option that fires the row."""
     options = _options(survey, scope)
     if not options:
@@ -114,7 +114,7 @@ def _answer(survey: Survey, scope: Scope, fields: list[str]) -> Meaning:
     return Meaning(kinds.pop() if len(kinds) == 1 and len(fields) == 1 else None)
 
 
-def _options(survey: Survey, scope: Scope) -> dict[str, Option]:
+def _options(survey: MissionIndex, scope: Scope) -> dict[str, Option]:
     """The options whose answer may be in hand."""
     if scope.option is not None:
         return {"": scope.option}

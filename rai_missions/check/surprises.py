@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.outcomes import together
-from rai_missions.check.survey import Row, Spot, Survey
 from rai_missions.states import Action
 
 __all__ = ("lost_timers", "rival_actions")
@@ -14,7 +14,7 @@ __all__ = ("lost_timers", "rival_actions")
 Found = Iterator[tuple[str, str]]
 
 
-def lost_timers(survey: Survey) -> Found:
+def lost_timers(survey: MissionIndex) -> Found:
     """A transition with `after_s` and `when` fires at one instant or never; another one says what happens otherwise."""
     for row in survey.rows:
         after_s, guard = row.transition.after_s, row.transition.when
@@ -27,7 +27,7 @@ def lost_timers(survey: Survey) -> Found:
             )
 
 
-def _goes_on(survey: Survey, row: Row) -> bool:
+def _goes_on(survey: MissionIndex, row: TransitionRef) -> bool:
     """Whether a later instant decides what happens where the guard was not true."""
     rows = row.owner.rows if row.owner is not None else [each for each in survey.rows if each.owner is None]
     assert row.transition.after_s is not None
@@ -38,7 +38,7 @@ def _goes_on(survey: Survey, row: Row) -> bool:
     )
 
 
-def rival_actions(survey: Survey) -> Found:
+def rival_actions(survey: MissionIndex) -> Found:
     """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
     spots = [spot for spot in survey.spots if isinstance(spot.state, Action)]
     for index, spot in enumerate(spots):
@@ -52,5 +52,5 @@ def rival_actions(survey: Survey) -> Found:
             )
 
 
-def _handles(spot: Spot) -> bool:
+def _handles(spot: StateRef) -> bool:
     return any("rejected" in row.transition.on for here in spot.upward() for row in here.rows)

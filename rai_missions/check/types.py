@@ -7,11 +7,11 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from rai_missions.blackboard import Key, fits
+from rai_missions.check.index import MissionIndex, Read, Scope, Write
 from rai_missions.check.paths import meaning
-from rai_missions.check.places import pointer, template_reads
-from rai_missions.check.survey import Read, Scope, Survey, Write
+from rai_missions.check.pointers import pointer, template_reads
 from rai_missions.guards import Compare, Near
+from rai_missions.keys import Key, fits
 from rai_missions.states import Each
 
 __all__ = ("mismatched_comparisons", "mismatched_lists", "mismatched_poses", "mismatched_writes")
@@ -21,7 +21,7 @@ NUMBERS = ("number", "integer")
 ORDERED = (*NUMBERS, "string")
 
 
-def _kind(survey: Survey, path: str, scope: Scope) -> str | None:
+def _kind(survey: MissionIndex, path: str, scope: Scope) -> str | None:
     return meaning(survey, Read(path, "", scope)).kind
 
 
@@ -41,7 +41,7 @@ def shown(value: Any) -> str:
     return f"{json.dumps(value, ensure_ascii=False, default=str):.80}"
 
 
-def mismatched_comparisons(survey: Survey) -> Found:
+def mismatched_comparisons(survey: MissionIndex) -> Found:
     """A comparison is between values of one type, and `<` between numbers or strings."""
     for place, part, ruled in survey.parts:
         if isinstance(part, Compare):
@@ -50,7 +50,7 @@ def mismatched_comparisons(survey: Survey) -> Found:
                 yield f"{place}/key" if sentence.startswith(f"'{part.key}'") else pointer(place, part.op), sentence
 
 
-def _comparison(survey: Survey, part: Compare, kind: str, scope: Scope) -> str:
+def _comparison(survey: MissionIndex, part: Compare, kind: str, scope: Scope) -> str:
     """Why a comparison cannot be made; empty if it can."""
     path, op = part.key, part.op
     if kind == "image":
@@ -85,7 +85,7 @@ def _can_be(kind: str, value: Any) -> bool:
     return _type_of(value) == kind
 
 
-def mismatched_poses(survey: Survey) -> Found:
+def mismatched_poses(survey: MissionIndex) -> Found:
     """`near` measures between two poses that are given in one frame."""
     for place, part, ruled in survey.parts:
         if not isinstance(part, Near):
@@ -107,7 +107,7 @@ def mismatched_poses(survey: Survey) -> Found:
             )
 
 
-def mismatched_lists(survey: Survey) -> Found:
+def mismatched_lists(survey: MissionIndex) -> Found:
     """`each` goes over a list."""
     for spot in survey.spots:
         if isinstance(spot.state, Each):
@@ -119,7 +119,7 @@ def mismatched_lists(survey: Survey) -> Found:
                 )
 
 
-def mismatched_writes(survey: Survey) -> Found:
+def mismatched_writes(survey: MissionIndex) -> Found:
     """What is set, added or copied to a key is of the key's type."""
     for write in survey.writes:
         key = survey.mission.blackboard.get(write.key)
@@ -127,7 +127,7 @@ def mismatched_writes(survey: Survey) -> Found:
             yield found
 
 
-def _written(survey: Survey, write: Write, key: Key) -> tuple[str, str] | None:
+def _written(survey: MissionIndex, write: Write, key: Key) -> tuple[str, str] | None:
     """What is wrong with a write, if anything is."""
     if write.by == "from":
         kind = _kind(survey, write.value, write.scope)

@@ -11,18 +11,18 @@ from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 __all__ = (
     "ActionServer",
-    "Census",
     "Close",
     "Connector",
-    "Foresight",
     "Message",
     "Mode",
     "Parametrized",
     "RawMessage",
     "Reply",
     "Report",
+    "SupportsDiscoveryCount",
+    "SupportsPreconnect",
+    "SupportsRawMessages",
     "Surveyor",
-    "Wiretap",
 )
 
 Mode = Literal["topics", "services", "actions"]
@@ -101,7 +101,7 @@ class ActionServer(Protocol):
 
 
 @runtime_checkable
-class Wiretap(Protocol):
+class SupportsRawMessages(Protocol):
     """A connector whose messages can be had as they came over the wire too, for whoever records them."""
 
     def definition(self, type_name: str) -> str:
@@ -114,7 +114,7 @@ class Wiretap(Protocol):
 
 
 @runtime_checkable
-class Foresight(Protocol):
+class SupportsPreconnect(Protocol):
     """A connector that has to find the other side before they can speak, and would rather do that in good time."""
 
     def expect(self, mode: Mode, name: str, type_name: str) -> None:
@@ -126,7 +126,7 @@ class Foresight(Protocol):
 
 
 @runtime_checkable
-class Census(Protocol):
+class SupportsDiscoveryCount(Protocol):
     """A connector that tells who is there from who only waits for somebody; `listed` has the names of both."""
 
     def offered(self, mode: Mode) -> Mapping[str, int]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who a robot is: its description, pictures, build and documents."""
 
-from rai_missions.embodiment.body import Body
 from rai_missions.embodiment.identity import Identity
+from rai_missions.embodiment.urdf import Body
 
 __all__ = ("Body", "Identity")

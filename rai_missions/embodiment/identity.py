@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from rai_missions.embodiment.body import Body, read_body
-from rai_missions.embodiment.picture import read_picture
+from rai_missions.embodiment.image_file import read_picture
+from rai_missions.embodiment.urdf import Body, read_body
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.event import Image
-from rai_missions.sort_of_file import irregular
+from rai_missions.file_type import irregular
 
 __all__ = ("Identity",)
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
-from rai_missions.written import Json, Path, fault
+from rai_missions.model import Json, Path, fault
 
 __all__ = ("Compare",)
 

@@ -7,7 +7,7 @@ import math
 from typing import ClassVar
 
 from rai_missions.guards.guard import Guard, Site, Test, Truth, View
-from rai_missions.written import Seconds
+from rai_missions.model import Seconds
 
 __all__ = ("Elapsed",)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
-from rai_missions.written import Path
+from rai_missions.model import Path
 
 __all__ = ("Fresh",)
 

@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, Protocol
 
-from rai_missions.blackboard import Blackboard, Key
-from rai_missions.written import Kind
+from rai_missions.keys import Blackboard, Key
+from rai_missions.model import TaggedModel
 
 __all__ = ("Guard", "Instant", "Operand", "Site", "Test", "Truth", "View", "concerns", "made", "presence")
 
@@ -101,7 +101,7 @@ class Site:
         return frozenset(self.reads).union(map(presence, self.states))
 
 
-class Guard(Kind, family="guard"):
+class Guard(TaggedModel, family="guard"):
     """A condition as data. `&`, `|` and `~` combine guards; `held_for(2)` wants one to have been true for 2 s."""
 
     def compile(self, site: Site) -> Test:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from rai_missions.guards.guard import Guard, Site, Test, Truth, View
-from rai_missions.written import OneOf, Seconds
+from rai_missions.model import OneOf, Seconds
 
 __all__ = ("Held",)
 

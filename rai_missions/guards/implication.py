@@ -12,13 +12,13 @@ import operator
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from rai_missions.guards.active import In
+from rai_missions.guards.boolean import All, Any_, Not
 from rai_missions.guards.compare import Compare
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.guards.fresh import Fresh
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.held import Held
-from rai_missions.guards.logic import All, Any_, Not
+from rai_missions.guards.in_state import In
 from rai_missions.guards.near import Near
 from rai_missions.guards.possible import Possible
 

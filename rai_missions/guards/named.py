@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
-from rai_missions.written import Json, Name
+from rai_missions.model import Json, Name
 
 __all__ = ("Named",)
 

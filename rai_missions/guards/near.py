@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BeforeValidator, Field
 
 from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
-from rai_missions.written import Path, Seconds
+from rai_missions.model import Path, Seconds
 
 __all__ = ("Near",)
 

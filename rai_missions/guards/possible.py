@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from rai_missions.guards.guard import Guard, Site, Test
-from rai_missions.written import OneOf
+from rai_missions.model import OneOf
 
 __all__ = ("Possible",)
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar, cast, get_type_hints
 
-from rai_missions.cut import cut_repr
+from rai_missions.engine.decision import Evidence, Offer, Question
+from rai_missions.engine.step import Ask, Effect, Move, Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to_json
-from rai_missions.step import Ask, Effect, Move, Step
-from rai_missions.verdict import Evidence, Offer, Question
+from rai_missions.journal.json_values import Fetch, Keep, from_json, keep_nothing, to_json
+from rai_missions.redaction.cut import cut_repr
 
 __all__ = ("decode", "encode")
 

@@ -11,15 +11,27 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.cut import cut_repr
+from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal.codec import decode
-from rai_missions.journal.values import Fetch, Keep, from_json, keep_nothing, to_json
-from rai_missions.step import Step
+from rai_missions.journal.json_values import Fetch, Keep, from_json, keep_nothing, to_json
+from rai_missions.redaction.cut import cut_repr
 
 __all__ = (
-    "GENESIS", "MIGRATED", "Blob", "Confirmation", "Header", "Note", "Raw", "Row", "StepRow", "chained", "parsed",
-    "read_header", "text_of", "written_header",
+    "GENESIS",
+    "MIGRATED",
+    "Blob",
+    "Confirmation",
+    "Header",
+    "JournalRow",
+    "Note",
+    "Raw",
+    "StepRow",
+    "chained",
+    "parsed",
+    "read_header",
+    "text_of",
+    "written_header",
 )  # fmt: skip
 
 GENESIS = "0" * 64
@@ -79,7 +91,7 @@ class Note(NamedTuple):
     data: Any = None
 
 
-Row = StepRow | Confirmation | Note
+JournalRow = StepRow | Confirmation | Note
 
 
 def chained(before: str, number: int, kind: str, content: str) -> str:
@@ -135,7 +147,7 @@ def read_header(kind: str, content: str, fetch: Fetch) -> Header:
     return Header(**{**fields, "arguments": from_json(fields["arguments"], fetch)})
 
 
-def parsed(number: int, kind: str, content: str, fetch: Fetch) -> Row:
+def parsed(number: int, kind: str, content: str, fetch: Fetch) -> JournalRow:
     """A row as it was written.
 
     Raises:
@@ -173,7 +185,7 @@ def _note(number: int, fields: dict[str, Any], fetch: Fetch) -> Note:
     return Note(number, str(fields["text"]), from_json(fields.get("data"), fetch))
 
 
-READERS: Mapping[str, Callable[[int, dict[str, Any], Fetch], Row]] = {
+READERS: Mapping[str, Callable[[int, dict[str, Any], Fetch], JournalRow]] = {
     "step": _step,
     "confirmation": _confirmation,
     "note": _note,

@@ -11,27 +11,27 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.journal import Header
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.prove.circles import circling
-from rai_missions.prove.claims import CLAIMS, Claim, claims, lost, stuck
-from rai_missions.prove.free import Free
+from rai_missions.prove.counterexample import TraceReplayer, TraceStep, scenes, ways_to
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.explorer import Space
 from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
 from rai_missions.prove.loops import FEW, Loop, long_loops, may_rest, unlike, with_rounds
-from rai_missions.prove.space import Space
+from rai_missions.prove.properties import CLAIMS, Property, claims, lost, stuck
 from rai_missions.prove.unrolled import repeated, unrolled
-from rai_missions.prove.witness import Player, Scene, scenes, ways_to
-from rai_missions.states.terms import Terms
-from rai_missions.states.ticker import Trees
 
-__all__ = ("CLAIMS", "MOST_STATES", "Claim", "Proof", "Scene", "prove", "record")
+__all__ = ("CLAIMS", "MOST_STATES", "Proof", "Property", "TraceStep", "prove", "record")
 
 
 class Proof(NamedTuple):
     """What was found out about a mission."""
 
-    claims: tuple[Claim, ...]
-    ways: dict[str, list[Scene]]
+    claims: tuple[Property, ...]
+    ways: dict[str, list[TraceStep]]
     """Claim that was refuted → the shortest run to where it is broken, if there is one in which the operator leaves
     the mission alone, then of these; none for what no single run shows."""
     states: int
@@ -68,7 +68,7 @@ class Proof(NamedTuple):
 
 
 def prove(
-    mission: Mission, ticker: Trees | None = None, *, terms: Terms | None = None, most: int = MOST_STATES,
+    mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None, most: int = MOST_STATES,
     seconds: float = math.inf, memory_mb: float = math.inf, work: float = math.inf, goes_on: bool = False,
     progress: Callable[[int, int], None] = lambda found, done: None,
 ) -> Proof:  # fmt: skip
@@ -108,11 +108,11 @@ class _Proving:
     """One proof in the making: of all runs, then of those in which the operator leaves the mission alone."""
 
     def __init__(
-        self, mission: Mission, ticker: Trees | None, terms: Terms | None, limits: Limits,
+        self, mission: Mission, ticker: Trees | None, terms: RobotFacts | None, limits: Limits,
         progress: Callable[[int, int], None],
     ) -> None:  # fmt: skip
         self._mission, self._ticker, self._progress = mission, ticker, progress
-        self._terms = terms if terms is not None else Terms()
+        self._terms = terms if terms is not None else RobotFacts()
         self._limits, self._began = limits, time.perf_counter()
         self._rounds = {loop: min(FEW, loop.rounds) for loop in long_loops(mission, self._terms)}
         """How many rounds of each long loop are explored."""
@@ -134,7 +134,7 @@ class _Proving:
             self._rounds |= {loop: min(2 * self._rounds[loop], loop.rounds) for loop in short}
             self._few = with_rounds(self._mission, self._rounds)
 
-    def _has_more(self, chart: Free) -> bool:
+    def _has_more(self, chart: Environment) -> bool:
         """Have all the rounds of trees explored that may rest at the limit of a step; whether some were left out."""
         resting = may_rest(self._mission, chart.at_once, chart.restarted)
         more = {
@@ -149,10 +149,12 @@ class _Proving:
         marks = [set(each(space)) for each in (stuck, lost, circling)]
         return unlike(space, space.levels, self._rounds, marks)
 
-    def _proof(self, space: Space, found: list[Claim], told: dict[str, list[Scene] | None]) -> Proof:
+    def _proof(self, space: Space, found: list[Property], told: dict[str, list[TraceStep] | None]) -> Proof:
         """What was found out, once the rounds that were explored stand for all."""
         chart, ways = space.chart, {name: run for name, run in told.items() if run is not None}
-        found = [each if each.name not in told or each.name in ways else Claim(each.name, "explored") for each in found]
+        found = [
+            each if each.name not in told or each.name in ways else Property(each.name, "explored") for each in found
+        ]
         if ways:
             found, ways = self._calmly(found, ways)
         names = [name for _, name, state in self._mission.walk() if state.word != "history"]
@@ -177,12 +179,12 @@ class _Proving:
         space.explore()
         return space
 
-    def _chart(self, mission: Mission, *, is_calm: bool = False) -> Free:
-        chart = Free(mission, self._ticker, terms=self._terms)
+    def _chart(self, mission: Mission, *, is_calm: bool = False) -> Environment:
+        chart = Environment(mission, self._ticker, terms=self._terms)
         chart.is_calm, chart.loops = is_calm, tuple(self._rounds)
         return chart
 
-    def _told(self, space: Space, claim: Claim) -> list[Scene] | None:
+    def _told(self, space: Space, claim: Property) -> list[TraceStep] | None:
         """The shortest run to where a claim is refuted, with all the rounds of its loops; None where it has no such."""
         run = scenes(space, claim)
         if not self._rounds:
@@ -191,7 +193,9 @@ class _Proving:
         missing = unrolled(few, every, ways_to(space, claim), self._rounds)
         return repeated(run, missing) if missing is not None else None
 
-    def _calmly(self, found: list[Claim], ways: dict[str, list[Scene]]) -> tuple[list[Claim], dict[str, list[Scene]]]:
+    def _calmly(
+        self, found: list[Property], ways: dict[str, list[TraceStep]]
+    ) -> tuple[list[Property], dict[str, list[TraceStep]]]:
         """Refutations for which the operator is not needed, where there are such: the author's first affair."""
         calm = self._explored(wanted=ways, is_calm=True)
         better = {each.name: each for each in claims(self._few, calm) if each.has_run and each.name in ways}
@@ -200,8 +204,8 @@ class _Proving:
 
 
 def record(
-    path: Path, header: Header, mission: Mission, told: list[Scene], ticker: Trees | None = None, *,
-    terms: Terms | None = None,
+    path: Path, header: Header, mission: Mission, told: list[TraceStep], ticker: Trees | None = None, *,
+    terms: RobotFacts | None = None,
 ) -> bool:  # fmt: skip
     """Have a chart that keeps time do the run of a refutation, into a new journal.
 
@@ -212,4 +216,4 @@ def record(
     Raises:
         UsageError: The file is there already, or none can be written there.
     """
-    return Player(mission, ticker, terms).record(path, header, told)
+    return TraceReplayer(mission, ticker, terms).record(path, header, told)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
-from rai_missions.states.tending import Tending
+from rai_missions.engine.activities.tree import TreeActivity
 
 __all__ = ("Groups", "firsts", "parted", "passed")
 
@@ -23,7 +23,7 @@ def _until(nodes: Mapping[str, Mapping[str, Any]], group: Collection[str]) -> fl
     return min(float(nodes[path]["until"]) for path in group)
 
 
-def firsts(state: Tending, groups: Groups) -> Iterator[frozenset[str]]:
+def firsts(state: TreeActivity, groups: Groups) -> Iterator[frozenset[str]]:
     """The groups of which something can be over before all else: not if one before it is over by then."""
     nodes, soonest = state.tree.nodes, float("inf")
     for group in groups:
@@ -33,7 +33,7 @@ def firsts(state: Tending, groups: Groups) -> Iterator[frozenset[str]]:
             soonest = until
 
 
-def passed(state: Tending, group: Collection[str], now: float) -> Tending:
+def passed(state: TreeActivity, group: Collection[str], now: float) -> TreeActivity:
     """The state once the first of a group is over; how long that took is not known of the others."""
     nodes = dict(state.tree.nodes)
     late = now - _until(nodes, group)
@@ -42,7 +42,7 @@ def passed(state: Tending, group: Collection[str], now: float) -> Tending:
     return state._replace(tree=state.tree._replace(nodes=nodes), wake=now)
 
 
-def parted(state: Tending, groups: Groups, begun: Collection[str], over: Collection[str] | None) -> Groups:
+def parted(state: TreeActivity, groups: Groups, begun: Collection[str], over: Collection[str] | None) -> Groups:
     """The groups after a step; none where one is left.
 
     Args:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping
 
-from rai_missions.prove.reached import Reached
+from rai_missions.prove.state_graph import StateGraph
 
 __all__ = ("circling",)
 
@@ -18,7 +18,7 @@ Steps = dict[int, list[tuple[int, int]]]
 """State → the states to which time alone leads, each with the number of what waits on."""
 
 
-def circling(space: Reached) -> list[int]:
+def circling(space: StateGraph) -> list[int]:
     """The states through which time alone leads a silent run again and again, ascending."""
     steps = _endless(space)
     sets = space.sets
@@ -26,7 +26,7 @@ def circling(space: Reached) -> list[int]:
     return sorted(found)
 
 
-def _endless(space: Reached) -> Steps:
+def _endless(space: StateGraph) -> Steps:
     """The steps between states from which time alone never has to come to rest."""
     steps, before = defaultdict[int, list[tuple[int, int]]](list), defaultdict[int, list[int]](list)
     for source, target, kept in space.silent():

@@ -18,13 +18,13 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
-from rai_missions.effects import references
-from rai_missions.mission import Mission
-from rai_missions.prove.learned import Learned
+from rai_missions.engine.activities.tree_rounds import MOST_ROUNDS
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.comparisons import Comparisons
 from rai_missions.prove.parts import parts, writes_in
-from rai_missions.prove.reached import Reached
-from rai_missions.states.rounds import MOST_ROUNDS
-from rai_missions.states.terms import Terms
+from rai_missions.prove.state_graph import StateGraph
+from rai_missions.states.effects import references
 from rai_missions.states.tree import Tree, TreeNode, tree_paths
 from rai_missions.states.tree.decorators import OneShot, Repeat, Retry, StatusToBlackboard
 from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf, DecisionLeaf, SetLeaf
@@ -65,7 +65,7 @@ class Level(NamedTuple):
     """The same for two states that differ in this number alone."""
 
 
-def long_loops(mission: Mission, terms: Terms) -> tuple[Loop, ...]:
+def long_loops(mission: Mission, terms: RobotFacts) -> tuple[Loop, ...]:
     """The loops of which a few rounds may stand for all."""
     read = _read(mission, terms)
     return tuple(
@@ -104,9 +104,9 @@ def _rounds(node: Retry | Repeat) -> int:
     return node.num_failures if isinstance(node, Retry) else node.num_success
 
 
-def _read(mission: Mission, terms: Terms) -> frozenset[str]:
+def _read(mission: Mission, terms: RobotFacts) -> frozenset[str]:
     """The keys at which anything looks: guards, goals, requests, what is copied or gone over."""
-    learned = Learned(mission, terms)
+    learned = Comparisons(mission, terms)
     sent = [*(part.goal for part in parts(mission, ActionLeaf)), *(part.request for part in parts(mission, CallLeaf))]
     copied = [effect.source for effect in writes_in(mission) if effect.source is not None]
     paths = [*(path for template in sent for path in references(template)), *copied]
@@ -159,7 +159,7 @@ def _rebuilt(value: Any, numbers: Mapping[int, int]) -> Any:
 
 
 def unlike(
-    space: Reached, levels: Mapping[int, Mapping[Loop, Level]], rounds: Mapping[Loop, int],
+    space: StateGraph, levels: Mapping[int, Mapping[Loop, Level]], rounds: Mapping[Loop, int],
     marks: Collection[Collection[int]],
 ) -> list[Loop]:  # fmt: skip
     """The loops whose last rounds before the last one are not the same: more of them must be explored.
@@ -185,7 +185,7 @@ def _are_alike(rounds: list[set[Any]], many: int) -> bool:
     return len(rounds) >= many and all(each == rounds[-1] for each in rounds[-many:])
 
 
-def _leaps(space: Reached, levels: Mapping[int, Mapping[Loop, Level]]) -> dict[Loop, int]:
+def _leaps(space: StateGraph, levels: Mapping[int, Mapping[Loop, Level]]) -> dict[Loop, int]:
     """The most rounds of each loop that end in one step which does not end the loop."""
     most: dict[Loop, int] = {}
     for source, target in space.edges():

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from rai_missions.effects import Set
 from rai_missions.guards.guard import Guard
+from rai_missions.states.effects import Set
 from rai_missions.states.tree.leaves import SetLeaf
 
 __all__ = ("guards_in", "parts", "writes_in")

@@ -12,13 +12,13 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.chart.configuration import Leap
-from rai_missions.chart.core import Trigger
-from rai_missions.chart.microsteps import MOST_MICROSTEPS
-from rai_missions.chart.node import Node, Row
-from rai_missions.prove.explored import Explored
-from rai_missions.prove.remembered import plain, told, told_timer
-from rai_missions.prove.resting import MANY
+from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.macrostep import MOST_MICROSTEPS
+from rai_missions.engine.nodes import CompiledTransition, Node
+from rai_missions.engine.state import Trigger
+from rai_missions.prove.abstraction import MANY
+from rai_missions.prove.activity_key import plain, told, told_timer
+from rai_missions.prove.state_key import StateCodec
 
 __all__ = ("Rounded",)
 
@@ -36,7 +36,7 @@ class Visit(NamedTuple):
     """State → how many rounds of its tree can end yet."""
 
 
-class Rounded(Explored):
+class Rounded(StateCodec):
     """A chart that leaves the circles of a step out when the first one closes."""
 
     restarted: frozenset[str] = frozenset()
@@ -64,11 +64,11 @@ class Rounded(Explored):
             self.restarted |= {node.name}
         super()._begin(node)
 
-    def _take(self, rows: list[Row], trigger: str) -> None:
+    def _take(self, rows: list[CompiledTransition], trigger: str) -> None:
         self._microsteps += not trigger
         super()._take(rows, trigger)
 
-    def _jump(self, leap: Leap) -> None:
+    def _jump(self, leap: CompiledStep) -> None:
         self._jumps += 1
         if self._jumps > PATIENCE and self.outcome is None and self._passed is not None:
             place = repr((self._here(), leap.move, self._boards()))

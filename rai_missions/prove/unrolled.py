@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
-from rai_missions.prove.explored import Own, State
-from rai_missions.prove.free import Free
+from rai_missions.prove.counterexample import go
+from rai_missions.prove.environment import Environment
 from rai_missions.prove.loops import Level, Loop
-from rai_missions.prove.reached import Way
-from rai_missions.prove.witness import go
+from rai_missions.prove.state_graph import Edge
+from rai_missions.prove.state_key import Own, State
 
 __all__ = ("Rounds", "repeated", "unrolled")
 
@@ -33,7 +33,9 @@ class Rounds(NamedTuple):
     times: int
 
 
-def unrolled(few: Free, every: Free, ways: Sequence[Way], rounds: Mapping[Loop, int]) -> list[Rounds] | None:
+def unrolled(
+    few: Environment, every: Environment, ways: Sequence[Edge], rounds: Mapping[Loop, int]
+) -> list[Rounds] | None:
     """The rounds that are missing in a run; None where none of its own rounds does.
 
     Args:
@@ -59,7 +61,7 @@ def unrolled(few: Free, every: Free, ways: Sequence[Way], rounds: Mapping[Loop, 
     return missing
 
 
-def _follows(chart: Free, way: Way, other: Free) -> bool:
+def _follows(chart: Environment, way: Edge, other: Environment) -> bool:
     """Go a way; whether that leads where the other chart is."""
     try:
         go(chart, way)
@@ -69,7 +71,7 @@ def _follows(chart: Free, way: Way, other: Free) -> bool:
 
 
 def _round_before(
-    every: Free, before: tuple[State, Own], few: Free, way: Way, levels: Sequence[Mapping[Loop, Level]],
+    every: Environment, before: tuple[State, Own], few: Environment, way: Edge, levels: Sequence[Mapping[Loop, Level]],
     rounds: Mapping[Loop, int],
 ) -> Rounds | None:  # fmt: skip
     """The round that must be gone more often before a way leads where it should."""
@@ -98,12 +100,12 @@ def _round(loop: Loop, levels: Sequence[Mapping[Loop, Level]]) -> tuple[int, int
     return None
 
 
-def _rest(chart: Free) -> None:
+def _rest(chart: Environment) -> None:
     chart.settle()
     chart.load(chart.save(), chart.own())
 
 
-def _levels(chart: Free) -> dict[Loop, Level]:
+def _levels(chart: Environment) -> dict[Loop, Level]:
     own, telling = chart.own(), chart.telling() if chart.outcome is None else ()
     found = chart.levels() if chart.outcome is None else ()
     return {loop: Level(ended, chart.key(core, own, telling)) for loop, ended, core in found}

@@ -8,9 +8,9 @@ it counts and says. The library mcap is known in this room only, and comes in wh
 from __future__ import annotations
 
 from rai_missions.recording.connector import RecordedConnector, recorded
+from rai_missions.recording.journal import Replayed, is_mcap, journal_of
 from rai_missions.recording.observers import observers
 from rai_missions.recording.recording import Recording, Summary, check_name
-from rai_missions.recording.replayed import Replayed, is_mcap, journal_of
 
 __all__ = (
     "RecordedConnector",

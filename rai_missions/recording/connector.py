@@ -14,13 +14,13 @@ from rai_missions.connectors.connector import (
     Close,
     Connector,
     Data,
-    Foresight,
     Message,
     Mode,
     RawMessage,
     Reply,
     Report,
-    Wiretap,
+    SupportsPreconnect,
+    SupportsRawMessages,
 )
 from rai_missions.errors import ConnectorError
 from rai_missions.recording.recording import Recording
@@ -53,7 +53,7 @@ class RecordedConnector:
 
     def expect(self, mode: Mode, name: str, type_name: str) -> None:
         """Pass it on to whom it helps."""
-        if isinstance(self._inner, Foresight):
+        if isinstance(self._inner, SupportsPreconnect):
             self._inner.expect(mode, name, type_name)
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
@@ -69,7 +69,7 @@ class RecordedConnector:
             hear(message)
 
         definition = self._definition(type_name)
-        if isinstance(self._inner, Wiretap) and definition:
+        if isinstance(self._inner, SupportsRawMessages) and definition:
 
             def heard_raw(message: RawMessage) -> None:
                 if is_kept():
@@ -89,7 +89,7 @@ class RecordedConnector:
     def _definition(self, type_name: str) -> str:
         """How the bytes of a type are read; empty where nobody knows, and messages are recorded as plain data."""
         try:
-            return self._inner.definition(type_name) if isinstance(self._inner, Wiretap) else ""
+            return self._inner.definition(type_name) if isinstance(self._inner, SupportsRawMessages) else ""
         except ConnectorError:
             return ""
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from rai_missions.lifecycle import Status
+from rai_missions.engine.step import Step
 from rai_missions.recording.recording import Recording
-from rai_missions.step import Step
+from rai_missions.runtime.lifecycle import Status
 
 __all__ = ("OnStatus", "OnStep", "observers")
 

@@ -17,15 +17,15 @@ from pathlib import Path
 from typing import IO, Any, NamedTuple, Self
 
 from rai_missions.connectors.connector import Message, RawMessage, Reply, Report
+from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Blob, Journal, Raw, Record
-from rai_missions.lifecycle import Status
-from rai_missions.mission import Mission
-from rai_missions.recording.pen import JOURNAL_TOPIC, TOPIC, Pen, When
-from rai_missions.recording.room import Kind, Waiting, WaitingRoom
+from rai_missions.mission.mission import Mission
+from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
+from rai_missions.recording.json_messages import image_in, plain, short, status_of, write_of
+from rai_missions.recording.queue import BoundedQueue, Kind, Waiting
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
-from rai_missions.recording.words import image_in, plain, short, status_of, write_of
-from rai_missions.step import Step
+from rai_missions.runtime.lifecycle import Status
 
 __all__ = ("ENDING", "FORMAT", "Recording", "Summary", "check_name")
 
@@ -92,17 +92,17 @@ class Recording:
         self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
         clean: Callable[[Any], Any] | None = None, profile: str = "",
     ) -> None:  # fmt: skip
-        from rai_missions.recording.file import File  # loads mcap
+        from rai_missions.recording.mcap_writer import File  # loads mcap
 
         self.path, self._mission, self._now = path, mission, now
         self._clean = clean or (lambda value: value)
         self._began_ns = time.time_ns() - round(now() * 1e9)
-        self._room = WaitingRoom()
+        self._room = BoundedQueue()
         self._why, self._size = "", 0
         self._flushed, self._flush_at = True, 0.0
         self._journal: Path | None = None
         self._file = File(stream, profile)
-        self._pen = Pen(self._file, mission)
+        self._pen = MessageEncoder(self._file, mission)
         words = {"format": FORMAT, "mission": mission.name, "version": mission.version, "began_ns": str(self._began_ns)}
         self._file.say("rai_missions", {**words, **about})
         self.summary: Summary | None = None

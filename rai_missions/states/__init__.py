@@ -4,7 +4,7 @@
 from rai_missions.states.action import Action
 from rai_missions.states.call import Call
 from rai_missions.states.compound import Compound, Each, Parallel
-from rai_missions.states.decision import Asked, Budget, Decision, Option
+from rai_missions.states.decision import Budget, Decision, DecisionSpec, Option
 from rai_missions.states.final import Final
 from rai_missions.states.history import Default, History
 from rai_missions.states.include import Include
@@ -12,6 +12,20 @@ from rai_missions.states.state import State, Transition
 from rai_missions.states.tree import Tree
 
 __all__ = (
-    "Action", "Asked", "Budget", "Call", "Compound", "Decision", "Default", "Each", "Final", "History", "Include",
-    "Option", "Parallel", "State", "Transition", "Tree",
+    "Action",
+    "Budget",
+    "Call",
+    "Compound",
+    "Decision",
+    "DecisionSpec",
+    "Default",
+    "Each",
+    "Final",
+    "History",
+    "Include",
+    "Option",
+    "Parallel",
+    "State",
+    "Transition",
+    "Tree",
 )  # fmt: skip

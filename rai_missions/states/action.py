@@ -8,8 +8,8 @@ from typing import ClassVar
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard
+from rai_missions.model import Bool, Json, Name, OneOf, Seconds, Text
 from rai_missions.states.state import State
-from rai_missions.written import Bool, Json, Name, OneOf, Seconds, Text
 
 __all__ = ("Action",)
 

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from pydantic import Field
 
+from rai_missions.model import Json, Name, Text
 from rai_missions.states.state import State
-from rai_missions.written import Json, Name, Text
 
 __all__ = ("Call",)
 

@@ -8,8 +8,8 @@ from typing import ClassVar
 
 from pydantic import Field
 
+from rai_missions.model import Name, Names, Path
 from rai_missions.states.state import State, States
-from rai_missions.written import Name, Names, Path
 
 __all__ = ("Compound", "Each", "Parallel")
 

@@ -9,17 +9,17 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.guards.guard import Guard
+from rai_missions.model import Json, MissionModel, Name, OneOf, Path, Text, fault, suggestion
 from rai_missions.states.state import OUTCOMES, State
-from rai_missions.written import Json, Name, OneOf, Path, Text, Written, fault, suggestion
 
-__all__ = ("Asked", "Budget", "Decision", "Option")
+__all__ = ("Budget", "Decision", "DecisionSpec", "Option")
 
 
 def _listed(given: Any) -> Any:
     return tuple(given) if isinstance(given, list) else given
 
 
-class Option(Written):
+class Option(MissionModel):
     """One answer that may be given, and when."""
 
     positional: ClassVar = ("about",)
@@ -32,7 +32,7 @@ class Option(Written):
     """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's row."""
 
 
-class Budget(Written):
+class Budget(MissionModel):
     """How much a model may use for one decision."""
 
     calls: Annotated[int, Field(strict=True, ge=1)] = 8
@@ -43,7 +43,7 @@ class Budget(Written):
     """Wall time; the deadline bounds it anyway."""
 
 
-class Asked(Written):
+class DecisionSpec(MissionModel):
     """The question of a decision, its answers, and who is asked."""
 
     positional: ClassVar = ("question",)
@@ -99,12 +99,12 @@ class Asked(Written):
 class Decision(State, word="decision"):
     """Asks. In Python the question's words stand beside the state's: `Decision("What now?", options=…, ask=…)`."""
 
-    decision: Asked
+    decision: DecisionSpec
 
     def __init__(self, /, *given: Any, **words: Any) -> None:
         if "decision" not in words:
-            asked = {name: words.pop(name) for name in list(words) if name in Asked.model_fields}
-            words["decision"] = Asked(*given, **asked)
+            asked = {name: words.pop(name) for name in list(words) if name in DecisionSpec.model_fields}
+            words["decision"] = DecisionSpec(*given, **asked)
             given = ()
         super().__init__(*given, **words)
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from rai_missions.guards.guard import Guard
+from rai_missions.model import OneOf
 from rai_missions.states.state import State
-from rai_missions.written import OneOf
 
 __all__ = ("Final", "FinalOutcome", "worst")
 

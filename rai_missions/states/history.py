@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
 
+from rai_missions.model import fault
 from rai_missions.states.state import State, Transition
-from rai_missions.written import fault
 
 __all__ = ("Default", "History")
 

@@ -11,9 +11,20 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from rai_missions.effects import Effect
 from rai_missions.guards.guard import Guard
-from rai_missions.written import Bool, Kind, Name, OneOf, Seconds, Text, Written, fault, one_or_many, suggestion
+from rai_missions.model import (
+    Bool,
+    MissionModel,
+    Name,
+    OneOf,
+    Seconds,
+    TaggedModel,
+    Text,
+    fault,
+    one_or_many,
+    suggestion,
+)
+from rai_missions.states.effects import Effect
 
 __all__ = ("ANY_EVENT", "OUTCOMES", "Controller", "Effects", "State", "States", "Transition")
 
@@ -30,7 +41,7 @@ Effects = Annotated[
 TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
 
 
-class Transition(Written):
+class Transition(MissionModel):
     """One row: what triggers it, under which guard, where it leads and what it does on the way."""
 
     positional: ClassVar = ("on",)
@@ -80,7 +91,7 @@ def _rows(given: Any) -> Any:
 Rows = Annotated[tuple[Transition, ...], BeforeValidator(_rows)]
 
 
-class State(Kind, family="state", word=""):
+class State(TaggedModel, family="state", word=""):
     """A state that only waits; the other kinds are told by their word."""
 
     LAST: ClassVar = frozenset(("entry", "exit", "transitions", "timeout_s", "handover_s"))

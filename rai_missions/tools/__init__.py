@@ -7,14 +7,14 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rai_missions.tools.allowed import Allowed
-    from rai_missions.tools.said import Said
+    from rai_missions.tools.allowlist import Allowed
+    from rai_missions.tools.result import Said
     from rai_missions.tools.tool import RobotTool
     from rai_missions.tools.toolbox import Toolbox
 
 __all__ = ("Allowed", "RobotTool", "Said", "Toolbox")
 
-ROOMS = {"Allowed": "allowed", "RobotTool": "tool", "Said": "said", "Toolbox": "toolbox"}
+ROOMS = {"Allowed": "allowlist", "RobotTool": "tool", "Said": "result", "Toolbox": "toolbox"}
 
 
 def __getattr__(name: str) -> Any:

@@ -13,10 +13,10 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.connectors.connector import Data, Report
-from rai_missions.cut import cut_repr
 from rai_missions.errors import UsageError
+from rai_missions.redaction.cut import cut_repr
+from rai_missions.tools.access import Reach
 from rai_missions.tools.latest import Latest
-from rai_missions.tools.reach import Reach
 
 __all__ = ("Goal", "Goals", "Standing")
 

@@ -13,9 +13,9 @@ from typing import Any, Literal
 from langchain_core.tools import BaseTool, ToolException
 from pydantic import BaseModel, Field, ValidationError
 
-from rai_missions.cut import cut
 from rai_missions.errors import MissionError
-from rai_missions.tools.said import Said
+from rai_missions.redaction.cut import cut
+from rai_missions.tools.result import Said
 
 __all__ = ("RobotTool",)
 

@@ -10,12 +10,12 @@ from collections.abc import Callable
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.tools import arguments as args
-from rai_missions.tools.acting import Acting
-from rai_missions.tools.allowed import Allowed
+from rai_missions.tools.access import Reach, until
+from rai_missions.tools.actuators import Acting
+from rai_missions.tools.allowlist import Allowed
+from rai_missions.tools.geometry import Measuring
 from rai_missions.tools.goals import Goals, Standing
-from rai_missions.tools.looking import Looking
-from rai_missions.tools.measuring import Measuring
-from rai_missions.tools.reach import Reach, until
+from rai_missions.tools.sensors import Looking
 from rai_missions.tools.tool import RobotTool, robot_tool
 
 __all__ = ("Toolbox",)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rai_missions.blackboard import Key
-from rai_missions.states.ticker import Ticker
+from rai_missions.engine.activities.ticker import Ticker
+from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
 
 __all__ = ("PyTrees",)

@@ -10,12 +10,12 @@ from py_trees import composites
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from rai_missions.blackboard import Key, fits
 from rai_missions.guards.guard import Test, View
+from rai_missions.keys import Key, fits
 from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, Live
-from rai_missions.trees.round import Round
+from rai_missions.trees.tick import Tick
 
-__all__ = ("Ask", "Beside", "Check", "Errand", "Publish", "Wait", "Write")
+__all__ = ("ActivityLeaf", "Ask", "Beside", "Check", "Publish", "Wait", "Write")
 
 
 class Leaf(Live, Behaviour):
@@ -104,7 +104,7 @@ class Publish(Leaf):
         return SUCCESS
 
 
-class Errand(Leaf):
+class ActivityLeaf(Leaf):
     """An action or a call: the chart runs it, and this waits for what came of it."""
 
     run = 0
@@ -143,7 +143,7 @@ class Errand(Leaf):
         self.run, self.refused = memory.get("run", 0), memory.get("refused", False)
 
 
-class Beside(Errand):
+class Beside(ActivityLeaf):
     """A live behaviour of the user's program that is ticked beside the mission: this says what it said last."""
 
     def act(self) -> Status:
@@ -161,7 +161,7 @@ class Beside(Errand):
 class Ask(Live, composites.Composite):
     """A question that the chart asks, then the subtree of the option: a sequence with memory of the two."""
 
-    round: Round
+    round: Tick
     options: Collection[str]
     subtrees: Mapping[str, Behaviour]
     """Option → its subtree, where it has one."""

@@ -15,7 +15,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from rai_missions.guards.guard import Test
-from rai_missions.trees.round import Round
+from rai_missions.trees.tick import Tick
 
 __all__ = (
     "LOOPS", "Condition", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "Live", "OneShot",
@@ -37,7 +37,7 @@ class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
     """Mixed into a behaviour: where it stands, its trace, and what of it outlives a tick."""
 
     path: str
-    round: Round
+    round: Tick
 
     def initialise(self) -> None:
         self.round.trace.append((self.path, "initialise", WORDS[self.status]))
@@ -197,7 +197,7 @@ class Repeat(Decorator, decorators.Repeat):
 class _Timed(decorators.Timeout):
     """py_trees' Timeout, with the time of the tick, and at the deadline as well as after it."""
 
-    round: Round
+    round: Tick
 
     def initialise(self) -> None:
         self.finish_time = self.round.sight.at + self.round.sight.late_s + self.duration
@@ -244,7 +244,7 @@ class _Report(_Mirror):
     """py_trees' StatusToBlackboard, writing a key of the mission where it says something new."""
 
     key: str
-    round: Round
+    round: Tick
 
     def update(self) -> Status:
         status = self.decorated.status

@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.blackboard import Key
+from rai_missions.engine.activities.ticker import Leaf, LoopRound, Ticked, TreeState
 from rai_missions.guards.guard import View
-from rai_missions.states.ticker import Leaf, LoopRound, Ticked, TreeState
+from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
-from rai_missions.trees.leaves import Ask, Errand
+from rai_missions.trees.builder import TreeBuilder
+from rai_missions.trees.dependencies import Looked, Watch
+from rai_missions.trees.leaves import ActivityLeaf, Ask
 from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, Live
-from rai_missions.trees.planting import Planter
-from rai_missions.trees.round import Round, Sight
-from rai_missions.trees.watch import Looked, Watch
+from rai_missions.trees.tick import Tick, TickView
 
 __all__ = ("TreeTicker",)
 
@@ -36,11 +36,11 @@ class TreeTicker:
     """
 
     def __init__(self, root: TreeNode, place: str, keys: Mapping[str, Key], state: str) -> None:
-        self.round, self.state = Round(), state
-        planter = Planter(place, keys, state, self.round)
+        self.round, self.state = Tick(), state
+        planter = TreeBuilder(place, keys, state, self.round)
         self.root: Any = planter.plant(root)
         self.live: dict[str, Live] = {path: planted.behaviour for path, planted in planter.planted.items()}
-        self.errands = [node for node in self.live.values() if isinstance(node, Errand | Ask)]
+        self.errands = [node for node in self.live.values() if isinstance(node, ActivityLeaf | Ask)]
         self.watch = Watch(planter.planted)
         self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None
@@ -91,10 +91,10 @@ class TreeTicker:
             nodes[path] = {**memory, **late, **({"held": held} if held else {})}
         return state._replace(nodes=nodes)
 
-    def _restore(self, state: TreeState, view: View) -> Sight:
+    def _restore(self, state: TreeState, view: View) -> TickView:
         self._recall(state)
         root = state.nodes.get("", {})
-        sight = Sight(view, self.state, root.get("began", view.at), root.get("held", {}))
+        sight = TickView(view, self.state, root.get("began", view.at), root.get("held", {}))
         return self.watch.hold(sight)
 
     def _recall(self, state: TreeState) -> None:
@@ -106,11 +106,11 @@ class TreeTicker:
             node.status = STATUSES[memory.get("status", "invalid")]
             node.recall(memory)
         for node in self.errands:
-            if node.path in state.leaves and isinstance(node, Errand):
+            if node.path in state.leaves and isinstance(node, ActivityLeaf):
                 node.refused = state.leaves[node.path].outcome == "rejected"
         self._shown = state
 
-    def _ticked(self, sight: Sight, begun: tuple[str, ...] = (), rounds: tuple[LoopRound, ...] = ()) -> Ticked:
+    def _ticked(self, sight: TickView, begun: tuple[str, ...] = (), rounds: tuple[LoopRound, ...] = ()) -> Ticked:
         done, status = self.round, WORDS[self.root.status]
         if done.writes:
             sight = self.watch.hold(sight)
@@ -120,7 +120,7 @@ class TreeTicker:
         writes, published, trace = tuple(done.writes), tuple(done.published), tuple(done.trace)
         return Ticked(self._shown, status, started, ended, writes, published, trace, begun, rounds)
 
-    def _memories(self, sight: Sight) -> dict[str, Any]:
+    def _memories(self, sight: TickView) -> dict[str, Any]:
         memories: dict[str, Any] = {}
         for path, node in self.live.items():
             status, memory = WORDS[node.status], node.kept()

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.mission import MissionAgent, Setting, prepare, run
-from rai_missions.clock import WallClock
+from rai_missions.agents.mission import MissionAgent, RunConfig, prepare, run
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.journal import verify
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.runtime.clock import WallClock
 from rai_missions.testing import ScriptedModel, check_agent
 
 WAITING: dict[str, Any] = {
@@ -71,31 +71,31 @@ def test_a_model_is_asked_first_and_rules_after_it() -> None:
 def test_a_mission_with_a_fault_is_refused_before_anything_moves(tmp_path: Path) -> None:
     bad = {**WAITING, "states": {**WAITING["states"], "lonely": {"final": "failed"}}}
     with pytest.raises(DefinitionError, match="lonely"):
-        prepare(Setting(Mission.model_validate(bad), robot(), journal=tmp_path / "run.journal"))
+        prepare(RunConfig(Mission.model_validate(bad), robot(), journal=tmp_path / "run.journal"))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_connector_that_there_is_not_is_named() -> None:
     with pytest.raises(UsageError, match=r"no connector of kind 'locale'; did you mean 'local'\?"):
-        prepare(Setting(Mission.model_validate(WAITING), robot(connector={"kind": "locale"})))
+        prepare(RunConfig(Mission.model_validate(WAITING), robot(connector={"kind": "locale"})))
 
 
 def test_a_journal_is_never_written_over(tmp_path: Path) -> None:
     path = tmp_path / "run.journal"
     path.write_text("mine")
     with pytest.raises(DefinitionError, match="no journal"):
-        prepare(Setting(Mission.model_validate(WAITING), robot(), journal=path))
+        prepare(RunConfig(Mission.model_validate(WAITING), robot(), journal=path))
     assert path.read_text() == "mine"
 
 
 def test_the_agent_runs_and_stops_as_agents_do() -> None:
-    check_agent(lambda: MissionAgent(Setting(Mission.model_validate(WAITING), robot())))
+    check_agent(lambda: MissionAgent(RunConfig(Mission.model_validate(WAITING), robot())))
 
 
 def test_an_agent_that_is_stopped_has_canceled_its_mission(tmp_path: Path) -> None:
     started = threading.Event()
     agent = MissionAgent(
-        Setting(Mission.model_validate(WAITING), robot(), clock=WallClock(), on_step=lambda step: started.set())
+        RunConfig(Mission.model_validate(WAITING), robot(), clock=WallClock(), on_step=lambda step: started.set())
     )
     agent.run()
     assert started.wait(5.0)
@@ -105,7 +105,7 @@ def test_an_agent_that_is_stopped_has_canceled_its_mission(tmp_path: Path) -> No
 
 def test_an_agent_that_is_stopped_at_once_has_canceled_its_mission_too() -> None:
     for _ in range(20):
-        agent = MissionAgent(Setting(Mission.model_validate(WAITING), robot()))
+        agent = MissionAgent(RunConfig(Mission.model_validate(WAITING), robot()))
         agent.run()
         agent.stop()
         assert agent.result is not None and agent.result.outcome == "canceled"
@@ -126,7 +126,7 @@ def test_an_agent_whose_run_breaks_off_says_why(caplog: pytest.LogCaptureFixture
     given = {"name": "deaf", "initial": "idle", "states": states, "blackboard": keys, "ready_s": 0.05}
     source = {"topic": "/battery", "type": "std_msgs/msg/Float32"}
     agent = MissionAgent(
-        Setting(
+        RunConfig(
             Mission.model_validate(given), Robot.model_validate({"name": "mute", "blackboard": {"battery": source}})
         )
     )
@@ -138,6 +138,6 @@ def test_an_agent_whose_run_breaks_off_says_why(caplog: pytest.LogCaptureFixture
 
 
 def test_an_event_can_be_posted_to_a_run_that_was_prepared() -> None:
-    with prepare(Setting(Mission.model_validate(WAITING), robot())) as prepared:
+    with prepare(RunConfig(Mission.model_validate(WAITING), robot())) as prepared:
         prepared.runner.post(Event("go"))
         assert prepared.runner.run().outcome == "aborted"

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from benchmarks.bench_draw import chain
-from rai_missions.load import load
-from rai_missions.mission import Mission
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
 from tests.browser.conftest import Open, until
 from tests.strategies import missions
 from tests.visualize.runs import ROOT, hostile, tractor

@@ -12,14 +12,14 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.commands.live import Watch
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.cli.commands.run_page import Watch
 from rai_missions.event import Image
 from rai_missions.journal import read
-from rai_missions.json_text import parse_json
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
-from rai_missions.runner import Result
+from rai_missions.mission.json_reader import parse_json
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.runtime.runner import Result
 from tests.browser.conftest import PATIENCE, until
 from tests.browser.test_review import poisoned
 from tests.visualize.live.conftest import Desk
@@ -325,7 +325,7 @@ class Tractor:
         profile = parse_json((TRACTOR / "robot.sim.json").read_bytes(), "robot.sim.json")
         profile["connector"] |= {"alleys": 1, "obstacles": ["branch"]}
         self.page, self.journal = LivePage(Place(port=0)), journal
-        setting = Setting(
+        setting = RunConfig(
             TRACTOR / "mission.json", Robot.model_validate(profile), {"alleys": 1}, journal=journal, speed=4.0
         )
         self._watch = Watch(self.page, setting)

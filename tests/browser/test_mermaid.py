@@ -16,8 +16,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.load import load
-from rai_missions.mission import Mission
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
 from tests.strategies import missions
 from tests.visualize.runs import ROOT, hostile, tractor, tractor_path
 from visualize import Picture, picture

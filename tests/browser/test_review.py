@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from rai_missions.chart import Chart
 from rai_missions.check import check
-from rai_missions.load import load
-from rai_missions.mission import Mission
+from rai_missions.engine import Chart
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from tests.browser.conftest import Open, until
 from tests.visualize.page.reading import HOSTILE, answered, data_of, folded, journal_of

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.check import RULES, Finding, check, exit_status
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "tests" / "bad_missions"

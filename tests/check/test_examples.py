@@ -14,7 +14,7 @@ import pytest
 
 from benchmarks.bench_check import chart, faulty
 from rai_missions.check import check
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 
 DESIGN: dict[str, Any] = json.loads(
     (Path(__file__).parents[1] / "data" / "tractor_design.json").read_text(encoding="utf-8")

@@ -14,14 +14,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from rai_missions.blackboard import Stamped
-from rai_missions.chart import Chart
 from rai_missions.check import check
 from rai_missions.check.order import document_order
+from rai_missions.engine import Chart
 from rai_missions.event import Event, Tick
 from rai_missions.guards import Guard, Site, Truth
 from rai_missions.guards.implication import form, implies, never
-from rai_missions.mission import Mission
+from rai_missions.keys import Stamped
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from tests.strategies import EVENTS, KEYS, guards, mission_documents, missions
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart
 from rai_missions.check import check
+from rai_missions.engine import Chart
 from rai_missions.event import Tick
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from tests.trees.growing import FACTS, is_true
 from tests.trees.polling import FLAGS, branches

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rai_missions.check import check
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 
 HERE = "/states/work/tree/status_to_blackboard"
 

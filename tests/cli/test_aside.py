@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 
-from rai_missions.commands.aside import MOST, Aside, printed_aside, settled
-from rai_missions.commands.run import _interruptible
-from rai_missions.progress import Lines
-from tests.runner.stages import Rig, mission
+from rai_missions.cli.commands.run import _interruptible
+from rai_missions.cli.nonblocking_stdout import MOST, Aside, nonblocking_stdout, settled
+from rai_missions.cli.progress import Lines
+from tests.runtime.stages import Rig, mission
 
 PATIENCE_S = 30.0
 ROUND: dict[str, Any] = {
@@ -78,7 +78,7 @@ def test_what_is_left_out_last_is_counted_as_well_and_what_is_said_at_the_end_is
     stalled: Stalled, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "stdout", stalled)
-    with printed_aside():
+    with nonblocking_stdout():
         for number in range(MOST + 500):
             sys.stdout.write(f"{number}\n")
         threading.Timer(0.1, stalled.goes_on.set).start()
@@ -92,7 +92,7 @@ def test_what_is_left_out_last_is_counted_as_well_and_what_is_said_at_the_end_is
 
 def test_at_the_end_all_of_it_is_out_and_the_streams_are_as_before(capsys: pytest.CaptureFixture[str]) -> None:
     before = sys.stdout, sys.stderr
-    with printed_aside():
+    with nonblocking_stdout():
         sys.stdout.write("to whoever reads\n")
         sys.stderr.write("to whoever looks after it\n")
         kept = sys.stderr
@@ -119,5 +119,5 @@ def test_an_interrupt_cancels_the_run_although_nobody_can_be_told_so(monkeypatch
 
 def test_a_reader_that_has_gone_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", Gone())
-    with pytest.raises(BrokenPipeError), printed_aside():
+    with pytest.raises(BrokenPipeError), nonblocking_stdout():
         sys.stdout.write("to nobody")

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli import main
-from rai_missions.load import load
+from rai_missions.cli.main import main
+from rai_missions.mission.files import load
 
 LAMP: dict[str, Any] = {
     "name": "lamp",
@@ -269,7 +269,7 @@ def test_a_new_mission_passes_its_check(folder: Path, template: str) -> None:
 
 
 def test_a_reader_that_goes_away_is_no_traceback(folder: Path) -> None:
-    program = [sys.executable, "-m", "rai_missions.cli", "schema"]
+    program = [sys.executable, "-m", "rai_missions.cli.main", "schema"]
     with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ}) as process:
         assert process.stdout is not None and process.stderr is not None
         process.stdout.close()
@@ -294,7 +294,7 @@ def test_a_file_that_cannot_be_written_is_told_in_a_sentence(folder: Path, capsy
 
 def test_a_journal_without_a_step_proves_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from rai_missions.journal import Header, Journal
-    from rai_missions.load import dump
+    from rai_missions.mission.files import dump
 
     Journal.create(folder / "empty.journal", Header(mission=dump(load("lamp.json")))).close()
     assert main(["replay", "empty.journal"]) == 1

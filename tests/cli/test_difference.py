@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 DOCK: dict[str, Any] = {

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.agents.mission import run
-from rai_missions.cli import main
+from rai_missions.cli.main import main
 from rai_missions.journal import read
 
 MISSION = {

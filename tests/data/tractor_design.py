@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from rai_missions import Image, In, Key, Keys, Mission, On, Set, When
-from rai_missions.mission import Declared
+from rai_missions.mission.mission import EventSpec
 from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, Tree
 from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
 
@@ -29,7 +29,7 @@ def mission() -> Mission:
         version="1.0.0",
         about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
         keys=k,
-        events={"anomaly": Declared("the autonomy stack stopped and asks for a decision")},
+        events={"anomaly": EventSpec("the autonomy stack stopped and asks for a decision")},
         initial="working",
         states={
             "working": Compound(

@@ -20,7 +20,7 @@ from langchain_core.messages import AIMessage, AIMessageChunk, BaseMessage
 from langchain_core.outputs import ChatGenerationChunk
 from pydantic import PrivateAttr, SecretStr
 
-from rai_missions.agents.doubles import LIES, DoubleModel
+from rai_missions.answerers.test_models import LIES, DoubleModel
 from rai_missions.testing import call
 
 __all__ = ("CANARIES", "COMMANDS", "DEEDS", "MOST_CALLS", "OWN", "HostileModel", "plant")

@@ -18,19 +18,19 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from rai_missions.agents.decision import DecisionAgent
-from rai_missions.agents.toolset import open_toolbox
-from rai_missions.clock import SimulatedClock
+from rai_missions.answerers.model.agent import DecisionAgent
+from rai_missions.answerers.model.tools import open_toolbox
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.embodiment import Identity
+from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.replay import replay
-from rai_missions.robot import dump_profile
-from rai_missions.runner import Result, Runner
-from rai_missions.step import Step
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import dump_profile
+from rai_missions.replay.replay import replay
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.runner import Result, Runner
 from tests.drills.hostility import CANARIES, COMMANDS, MOST_CALLS, OWN, HostileModel, plant
 from tests.drills.surroundings import quick_folder
 from tests.drills.yard import DEADLINE_S, SLACK_S, Yard, yard_mission, yard_robot

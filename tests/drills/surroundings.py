@@ -17,12 +17,12 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from rai_missions.clock import Steppable
 from rai_missions.connectors.connector import Connector, Report
+from rai_missions.engine.decision import Question
 from rai_missions.event import Event
-from rai_missions.robot import Robot
-from rai_missions.runner import Runner
-from rai_missions.verdict import Question
+from rai_missions.profile import Robot
+from rai_missions.runtime.clock import Steppable
+from rai_missions.runtime.runner import Runner
 
 __all__ = ("ANY_ROBOT", "AnyAnswers", "Field", "Postponing", "quick_folder", "quick_tempers")
 

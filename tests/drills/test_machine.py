@@ -14,18 +14,18 @@ from typing import Any
 
 import pytest
 
-from rai_missions.clock import HeardClock, Mailbox, SimulatedClock
 from rai_missions.connectors import local
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.replay import replay
-from rai_missions.runner import Runner
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.replay.replay import replay
+from rai_missions.runtime.clock import HeardClock, Mailbox, SimulatedClock
+from rai_missions.runtime.runner import Runner
 from tests.drills.surroundings import AnyAnswers
-from tests.runner.stages import Rig, mission, robot
+from tests.runtime.stages import Rig, mission, robot
 
 SEED = 5
 THREADS = 8

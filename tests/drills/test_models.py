@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from rai_missions.mission import Mission
-from rai_missions.redact import Redaction
-from rai_missions.states import asking
+from rai_missions.engine.activities import decision as asking
+from rai_missions.engine.decision import Verdict
+from rai_missions.mission.mission import Mission
+from rai_missions.redaction.redact import Redaction
 from rai_missions.testing import ScriptedModel
-from rai_missions.verdict import Verdict
 from tests.drills.hostility import CANARIES, DEEDS, HostileModel
 from tests.drills.missions_run import Drill, Trial, try_one
 from tests.drills.yard import yard_mission
@@ -68,7 +68,7 @@ def test_without_redaction_the_drill_finds_the_secrets(tmp_path: Path, monkeypat
     secret = CANARIES["HF_TOKEN"]
     assert not any(found(tmp_path, f'{{"option": "{secret}"}}'))
     monkeypatch.setattr(Redaction, "text", lambda self, text: text)
-    monkeypatch.setattr("rai_missions.cut.redacted", lambda text: text)
+    monkeypatch.setattr("rai_missions.redaction.cut.redacted", lambda text: text)
     (tmp_path / "again").mkdir()
     assert any(f"'{secret}' stands in run.journal" in each for each in found(tmp_path / "again", secret))
 
@@ -88,7 +88,7 @@ def test_without_the_judge_the_drill_finds_it_too(tmp_path: Path, monkeypatch: p
 
 def real(folder: Path, count: int) -> list[str]:
     """Missions under the model that `--model local` asks; it has ten seconds for each decision."""
-    from rai_missions.agents.local_model import local_model
+    from rai_missions.answerers.model.local_server import local_model
 
     patient = yard_mission(deadline_s=10.0, attempts=1)
     faults: list[str] = []

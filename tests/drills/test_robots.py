@@ -14,21 +14,21 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.clock import SimulatedClock
+from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Header, Journal, read
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.replay import replay
-from rai_missions.robot import Robot, dump_profile
-from rai_missions.runner import Runner
-from rai_missions.step import StartGoal, Step
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot, dump_profile
+from rai_missions.replay.replay import replay
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.runner import Runner
 from rai_missions.testing import ChaosConnector, Rates
 from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, Postponing, quick_folder, quick_tempers
 from tests.drills.yard import Yard, yard_mission, yard_robot
-from tests.runner.stages import Rig, robot
+from tests.runtime.stages import Rig, robot
 from tests.strategies import missions
 from tests.tractor.conftest import TRACTOR
 
@@ -170,7 +170,7 @@ def test_over_a_bad_connection_ten_thousand_times(part: int) -> None:
 
 def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
     """The shipped mission over a bad connection; what was wrong."""
-    from rai_missions.json_text import parse_json
+    from rai_missions.mission.json_reader import parse_json
     from rai_missions.worlds.world import open_world
 
     profile = parse_json((TRACTOR / "robot.sim.json").read_bytes(), "robot.sim.json")
@@ -181,7 +181,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
     world.open(local)
     slow = Postponing(world)
     chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=slow.later)
-    setting = Setting(
+    setting = RunConfig(
         TRACTOR / "mission.json", Robot.model_validate(profile), arguments={"alleys": 1}, connector=chaos,
         clock=SimulatedClock(slow), answerers={"agent": AnyAnswers(random)},
     )  # fmt: skip

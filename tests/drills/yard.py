@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Connector, Report
 from rai_missions.event import Image
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
 
 __all__ = ("ACTION", "DEADLINE_S", "LENGTH_M", "LOWEST_M", "SLACK_S", "Yard", "yard_mission", "yard_robot")
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from PIL import Image as Pillow
 
 from rai_missions.embodiment import Body, Identity
-from rai_missions.embodiment.body import read_body
-from rai_missions.embodiment.picture import read_picture
+from rai_missions.embodiment.image_file import read_picture
+from rai_missions.embodiment.urdf import read_body
 from rai_missions.errors import DefinitionError
 
 URDF = b"""<?xml version="1.0"?>

@@ -8,13 +8,13 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, Raw, Record
-from rai_missions.load import dump
-from rai_missions.migration import Map, migrate
-from rai_missions.mission import Mission
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
 from rai_missions.recording import Recording
+from rai_missions.replay.migrate import Map, migrate
 
 __all__ = ("LAMP", "seeds", "written_run")
 

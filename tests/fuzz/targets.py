@@ -19,11 +19,11 @@ from rai_missions.embodiment import Identity
 from rai_missions.errors import MissionError
 from rai_missions.journal import Header, Journal, read, verify
 from rai_missions.journal.rows import GENESIS, chained
-from rai_missions.load import dump, load
-from rai_missions.rebuild import mission_of, robot_of
+from rai_missions.mission.files import dump, load
+from rai_missions.profile import dump_profile, load_profile, missing, parse_profile
 from rai_missions.recording import journal_of
-from rai_missions.replay import replay
-from rai_missions.robot import dump_profile, load_profile, missing, parse_profile
+from rai_missions.replay.rebuild import mission_of, robot_of
+from rai_missions.replay.replay import replay
 from tests.fuzz.seeds import LAMP
 from visualize import difference, draw, draw_difference, draw_review
 

@@ -72,9 +72,7 @@ def test_a_command_says_what_is_wrong_without_a_traceback_and_in_bounded_memory(
         (folder / FILES[target]).write_bytes(data)
         paths.append(str(folder / FILES[target]))
     command = {"mission": "check"}.get(target, "replay")
-    program = (
-        f"import sys; from rai_missions.cli import main; print([main([{command!r}, each]) for each in sys.argv[1:]])"
-    )
+    program = f"import sys; from rai_missions.cli.main import main; print([main([{command!r}, each]) for each in sys.argv[1:]])"  # noqa: E501
     done = subprocess.run(
         [sys.executable, "-c", program, *paths],
         capture_output=True,

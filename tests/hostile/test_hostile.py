@@ -15,14 +15,14 @@ from langchain_core.messages import AIMessage
 from langchain_core.tools import StructuredTool
 from pydantic import SecretStr
 
-from rai_missions.agents.decision import DecisionAgent
-from rai_missions.agents.doubles import DoubleModel
+from rai_missions.answerers.model.agent import DecisionAgent
+from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.journal import Header, Journal, read
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.replay import replay
-from rai_missions.robot import dump_profile
-from rai_missions.runner import Result
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import dump_profile
+from rai_missions.replay.replay import replay
+from rai_missions.runtime.runner import Result
 from rai_missions.testing import (
     BabblingModel,
     ChatteringAnswerer,
@@ -37,8 +37,8 @@ from rai_missions.testing import (
     WordyModel,
     call,
 )
-from tests.agents.messages import ANY_CALL, TEXTS
-from tests.runner.stages import KEYS, Rig, mission, robot
+from tests.answerers.messages import ANY_CALL, TEXTS
+from tests.runtime.stages import KEYS, Rig, mission, robot
 
 SECRET = "sk-proj-Zk3mQ9vT7wXyB2nC5dF8hJ1lP4rS6uA0"
 CROSS = '{"option": "cross"}'

@@ -7,8 +7,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from rai_missions.event import Event, Image
-from rai_missions.step import (
+from rai_missions.engine.decision import Evidence, Limits, Offer, Question
+from rai_missions.engine.step import (
     Ask,
     CallService,
     CancelGoal,
@@ -21,7 +21,7 @@ from rai_missions.step import (
     Step,
     Withdraw,
 )
-from rai_missions.verdict import Evidence, Limits, Offer, Question
+from rai_missions.event import Event, Image
 
 __all__ = ("blackboard_writes", "steps", "values")
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
+from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, make_way, read, set_aside
-from rai_missions.step import Step
 
 
 def killed(path: Path, rows: int) -> Path:

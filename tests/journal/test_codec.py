@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from hypothesis import given
 
+from rai_missions.engine.decision import Evidence, Question
+from rai_missions.engine.step import Ask, Handover, Move, Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import decode, difference, encode
-from rai_missions.journal.values import from_json, to_json
-from rai_missions.step import Ask, Handover, Move, Step
-from rai_missions.verdict import Evidence, Question
+from rai_missions.journal.json_values import from_json, to_json
 from tests.journal.generated import steps, values
 
 

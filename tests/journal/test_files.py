@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.engine.decision import Evidence, Question
+from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
-from rai_missions.journal.database import LONGEST_BYTES
 from rai_missions.journal.rows import GENESIS, chained
-from rai_missions.step import Ask, Step
-from rai_missions.verdict import Evidence, Question
+from rai_missions.journal.sqlite import LONGEST_BYTES
 from tests.journal.generated import blackboard_writes, steps
 
 HEADER = Header('{"format": 1}', profile="{}", arguments={"alleys": 6}, run="r1")

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli import main
-from rai_missions.sort_of_file import irregular
+from rai_missions.cli.main import main
+from rai_missions.file_type import irregular
 
 INNER = {"name": "inner", "initial": "a", "states": {"a": {"final": "failed"}}}
 OUTER = {"name": "outer", "initial": "a", "states": {

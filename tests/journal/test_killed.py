@@ -18,7 +18,7 @@ WRITER = """
 import sys
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
-from rai_missions.step import Step
+from rai_missions.engine.step import Step
 journal = Journal.create(sys.argv[1], Header("{}"))
 print("ready", flush=True)
 for seq in range(1, 1_000_000):

@@ -9,10 +9,10 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rai_missions.engine.decision import Evidence, Question
+from rai_missions.engine.step import Ask, Step
 from rai_missions.event import Event, Image
 from rai_missions.journal import Header, Journal, verify
-from rai_missions.step import Ask, Step
-from rai_missions.verdict import Evidence, Question
 
 ENCODINGS = st.sampled_from(["rgb8", "png", "jpeg", "mono8"])
 CHANGES = {

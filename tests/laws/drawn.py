@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter
 
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.guards import Guard
-from rai_missions.states.terms import Terms
-from rai_missions.step import Ask, CallService, StartGoal, Step
-from rai_missions.written import OneOf
+from rai_missions.model import OneOf
 
 __all__ = ("EVENTS", "GRID_S", "KEYS", "Answers", "Happening", "document", "happenings", "is_far", "terms")
 
@@ -323,14 +323,14 @@ def document(rng: random.Random, *, alone: bool = False) -> Json:
     return made
 
 
-def terms(rng: random.Random) -> Terms:
+def terms(rng: random.Random) -> RobotFacts:
     """What is known of the robot: one action is composed, some exclude each other, some go on during a pause."""
     base, other = frozenset({"base"}), frozenset({"arm"})
     uses = rng.choice([{}, {"drive": base, "turn": base, "composed": other}, {"drive": base, "turn": other}])
     succeeded = GUARD.validate_python({"key": "count", ">=": 2})
     failed = GUARD.validate_python({"all": [{"fresh": "fact"}, {"key": "fact", ">=": 2}]})
     keep = frozenset({"turn"} if rng.random() < 0.5 else ())
-    return Terms(uses, keep, {"composed": succeeded}, {"composed": failed})
+    return RobotFacts(uses, keep, {"composed": succeeded}, {"composed": failed})
 
 
 class Happening(NamedTuple):

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Ask, CallService, CancelGoal, StartGoal, Step
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.step import Ask, CallService, CancelGoal, StartGoal, Step
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from tests.oracles.documents import Taste, charts, lineage, scripts
 from tests.strategies import EVENTS, KEYS, OPTIONS, mission_documents

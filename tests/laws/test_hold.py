@@ -10,10 +10,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Handover, Step
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.step import Handover, Step
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from tests.laws.test_chart import Robot, happenings
 from tests.oracles.documents import Taste, charts

@@ -10,13 +10,15 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart, instants, microsteps
+from rai_missions.engine import Chart
+from rai_missions.engine import macrostep as microsteps
+from rai_missions.engine import timing as instants
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.step import Move
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.states.terms import Terms
-from rai_missions.step import Move
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
-from tests.chart.charts import chart, row, sent, ticked
+from tests.engine.charts import chart, row, sent, ticked
 from tests.laws.drawn import GRID_S, Answers, Happening, document, happenings, is_far, terms
 
 Json = dict[str, Any]
@@ -90,7 +92,7 @@ def play(
     return one, [each[0] for each in seen], seen
 
 
-def started(made: Json, robot: Terms, kind: type[Recorded]) -> Recorded:
+def started(made: Json, robot: RobotFacts, kind: type[Recorded]) -> Recorded:
     return kind(Mission.model_validate(made), PyTrees(), terms=robot, named={"is_far": is_far})
 
 

@@ -15,14 +15,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.action import GoalActivity, GoalMachine
+from rai_missions.engine.activities.ticker import Ticked, TreeState
+from rai_missions.engine.activities.tree import TreeActivity
+from rai_missions.engine.step import CallService, StartGoal, Step
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.states.pursuit import Pursuit, PursuitMachine
-from rai_missions.states.tending import Tending
-from rai_missions.states.ticker import Ticked, TreeState
+from rai_missions.mission.mission import Mission
 from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
-from rai_missions.step import CallService, StartGoal, Step
 from rai_missions.trees import PyTrees
 from tests.laws.test_chart import Robot, happenings
 from tests.strategies import mission_documents
@@ -53,7 +53,7 @@ def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
         if requires.test(chart.view) is True:
             yield f"'{name}' could be reached"
     for name, machine, state in chart._live():
-        if isinstance(state, Tending):
+        if isinstance(state, TreeActivity):
             if name not in step.resting:
                 yield from unticked(chart, name, state, ends)
             for path, tended in state.leaves.items():
@@ -63,14 +63,14 @@ def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
 
 
 def unsettled(chart: Chart, name: str, machine: Any, state: Any) -> Iterator[str]:
-    if isinstance(machine, PursuitMachine) and isinstance(state, Pursuit):
+    if isinstance(machine, GoalMachine) and isinstance(state, GoalActivity):
         if state.phase == "settling" and (machine.achieved is None or machine.achieved(chart.view) is True):
             yield f"'{name}' has achieved what it is for"
         if state.phase == "waiting" and chart.obstruction(machine.definition.action) != "busy":
             yield f"'{name}' could start"
 
 
-def unticked(chart: Chart, name: str, state: Tending, ends: dict[str, str]) -> Iterator[str]:
+def unticked(chart: Chart, name: str, state: TreeActivity, ends: dict[str, str]) -> Iterator[str]:
     """Whether a tick would make another tree: what runs, and what it counts and remembers."""
     node = chart._graph.nodes[name]
     assert isinstance(node.state, Tree)

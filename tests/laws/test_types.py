@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.blackboard import fits
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.event import Event
-from rai_missions.mission import Mission
-from rai_missions.step import Ask, CallService, StartGoal, Step
+from rai_missions.keys import fits
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 
 Json = dict[str, Any]

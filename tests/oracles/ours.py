@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import LogLine, Step
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.step import LogLine, Step
+from rai_missions.mission.mission import Mission
 from tests.oracles.appendix_d import Interpreter
 
 __all__ = ("Told", "of_appendix_d", "of_ours", "told")

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.event import Event, Tick
-from tests.chart.charts import chart, row
+from tests.engine.charts import chart, row
 from tests.oracles.ours import told
 
 Json = dict[str, Any]

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import pytest
 
+from rai_missions.engine.step import CancelGoal
 from rai_missions.event import Event, Tick
-from rai_missions.step import CancelGoal
-from tests.chart.charts import chart, row, sent
+from tests.engine.charts import chart, row, sent
 from tests.oracles.ours import of_appendix_d, told
 
 COUNTER = {"n": {"type": "integer", "initial": 0}}

@@ -11,18 +11,18 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Ask, CallService, Handover, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event
-from rai_missions.mission import Mission
-from rai_missions.prove.free import Free
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.explorer import Edge, Space
 from rai_missions.prove.limits import Limits
-from rai_missions.prove.live import Later
+from rai_missions.prove.liveness import Later
 from rai_missions.prove.parts import parts
-from rai_missions.prove.space import Space, Way
-from rai_missions.rebuild import default_ticker
+from rai_missions.replay.rebuild import default_ticker
 from rai_missions.states.action import Action
 from rai_missions.states.tree.leaves import ActionLeaf
-from rai_missions.step import Ask, CallService, Handover, StartBehaviour, StartGoal, Step
 from tests.strategies import EVENTS, KEYS, OPTIONS
 
 Json = dict[str, Any]
@@ -36,11 +36,11 @@ Seen = tuple[frozenset[str], str | None, str]
 class Seeing(Space):
     """A space that remembers the active states of each of its states."""
 
-    def __init__(self, chart: Free, most: int, work: float = WORK) -> None:
+    def __init__(self, chart: Environment, most: int, work: float = WORK) -> None:
         super().__init__(chart, Limits(most, work=work * most))
         self.seen: set[Seen] = set()
 
-    def _learn(self, source: int, way: Way, *, is_paused: bool) -> None:
+    def _learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
         super()._learn(source, way, is_paused=is_paused)
         self.seen.add(seen(self.chart))
 
@@ -49,7 +49,7 @@ def seen(chart: Chart) -> Seen:
     return (frozenset() if chart.outcome is not None else chart.active, chart.outcome, chart.mode)
 
 
-class Forgetless(Free):
+class Forgetless(Environment):
     """A chart that tells states apart by all that it remembers, read later or not."""
 
     @cached_property
@@ -58,7 +58,7 @@ class Forgetless(Free):
         return Later(frozenset(self.mission.blackboard), frozenset(actions), frozenset(range(len(self._graph.order))))
 
 
-def explored(mission: Mission, most: int, kind: type[Free] = Free) -> Seeing:
+def explored(mission: Mission, most: int, kind: type[Environment] = Environment) -> Seeing:
     space = Seeing(kind(mission, default_ticker(mission)), most)
     space.explore()
     return space

@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
 from rai_missions.event import Event
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
-from rai_missions.prove.free import Free
-from rai_missions.rebuild import default_ticker
+from rai_missions.prove.environment import Environment
+from rai_missions.replay.rebuild import default_ticker
 
 Json = dict[str, Any]
 NEVER: Json = {"check": {"key": "n", "<": 0}}
@@ -36,7 +36,7 @@ def failing(tree: Json, failed: str, *, between: bool = False) -> Mission:
 def test_a_circle_comes_to_the_limit_of_the_real_chart(rounds: int, inner: int, *, between: bool) -> None:
     tree: Json = {"retry": rounds, "child": NEVER if inner == 1 else {"retry": inner, "child": NEVER}}
     mission = failing(tree, "going", between=between)
-    chart, free = Chart(mission, default_ticker(mission)), Free(mission, default_ticker(mission))
+    chart, free = Chart(mission, default_ticker(mission)), Environment(mission, default_ticker(mission))
     step = chart.start()
     free.make(free.begin)
     assert (free.outcome, free.cause, free.active) == (step.outcome, chart.cause, chart.active)

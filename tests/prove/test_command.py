@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
 from tests.prove.explored import ROOT
 from tests.prove.test_missions import TRACTOR, Json, over_people
 

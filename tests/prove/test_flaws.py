@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
 
 Json = dict[str, Any]
 KEYS: Json = {

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import load_profile, terms
 from rai_missions.prove import prove
-from rai_missions.rebuild import default_ticker
-from rai_missions.robot import load_profile, terms
+from rai_missions.replay.rebuild import default_ticker
 from tests.prove.explored import HANDS, ROOT, document, explored, scripts, walked
 from tests.strategies import mission_documents
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.mission import Mission
-from rai_missions.prove.free import Free
-from rai_missions.rebuild import default_ticker
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.environment import Environment
+from rai_missions.replay.rebuild import default_ticker
 from tests.prove.explored import WORK, Forgetless, Seeing, explored, scripts, walked
 from tests.strategies import mission_documents
 
@@ -87,7 +87,7 @@ def test_a_way_that_looks_at_what_differs_is_gone_anew() -> None:
 def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
-    quick, patient = (Seeing(Free(mission, default_ticker(mission)), most, work) for _ in range(2))
+    quick, patient = (Seeing(Environment(mission, default_ticker(mission)), most, work) for _ in range(2))
     patient.chart.own_fade = True  # then nothing is remembered of other states
     for space in (quick, patient):
         space.explore()

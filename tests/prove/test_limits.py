@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli import main
-from rai_missions.mission import Mission
+from rai_missions.cli.main import main
+from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
 
 Json = dict[str, Any]

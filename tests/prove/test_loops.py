@@ -12,11 +12,11 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.journal import Header
-from rai_missions.load import dump
-from rai_missions.mission import Mission
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, loops, prove, record
-from rai_missions.rebuild import default_ticker
-from rai_missions.replay import replay
+from rai_missions.replay.rebuild import default_ticker
+from rai_missions.replay.replay import replay
 from tests.strategies import KEYS as TREE_KEYS
 from tests.strategies import tree_nodes
 

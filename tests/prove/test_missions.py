@@ -11,14 +11,14 @@ from typing import Any
 import pytest
 
 from rai_missions.journal import Header
-from rai_missions.load import dump
-from rai_missions.mission import Mission
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import load_profile, terms
 from rai_missions.prove import Proof, prove, record
-from rai_missions.prove.free import Free
-from rai_missions.prove.space import Space
-from rai_missions.rebuild import default_ticker
-from rai_missions.replay import replay
-from rai_missions.robot import load_profile, terms
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.explorer import Space
+from rai_missions.replay.rebuild import default_ticker
+from rai_missions.replay.replay import replay
 from tests.prove.explored import ROOT, document
 
 Json = dict[str, Any]
@@ -158,7 +158,7 @@ def test_the_same_mission_gives_the_same_proof() -> None:
 
 
 def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_told() -> None:
-    chart = Free(document(TRACTOR), default_ticker(document(TRACTOR)))
+    chart = Environment(document(TRACTOR), default_ticker(document(TRACTOR)))
     space = Space(chart, 10_000)
     space.explore()
     steps: dict[int, set[int]] = {}

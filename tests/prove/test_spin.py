@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.prove.explored import explored
 from tests.prove.promela import END, Drawing, has_spin, reached_by_spin
 

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from rai_missions.journal import Header
-from rai_missions.load import dump
-from rai_missions.mission import Mission
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, prove, record
-from rai_missions.rebuild import default_ticker
+from rai_missions.replay.rebuild import default_ticker
 from tests.prove.test_flaws import ABORTED, DONE, DRIVING, ENDS, asking
 
 Json = dict[str, Any]

@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.check import check, faults_of
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.prove import CLAIMS, prove
-from rai_missions.rebuild import default_ticker
+from rai_missions.replay.rebuild import default_ticker
 from tests.prove.table import TABLE, Row
 
 

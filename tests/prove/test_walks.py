@@ -8,9 +8,9 @@ from typing import NamedTuple
 import pytest
 
 from rai_missions.check import check, faults_of
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, prove
-from rai_missions.rebuild import default_ticker
+from rai_missions.replay.rebuild import default_ticker
 from tests.prove.walks import Walk, walkable
 
 STATES, WORK = 100, 1_500

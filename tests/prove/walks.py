@@ -9,11 +9,11 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Ask, CallService, CancelGoal, Handover, StartGoal, Step
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.rebuild import default_ticker
-from rai_missions.step import Ask, CallService, CancelGoal, Handover, StartGoal, Step
+from rai_missions.mission.mission import Mission
+from rai_missions.replay.rebuild import default_ticker
 
 __all__ = ("Walk", "walkable")
 

@@ -23,7 +23,7 @@ from typing import Any
 from langchain_core.messages import AIMessage, BaseMessage
 from pydantic import SecretStr
 
-from rai_missions.agents.doubles import DoubleModel, call
+from rai_missions.answerers.test_models import DoubleModel, call
 
 __all__ = ("DEEDS", "ChatHostile")
 

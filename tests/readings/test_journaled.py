@@ -9,13 +9,13 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
 from rai_missions.event import Event, Tick
 from rai_missions.journal import Header, Journal, read
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.replay import replay
-from visualize.live.scene import Scene
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.replay.replay import replay
+from visualize.live.run_view import RunScene
 
 MISSION = Mission.model_validate({
     "name": "dated", "initial": "on", "blackboard": {
@@ -44,7 +44,7 @@ def test_a_stamp_is_the_same_wherever_it_is_kept(given_: list[tuple[str, int, fl
             journal.write(chart.send(Tick(at + 0.1)), since=at)
         assert {key: entry.at for key, entry in chart.view.board.items()} == known
         assert replay(path).holds
-        shown = Scene()
+        shown = RunScene()
         with read(path) as record:
             for step in record.steps():
                 shown.take(step)
@@ -58,7 +58,7 @@ def test_what_was_received_again_after_a_kill_keeps_its_stamp() -> None:
     chart.start(0.0)
     chart.write("near", 7, at=1.0)
     step = chart.send(Event("take_up", 2.0, {"heard": {"near": [6, -3500.0], "far": [1, 1.5]}}, "command"))
-    shown = Scene()
+    shown = RunScene()
     shown.take(step)
     assert {key: entry.at for key, entry in chart.view.board.items()} == {"near": -3500.0, "far": 1.5}
     assert {key: stamp for key, (_, stamp) in shown.board.items()} == {"near": -3500.0, "far": 1.5}

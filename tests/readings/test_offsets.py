@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from rai_missions.readings import Readings
-from tests.runner.stages import KEYS, Rig, mission
+from rai_missions.runtime.readings import Readings
+from tests.runtime.stages import KEYS, Rig, mission
 
 NEEDED = {**KEYS, "battery": {**KEYS["battery"], "optional": False}}
 BATTERY = "sensor_msgs/msg/BatteryState"

@@ -13,14 +13,14 @@ from typing import Any
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import seed as fixed
 
+from rai_missions.engine.step import Step
 from rai_missions.event import Event
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.step import Step
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
 from tests.recorded.small import Run
-from tests.resume.farm import FARMER, Farm
-from tests.resume.mortal import ONLOOKER, Fate, Wish, live
-from tests.resume.trial import tried, worth_a_trial
+from tests.replay.farm import FARMER, Farm
+from tests.replay.mortal import ONLOOKER, Fate, Wish, live
+from tests.replay.trial import tried, worth_a_trial
 from tests.trees.growing import FACTS, rich_trees
 
 __all__ = ("generated",)

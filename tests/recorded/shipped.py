@@ -8,14 +8,14 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from rai_missions.agents.doubles import ScriptedModel
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.agents.script import ScriptAnswerer
-from rai_missions.robot import Robot
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.answerers.script import ScriptAnswerer
+from rai_missions.answerers.test_models import ScriptedModel
+from rai_missions.profile import Robot
 from rai_missions.testing import ChatteringAnswerer, LateAnswerer
 from tests.recorded.small import Run
-from tests.resume.mortal import live
-from tests.resume.shipped import AfterRow, Shipped
+from tests.replay.mortal import live
+from tests.replay.shipped import AfterRow, Shipped
 from tests.rosbot.conftest import ROSBOT, Patrol
 from tests.tractor.conftest import TRACTOR, Drive
 from tests.trips import Moments, Trip
@@ -135,7 +135,7 @@ def resumed(name: str) -> Iterator[Run]:
             profile, options = world.robot.written(), FREE if name == "tractor" else {"camera": False}
             world.robot = Robot.model_validate({**profile, "connector": {**profile["connector"], **options}})
             live(path, world, world.mission, world.robot, world.answerers, AfterRow(8))
-        with prepare(Setting(None, resume=path)) as prepared:
+        with prepare(RunConfig(None, resume=path)) as prepared:
             prepared.runner.run()
 
     yield "resumed-twice", lived(9, 5)

@@ -10,14 +10,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from rai_missions.load import load
-from rai_missions.migration import Map, migrate
-from rai_missions.mission import Mission
-from tests.resume import test_held as held
-from tests.resume.farm import FARMER
-from tests.resume.mortal import Choosing, Fate, Land, live
-from tests.resume.test_kills import CALLING, MISSION, ROBOT, WAITING, land, lived
-from tests.resume.test_kinds import KINDS, farm
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
+from rai_missions.replay.migrate import Map, migrate
+from tests.replay import test_held as held
+from tests.replay.farm import FARMER
+from tests.replay.mortal import Choosing, Fate, Land, live
+from tests.replay.test_kills import CALLING, MISSION, ROBOT, WAITING, land, lived
+from tests.replay.test_kinds import KINDS, farm
 
 __all__ = ("Run", "small")
 

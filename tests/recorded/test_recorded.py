@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
+from rai_missions.engine.step import Step
 from rai_missions.journal import Journal, StepRow, read
-from rai_missions.step import Step
 
 RUNS = Path(__file__).parents[1] / "data/runs"
 FILES = sorted(path for path in RUNS.rglob("*") if path.is_file())

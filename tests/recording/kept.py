@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from mcap.reader import make_reader
 
 from rai_missions.journal import Raw, Record
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 
 __all__ = ("LAMP", "Kept", "kept", "rows_of")
 

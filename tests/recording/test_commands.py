@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.cli import main
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.cli.main import main
+from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Journal
-from rai_missions.json_text import parse_json
+from rai_missions.mission.json_reader import parse_json
+from rai_missions.profile import Robot
 from rai_missions.recording import journal_of
-from rai_missions.replay import replay
-from rai_missions.robot import Robot
-from rai_missions.step import Step
+from rai_missions.replay.replay import replay
 from tests.recording.kept import kept, rows_of
 
 pytest.importorskip("mcap")
@@ -120,7 +120,7 @@ def test_a_run_that_goes_on_is_recorded_from_its_beginning(folder: Path) -> None
     """The recording of a run that goes on holds what its journal held before."""
     slow = {**LAMP, "states": {**LAMP["states"], "on": {"transitions": [{"after_s": 0.5, "to": "off"}]}}}  # type: ignore[dict-item]
     (folder / "slow.json").write_text(json.dumps(slow))
-    with prepare(Setting("slow.json", journal="b.journal")) as prepared:
+    with prepare(RunConfig("slow.json", journal="b.journal")) as prepared:
         step = prepared.runner.chart.start(0.0)
         assert isinstance(prepared.journal, Journal)
         prepared.journal.write(step, since=0.0)
@@ -132,17 +132,17 @@ def test_a_run_that_goes_on_is_recorded_from_its_beginning(folder: Path) -> None
 
 def test_a_journal_is_written_beside_a_recording_where_none_is_named(tmp_path: Path) -> None:
     (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
-    with prepare(Setting(tmp_path / "lamp.json", record=tmp_path / "run.mcap")) as prepared:
+    with prepare(RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap")) as prepared:
         assert prepared.runner.run().journal == str(tmp_path / "run.journal")
     with pytest.raises(UsageError, match="is there already, and a recording is never overwritten"):
-        prepare(Setting(tmp_path / "lamp.json", record=tmp_path / "run.mcap"))
+        prepare(RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap"))
 
 
 def test_a_run_that_breaks_off_leaves_a_recording_that_is_whole(tmp_path: Path) -> None:
     seen: list[Step] = []
     lamp = {**LAMP, "ready_s": 0.01, "blackboard": {"battery": {"type": "number", "source": "robot"}}}
     (tmp_path / "lamp.json").write_text(json.dumps(lamp))
-    setting = Setting(tmp_path / "lamp.json", record=tmp_path / "run.mcap", on_step=seen.append)
+    setting = RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap", on_step=seen.append)
     with prepare(setting) as prepared, pytest.raises(UsageError, match="the robot has not said"):
         prepared.runner.run()
     with journal_of(tmp_path / "run.mcap") as replayed:
@@ -156,7 +156,7 @@ def test_a_run_of_the_tractor_is_recorded_with_what_its_camera_saw(tmp_path: Pat
     profile["connector"] |= {"alleys": 1, "obstacles": ["branch"]}
     path, words = tmp_path / "run.mcap", {"arguments": {"alleys": 1}}
     with prepare(
-        Setting(TRACTOR / "mission.json", Robot.model_validate(profile), record=path, **words)  # type: ignore[arg-type]
+        RunConfig(TRACTOR / "mission.json", Robot.model_validate(profile), record=path, **words)  # type: ignore[arg-type]
     ) as prepared:
         result = prepared.runner.run()
     assert result.outcome == "succeeded"

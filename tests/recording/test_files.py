@@ -15,18 +15,18 @@ from typing import Any
 
 import pytest
 
-from rai_missions.clock import SimulatedClock
 from rai_missions.connectors.connector import Message
+from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import Header, Journal, read
-from rai_missions.load import dump
-from rai_missions.mission import Mission
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
 from rai_missions.recording import Recording, check_name, journal_of
-from rai_missions.recording import room as rooms
-from rai_missions.recording.room import Waiting, WaitingRoom
-from rai_missions.runner import Runner
-from rai_missions.step import Step
+from rai_missions.recording import queue as rooms
+from rai_missions.recording.queue import BoundedQueue, Waiting
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.runner import Runner
 from tests.recording.kept import LAMP, kept, rows_of
 
 mcap = pytest.importorskip("mcap")
@@ -193,7 +193,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
 def test_a_room_holds_so_many_and_counts_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(rooms.MOST, "message", 2)
     monkeypatch.setitem(rooms.MOST_BYTES, "picture", 100)
-    room, done = WaitingRoom(), []
+    room, done = BoundedQueue(), []
     for number in range(5):
         room.put(Waiting("message", "/a", 1, lambda number=number: done.append(number)))  # type: ignore[misc]
     assert not room.put(Waiting("picture", "/big", 101, lambda: None))
@@ -260,9 +260,9 @@ import sys, time
 from pathlib import Path
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
-from rai_missions.load import dump
+from rai_missions.mission.files import dump
 from rai_missions.recording import Recording
-from rai_missions.step import Step
+from rai_missions.engine.step import Step
 from tests.recording.kept import LAMP
 folder = Path(sys.argv[1])
 made = Recording.create(folder / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0)

@@ -10,16 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.clock import SimulatedClock
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, Record, read
-from rai_missions.load import dump
+from rai_missions.mission.files import dump
 from rai_missions.recording import Recording, journal_of
-from rai_missions.replay import replay
-from rai_missions.runner import Runner
-from rai_missions.step import Step
+from rai_missions.replay.replay import replay
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.runner import Runner
 from tests.journal.generated import blackboard_writes, steps
 from tests.recording.kept import LAMP, kept, rows_of
 from tests.strategies import EVENTS, missions

@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 import yaml  # type: ignore[import-untyped, unused-ignore]
 
-from rai_missions.agents.mission import Setting, prepare
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.engine.step import Step
+from rai_missions.profile import Robot
 from rai_missions.recording import journal_of
-from rai_missions.replay import replay
-from rai_missions.robot import Robot
-from rai_missions.step import Step
+from rai_missions.replay.replay import replay
 from tests.connectors.ros2.conftest import open_ros, ros
 from tests.recording.kept import LAMP, kept
 from tests.ros2 import on_ros
@@ -114,7 +114,9 @@ def test_messages_of_ros_are_kept_as_they_came_and_decoded_by_others(
         with seen:
             assert seen.wait_for(is_so, PATIENCE_S)
 
-    with prepare(Setting(LAMP.model_copy(update={"ready_s": PATIENCE_S}), ROBOT, record=path, on_step=see)) as prepared:
+    with prepare(
+        RunConfig(LAMP.model_copy(update={"ready_s": PATIENCE_S}), ROBOT, record=path, on_step=see)
+    ) as prepared:
         thread = threading.Thread(target=prepared.runner.run)
         thread.start()
         wait_for(lambda: "on" in entered, "/battery", "sensor_msgs/msg/BatteryState", battery(0.9))
@@ -156,7 +158,7 @@ def test_a_definition_is_all_that_others_need_to_read_a_message(type_name: str) 
     from mcap_ros2._dynamic import generate_dynamic
     from rclpy.serialization import serialize_message
 
-    from rai_missions.connectors.ros2.definitions import definition_of
+    from rai_missions.connectors.ros2.msg_definitions import definition_of
     from rai_missions.connectors.ros2.names import find_type
 
     decoders = generate_dynamic(type_name, definition_of(type_name))

@@ -11,15 +11,15 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.clock import SimulatedClock
+from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Image
+from rai_missions.profile import Robot
 from rai_missions.recording import RecordedConnector, Recording, journal_of
 from rai_missions.recording.schemas import described
-from rai_missions.replay import replay
-from rai_missions.robot import Robot
+from rai_missions.replay.replay import replay
+from rai_missions.runtime.clock import SimulatedClock
 from tests.recording.kept import LAMP, Kept, kept
 
 pytest.importorskip("mcap")
@@ -85,7 +85,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     connector.start()
     stages.append(Stage(connector, SCRIPT))
     words: dict[str, Any] = {"connector": connector, "clock": SimulatedClock(stages[0]), "record": path}
-    with prepare(Setting(LAMP, ROBOT, **words)) as prepared:
+    with prepare(RunConfig(LAMP, ROBOT, **words)) as prepared:
         assert prepared.runner.run().outcome == "aborted"
         assert prepared.recording is not None
     assert prepared.recording.summary is not None and prepared.recording.summary.dropped == {}

@@ -18,7 +18,7 @@ from rai_missions.connectors.connector import Connector, Message
 from rai_missions.connectors.contract import Heard
 from rai_missions.connectors.ros2 import open_connector
 from rai_missions.journal import read
-from rai_missions.replay import replay
+from rai_missions.replay.replay import replay
 from rai_missions.worlds.house.layout import PLACES
 from tests.ros2 import load_quietly, on_ros
 from tests.tractor.ros2_processes import PATIENCE_S, ROOT, Graph, Process, graph_in
@@ -143,9 +143,7 @@ def test_recoveries_that_fail_abort_the_goal_and_a_decision_is_made(
 
 def test_without_nav2s_types_it_says_at_once_how_to_get_them() -> None:
     """Nothing is started: the types are missed before the robot is looked for."""
-    hidden = (
-        "import sys; sys.modules['nav2_msgs'] = None; from rai_missions.cli import main; sys.exit(main(sys.argv[1:]))"
-    )
+    hidden = "import sys; sys.modules['nav2_msgs'] = None; from rai_missions.cli.main import main; sys.exit(main(sys.argv[1:]))"  # noqa: E501
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", hidden, "run", MISSION, "--robot", PROFILE, "--no-operator"],
         capture_output=True, text=True, check=False, timeout=PATIENCE_S,

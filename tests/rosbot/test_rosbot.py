@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.script import ScriptAnswerer
+from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.check import check
+from rai_missions.engine.step import Step
 from rai_missions.journal import read
-from rai_missions.load import dump, load
-from rai_missions.replay import replay
-from rai_missions.robot import load_profile, missing
-from rai_missions.step import Step
+from rai_missions.mission.files import dump, load
+from rai_missions.profile import load_profile, missing
+from rai_missions.replay.replay import replay
 
 ROSBOT = Path(__file__).parents[2] / "missions" / "rosbot"
 PROFILES = ["robot.sim.json", "robot.ros2.json"]

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from rai_missions.cli import main, parser
-from rai_missions.commands.watch import serving
+from rai_missions.cli.commands.watch import serving
+from rai_missions.cli.main import main, parser
 from rai_missions.journal import Header, Journal
-from rai_missions.load import dump
+from rai_missions.mission.files import dump
 from tests.fuzz.seeds import LAMP, written_run
 
 ROOT = Path(__file__).parents[2]

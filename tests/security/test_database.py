@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
 from rai_missions.errors import DefinitionError
 from rai_missions.journal import Journal, Record, read, verify
 from rai_missions.journal.rows import GENESIS

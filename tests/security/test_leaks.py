@@ -24,25 +24,25 @@ from hypothesis import strategies as st
 from langchain_core.messages import AIMessage
 from pydantic import SecretStr
 
-from rai_missions.agents.doubles import DoubleModel, call
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.agents.node import MissionNode
-from rai_missions.agents.node.carrier import Carrier
-from rai_missions.cli import main
-from rai_missions.commands.discreet import discreet
-from rai_missions.commands.live import Watch
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.answerers.test_models import DoubleModel, call
+from rai_missions.cli.commands.run_page import Watch
+from rai_missions.cli.main import main
+from rai_missions.cli.progress import Lines
+from rai_missions.cli.redacted_stdout import redacted_output
 from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
-from rai_missions.hush import hush
 from rai_missions.journal import read
-from rai_missions.load import dump
-from rai_missions.mission import Mission
-from rai_missions.progress import Lines
-from rai_missions.redact import Redaction
-from rai_missions.replay import replay
-from rai_missions.robot import Robot
-from tests.agents.node.scenes import Client
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.node import MissionNode
+from rai_missions.node.transport import Carrier
+from rai_missions.profile import Robot
+from rai_missions.redaction.hush import hush
+from rai_missions.redaction.redact import Redaction
+from rai_missions.replay.replay import replay
+from tests.node.scenes import Client
 from tests.security.test_secrets import texts
 from visualize import difference, draw, draw_difference, draw_review
 from visualize.live import LivePage, Place
@@ -197,7 +197,7 @@ def test_nothing_that_a_run_writes_or_shows_holds_a_secret(
     shown = io.StringIO()
     lines = Lines(MISSION, shown, verbose=True)
     journal = tmp_path / "run.journal"
-    setting = Setting(
+    setting = RunConfig(
         MISSION, ROBOT, model=Loose(), connector=robot, journal=journal, record=tmp_path / "run.mcap",
         on_step=lines.step, on_status=lines.status,
     )  # fmt: skip
@@ -226,7 +226,7 @@ def test_nothing_that_a_run_writes_or_shows_holds_a_secret(
 def test_nothing_that_a_node_says_on_the_graph_holds_a_secret(
     robot: Loud, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    setting = Setting(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
+    setting = RunConfig(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
     node = MissionNode(setting, "loose", managed=False, carrier=Carrier(robot, True, False), operator=False)
     node.run()
     try:
@@ -246,7 +246,7 @@ def test_a_run_that_cannot_be_begun_by_a_node_says_why_without_secrets(
     def broken() -> Path:
         raise RuntimeError(f"no journal for {' '.join(VARIABLES.values())}")
 
-    setting = Setting(MISSION, ROBOT, connector=robot, journal=tmp_path / "run.journal")
+    setting = RunConfig(MISSION, ROBOT, connector=robot, journal=tmp_path / "run.journal")
     node = MissionNode(setting, "loose", carrier=Carrier(robot, True, False), operator=False, journals=broken)
     node.run()
     client = Client(robot, node.name.path)
@@ -263,7 +263,7 @@ def test_nothing_that_the_live_page_is_sent_holds_a_secret(
     robot: Loud, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     page = LivePage(Place(port=0))
-    setting = Setting(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
+    setting = RunConfig(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
     watch = Watch(page, setting, operator=False)
     heard: dict[str, bytes] = {}
 
@@ -339,7 +339,7 @@ def test_words_on_a_terminal_command_it_nothing_and_tell_no_secret(
             patched.setenv(name, value)
         patched.setattr(sys, "stdout", out)
         patched.setattr(sys, "stderr", err)
-        with discreet(controls=False):
+        with redacted_output(controls=False):
             sys.stdout.write(before + "\x1b]0;title\x07\x9b2J\u202e" + secret + after)
             sys.stderr.writelines([before, secret + after])
         patched.undo()

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.parameters import MOST_PARTS, misfits, schema_fault
+from rai_missions.mission.option_parameters import MOST_PARTS, misfits, schema_fault
 
 SPEED = {"type": "object", "properties": {"speed": {"type": "number", "maximum": 2}}, "required": ["speed"]}
 LAUGHS: dict[str, Any] = {

@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 from mcap.writer import CompressionType, Writer
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
 from rai_missions.errors import DefinitionError
 from rai_missions.journal import verify
 from rai_missions.journal.rows import GENESIS, chained
-from rai_missions.recording import journal_of, reading
-from rai_missions.recording.pen import JOURNAL_TOPIC
+from rai_missions.recording import journal_of
+from rai_missions.recording import mcap_reader as reading
+from rai_missions.recording.encoder import JOURNAL_TOPIC
 from rai_missions.recording.recording import FORMAT
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli import main
-from rai_missions.commands import revision
-from rai_missions.load import dump
+from rai_missions.cli import git as revision
+from rai_missions.cli.main import main
+from rai_missions.mission.files import dump
 from tests.fuzz.seeds import LAMP
 
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="there is no git on this machine")

@@ -13,10 +13,10 @@ import pytest
 from pydantic import SecretStr
 
 from rai_missions.agents import run
-from rai_missions.agents.doubles import DoubleModel
+from rai_missions.answerers.test_models import DoubleModel
+from rai_missions.cli.progress import Lines
 from rai_missions.journal import read
-from rai_missions.mission import Mission
-from rai_missions.progress import Lines
+from rai_missions.mission.mission import Mission
 from tests.recording.kept import kept
 from visualize import draw, draw_review
 

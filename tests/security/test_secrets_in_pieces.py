@@ -22,18 +22,18 @@ from hypothesis import strategies as st
 from langchain_core.messages import AIMessage
 from pydantic import PrivateAttr, SecretStr
 
-from rai_missions.agents.doubles import DoubleModel, call
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.agents.node.order import read_order
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.answerers.test_models import DoubleModel, call
+from rai_missions.cli.progress import Lines
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.cut import clipped, cut, cut_repr, first_line, shown
 from rai_missions.errors import ConnectorError
 from rai_missions.journal import read
-from rai_missions.mission import Mission
-from rai_missions.progress import Lines
-from rai_missions.redact import redacted
-from rai_missions.robot import Robot
+from rai_missions.mission.mission import Mission
+from rai_missions.node.command import read_order
+from rai_missions.profile import Robot
+from rai_missions.redaction.cut import clipped, cut, cut_repr, first_line, shown
+from rai_missions.redaction.redact import redacted
 from tests.security.test_leaks import STRING, TRIGGER, files, log_of
 
 PIECE = 8
@@ -213,7 +213,7 @@ def leaves(own: str, theirs: str, folder: Path) -> dict[str, bytes | str]:
     """Everything that a run leaves behind and shows."""
     shown = io.StringIO()
     lines = Lines(MISSION, shown, verbose=True)
-    setting = Setting(
+    setting = RunConfig(
         MISSION, ROBOT, model=Loose(key=SecretStr(own), theirs=theirs), connector=Loud(theirs),
         answerers={"someone": Broken(theirs)}, journal=folder / "run.journal", on_step=lines.step,
         on_status=lines.status,

@@ -44,7 +44,7 @@ def hear(name: str, given: tuple[Any, ...]) -> None:
 
 def main() -> None:
     """Run what the input tells."""
-    from rai_missions.cli import main as command
+    from rai_missions.cli.main import main as command
 
     commands = json.load(sys.stdin)
     sys.addaudithook(hear)

@@ -15,7 +15,7 @@ from rai_missions.connectors.connector import Close, Data, Message, Mode, Reply,
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.tools import Allowed, Toolbox
-from rai_missions.tools.reach import Reach
+from rai_missions.tools.access import Reach
 
 NAMES = ("/a", "/a/b", "/a/b/e_stop", "/cmd_vel", "/cmd_vel/request", "/tf", "/tf_static", "/x")
 PATTERNS = ("*", "/a", "/a/*", "*/e_stop", "/cmd_vel", "/tf*", "/?")

@@ -14,18 +14,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from langchain_core.messages import AIMessage, HumanMessage, ToolMessage
 
-from rai_missions.agents import DecisionAgent
-from rai_missions.agents.mission import Setting, prepare
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.connectors.connector import Data
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.decision import Limits
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Image
 from rai_missions.journal import read
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
-from rai_missions.testing import QUESTION, ScriptedModel, Told, ToolFloodModel, answer_fault, call
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.testing import QUESTION, ReplyCallback, ScriptedModel, ToolFloodModel, answer_fault, call
 from rai_missions.tools import Toolbox
-from rai_missions.verdict import Limits
 from tests.tools.conftest import PATIENCE_S, Saying, Tried
 
 ASKING: dict[str, Any] = {
@@ -84,7 +84,7 @@ def heard(model: ScriptedModel) -> list[ToolMessage]:
 def test_what_a_model_looked_up_in_a_run_stands_in_its_journal(tmp_path: Path) -> None:
     model = asking(call("receive_message", topic="/robot/sign", field="data", timeout_s=PATIENCE_S))
     connector, path = Counting(), tmp_path / "run.journal"
-    setting = Setting(mission("receive_message"), robot(), model=model, connector=connector, journal=path)
+    setting = RunConfig(mission("receive_message"), robot(), model=model, connector=connector, journal=path)
     with (
         Saying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": "left is free"}),
         prepare(setting) as run,
@@ -108,7 +108,7 @@ def test_what_a_robot_says_widens_nothing(tmp_path: Path) -> None:
         then="fly",
     )
     connector = Counting()
-    setting = Setting(mission("receive_message"), robot(), model=model, connector=connector)
+    setting = RunConfig(mission("receive_message"), robot(), model=model, connector=connector)
     with Saying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": ORDER}), prepare(setting) as run:
         result = run.runner.run()
     assert (result.outcome, connector.written) == ("failed", 0), "'fly' is no option: the fallback"
@@ -125,7 +125,7 @@ def test_a_flood_of_calls_stops_at_the_budget(budget: int, at_once: int) -> None
     connector.start()
     box = Toolbox(connector, now=time.monotonic)
     model = ToolFloodModel(tool="list_topics", at_once=at_once)
-    agent, told = DecisionAgent(model, tools=box.read_only), Told()
+    agent, told = DecisionAgent(model, tools=box.read_only), ReplyCallback()
     agent.ask(QUESTION._replace(tools=("list_topics",), budget=Limits(calls=budget)), told)
     said = told.wait(PATIENCE_S)
     agent.stop()
@@ -151,13 +151,13 @@ def test_a_tool_that_acts_is_refused_where_an_agent_is_made(local: Tried) -> Non
 )
 def test_a_decision_that_names_no_tool_that_looks_is_refused_before_the_start(tool: str, said: str) -> None:
     with pytest.raises(DefinitionError) as fault:
-        prepare(Setting(mission(tool), robot(), model=ScriptedModel([])))
+        prepare(RunConfig(mission(tool), robot(), model=ScriptedModel([])))
     assert said in str(fault.value)
 
 
 def test_without_tools_in_the_profile_there_are_none_and_it_is_said(caplog: pytest.LogCaptureFixture) -> None:
     model = asking(call("receive_message", topic="/robot/sign"))
-    setting = Setting(mission("receive_message"), robot(tools=None), model=model, connector=Counting())
+    setting = RunConfig(mission("receive_message"), robot(tools=None), model=model, connector=Counting())
     with caplog.at_level(logging.WARNING), prepare(setting) as run:
         run.runner.run()
     assert "the tool 'receive_message' is not there: the robot's profile has no 'tools'" in caplog.text
@@ -173,7 +173,7 @@ def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local
         ]
     )
     box = local.box()
-    agent, told = DecisionAgent(model, tools=box.read_only, images=images), Told()
+    agent, told = DecisionAgent(model, tools=box.read_only, images=images), ReplyCallback()
     with Saying(local.connector, "/camera", "", lambda: {"data": picture}):
         agent.ask(QUESTION._replace(tools=("get_image",), until=QUESTION.at + PATIENCE_S), told)
         said = told.wait(PATIENCE_S)

@@ -24,8 +24,8 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.event import Image
 from rai_missions.tools import RobotTool, Said, Toolbox
-from rai_missions.tools.pictures import LARGEST, block
-from rai_missions.tools.said import LONGEST, at_path
+from rai_missions.tools.images import LARGEST, block
+from rai_missions.tools.result import LONGEST, at_path
 from rai_missions.tools.tool import robot_tool
 from tests.tools.conftest import PATIENCE_S, Saying, Tried
 
@@ -229,7 +229,7 @@ def test_a_picture_file_that_unpacks_to_very_many_pixels_is_refused() -> None:
     ],
 )
 def test_what_is_no_picture_is_told(message: Any, said: str) -> None:
-    from rai_missions.tools.pictures import image_of
+    from rai_missions.tools.images import image_of
 
     with pytest.raises(ConnectorError, match=said):
         image_of(message, "x")

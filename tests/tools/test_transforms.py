@@ -256,7 +256,7 @@ def test_transforms_are_read_only_where_their_topics_may_be_read(local: Tried) -
 
 
 def test_what_does_not_change_is_heard_by_who_comes_later_over_ros() -> None:
-    from rai_missions.connectors.ros2.options import read_options
+    from rai_missions.connectors.ros2.config import read_options
 
     options = read_options({"qos": {"/b/tf_static": {"depth": 1}}})
     told = [options.quality(topic).durability for topic in ("/tf_static", "/a/tf_static", "/tf", "/b/tf_static")]

@@ -21,7 +21,7 @@ from tests.ros2 import QUICK_DISCOVERY, lock_free_domain
 
 ROOT = Path(__file__).parents[2]
 TRACTOR = ROOT / "missions" / "tractor"
-CLI = [sys.executable, "-W", "ignore", "-m", "rai_missions.cli"]
+CLI = [sys.executable, "-W", "ignore", "-m", "rai_missions.cli.main"]
 PATIENCE_S = 150.0
 
 

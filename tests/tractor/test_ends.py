@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.chart import Chart
-from rai_missions.effects import Call, Say
+from rai_missions.engine import Chart
+from rai_missions.engine.step import CallService, SayAloud
 from rai_missions.event import Event
-from rai_missions.load import load
+from rai_missions.mission.files import load
 from rai_missions.states import Decision, Final
-from rai_missions.step import CallService, SayAloud
+from rai_missions.states.effects import Call, Say
 from rai_missions.trees import PyTrees
 
 MISSIONS = Path(__file__).parents[2] / "missions"

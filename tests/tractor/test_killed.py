@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.journal import verify
-from rai_missions.replay import replay
-from tests.resume.deaths import Nursery, wait_until
-from tests.resume.instants import Instant
+from rai_missions.replay.replay import replay
+from tests.replay.deaths import Nursery, wait_until
+from tests.replay.instants import Instant
 from tests.ros2 import on_ros
 from tests.tractor.ros2_processes import TRACTOR, Graph, Process, graph_in
 

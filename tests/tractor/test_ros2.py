@@ -13,9 +13,9 @@ import pytest
 
 from rai_missions.check import check
 from rai_missions.connectors.ros2 import open_connector
-from rai_missions.load import load
-from rai_missions.replay import replay
-from rai_missions.robot import load_profile, missing
+from rai_missions.mission.files import load
+from rai_missions.profile import load_profile, missing
+from rai_missions.replay.replay import replay
 from tests.ros2 import load_quietly, on_ros
 from tests.tractor.ros2_processes import TRACTOR, Graph, answers, graph_in
 

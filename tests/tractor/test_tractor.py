@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from rai_missions.check import check
+from rai_missions.engine.step import Step
 from rai_missions.journal import read
-from rai_missions.load import dump, load
-from rai_missions.replay import replay
-from rai_missions.robot import load_profile, missing
-from rai_missions.step import Step
+from rai_missions.mission.files import dump, load
+from rai_missions.profile import load_profile, missing
+from rai_missions.replay.replay import replay
 from rai_missions.testing import ChatteringAnswerer
 
 TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
@@ -177,7 +177,7 @@ def test_an_anomaly_after_a_pause_is_still_one(drive: Any) -> None:
 @pytest.mark.skipif(importlib.util.find_spec("xllamacpp") is None, reason="no model here; `make weights` installs one")
 def test_a_weak_model_cannot_hurt_the_mission(drive: Any) -> None:
     """A real one, that chooses no better than chance."""
-    from rai_missions.agents.local_model import packaged_weights
+    from rai_missions.answerers.model.local_server import packaged_weights
 
     if packaged_weights() is None:
         pytest.skip("no weights here; `make weights` installs them")

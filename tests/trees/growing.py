@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from rai_missions.blackboard import Stamped
 from rai_missions.guards.guard import Truth
+from rai_missions.keys import Stamped
 
 FACTS = ("a", "b", "c")
 often = settings(max_examples=4 * settings().max_examples)

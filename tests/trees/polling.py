@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 from py_trees import decorators
 from py_trees.common import Status
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.states import tree
-from rai_missions.states.tending import Tending
 from rai_missions.trees import PyTrees
 from tests.trees.growing import CONVERTERS, FACTS, STATUSES, durations, is_true, parallel
 from tests.trees.oracle import ActionLeaf, Oracle, recorded
@@ -351,7 +351,7 @@ class Pair:
     def _ran(self) -> Ran:
         state, board = self._tending(), self.chart.view.board
         ended = next(iter({"success", "failure"} & set(self.chart.view.active)), "running")
-        if not isinstance(state, Tending):
+        if not isinstance(state, TreeActivity):
             return Ran(self.has_settled, self.step.resting, (ended, self._end()), {}, {})
         ours: Json = {key: board[key].value for key in self.polled.looked_at}
         ours["running"] = sorted(path for path, node in state.tree.nodes.items() if node["status"] == "running")

@@ -10,12 +10,12 @@ import pytest
 from py_trees.common import Status
 
 from rai_missions import Mission, dump
+from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.states.final import Final
-from rai_missions.states.ticker import TreeState
 from rai_missions.states.tree import BehaviourLeaf, CheckLeaf, EternalGuard, Tree
 from rai_missions.trees import PyTrees
-from rai_missions.trees.live import LiveBehaviour
+from rai_missions.trees.python_behaviour import LiveBehaviour
 from tests.trees.growing import is_true, seen
 
 

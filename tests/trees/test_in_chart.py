@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import StartGoal
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.step import StartGoal
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 
 COUNTING = {

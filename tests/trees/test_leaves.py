@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from rai_missions.blackboard import Key, Stamped
-from rai_missions.states.ticker import Leaf, LoopRound, Ticked, TreeState
+from rai_missions.engine.activities.ticker import Leaf, LoopRound, Ticked, TreeState
+from rai_missions.keys import Key, Stamped
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 from tests.trees.growing import Facts, asked, is_true, seen

@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 import py_trees
 import pytest
 
-from rai_missions.clock import SimulatedClock
-from rai_missions.mission import Mission
-from rai_missions.runner import Result, Runner
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.runner import Result, Runner
 from rai_missions.states import Final, Transition, Tree
 from rai_missions.states.tree import BehaviourLeaf, Sequence, WaitLeaf
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from rai_missions.chart import Chart
-from rai_missions.chart.packing import packed, unpacked
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.tree_rounds import MOST_ROUNDS, MOST_WAKES
+from rai_missions.engine.snapshot_json import packed, unpacked
+from rai_missions.engine.step import CallService, PublishMessage, Step
 from rai_missions.event import Event, Tick
 from rai_missions.journal.codec import decode, encode
-from rai_missions.mission import Mission
-from rai_missions.states.rounds import MOST_ROUNDS, MOST_WAKES
-from rai_missions.step import CallService, PublishMessage, Step
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 
 COUNT = {"set": "n", "add": 1}

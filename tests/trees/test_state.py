@@ -11,8 +11,8 @@ from typing import Any
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rai_missions.blackboard import Key, Stamped
-from rai_missions.states.ticker import Leaf, Ticked, Ticker, TreeState
+from rai_missions.engine.activities.ticker import Leaf, Ticked, Ticker, TreeState
+from rai_missions.keys import Key, Stamped
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 from tests.trees.growing import FACTS, Facts, Moment, is_true, lives, often, rich_trees, seen

@@ -10,10 +10,10 @@ import jsonschema
 import pytest
 from hypothesis import given
 
+from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.errors import DefinitionError
-from rai_missions.schema import mission_schema
+from rai_missions.mission.schema import mission_schema
 from rai_missions.states import tree as t
-from rai_missions.states.ticker import TreeState
 from rai_missions.states.tree import TreeNode, tree_paths
 from rai_missions.trees import PyTrees
 from tests.trees.growing import rich_trees, seen

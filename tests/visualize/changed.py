@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.visualize.runs import document
 
 __all__ = ("changed",)

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Move, Step
 from rai_missions.event import Event, Tick
-from rai_missions.mission import Mission
-from rai_missions.step import Move, Step
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 
 __all__ = ("ROOT", "document", "hostile", "run", "tractor", "tractor_path")

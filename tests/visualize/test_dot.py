@@ -14,14 +14,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.strategies import missions
 from tests.visualize.runs import document, hostile, tractor, tractor_path
-from visualize import dot
-from visualize.dot import layout_program, render
-from visualize.graphing import dot_text, quoted
-from visualize.picture import picture
-from visualize.raster import can_raster, raster
+from visualize import graphviz as dot
+from visualize.build import picture
+from visualize.dot_text import dot_text, quoted
+from visualize.graphviz import layout_program, render
+from visualize.rasterize import can_raster, raster
 from visualize.style import clean, width, wrapped
 
 SVG = "{http://www.w3.org/2000/svg}"

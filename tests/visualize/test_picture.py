@@ -8,10 +8,10 @@ from collections import Counter
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.strategies import EVENTS, missions
 from tests.visualize.runs import run, tractor, tractor_path
-from visualize.picture import picture
+from visualize.build import picture
 
 
 def rows(mission: Mission) -> Counter[tuple[str, str, str]]:

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.load import load
-from rai_missions.mission import Mission
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
 from tests.visualize.changed import changed
 from tests.visualize.runs import ROOT, hostile, tractor, tractor_path
 from visualize import difference, drawn, picture
-from visualize.shapes import Picture
+from visualize.model import Picture
 
 STORED = Path(__file__).parent / "stored"
 REWRITE = os.environ.get("REWRITE_PICTURES") == "1"

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.states import Compound
 from rai_missions.states import Tree as TreeState
 from tests.strategies import missions
@@ -19,7 +19,7 @@ from tests.visualize.runs import hostile, tractor, tractor_path
 from visualize import mermaid as mermaids
 from visualize import picture
 from visualize import table as tables
-from visualize.graphing import dot_text
+from visualize.dot_text import dot_text
 from visualize.mermaid import mermaid
 from visualize.page import review
 from visualize.style import clean

@@ -15,13 +15,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.strategies import mission_documents
 from tests.visualize.tree_documents import Child, Json, crowded, named, numbers, walk, written_trees
 from visualize import drawn
-from visualize.dot import render
+from visualize.build import picture
+from visualize.graphviz import render
 from visualize.page.chart_data import chart_data
-from visualize.picture import picture
 
 SVG = "{http://www.w3.org/2000/svg}"
 

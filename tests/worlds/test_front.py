@@ -12,7 +12,7 @@ from rai_missions.connectors.connector import ActionServer, Close, Data, Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.worlds import open_world
-from rai_missions.worlds.front import CLOCK, Front, Stage, company
+from rai_missions.worlds.bridge import CLOCK, Front, Stage, company
 
 
 class Poor(LocalConnector):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli import main
+from rai_missions.cli.main import main
 from tests.ros2 import ABSENT, on_ros
 from tests.tractor.ros2_processes import Graph, graph_in
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.doctor.reach import reach
-from rai_missions.robot import load_profile
+from rai_missions.cli.doctor.robot import reach
+from rai_missions.profile import load_profile
 from tests.ros2 import on_ros
 from tests.tractor.ros2_processes import TRACTOR, Graph, graph_in
 

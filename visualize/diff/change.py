@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
-from visualize.shapes import Mark
+from visualize.model import Mark
 
 __all__ = ("TOPICS", "Change", "Severity", "heading", "weight")
 

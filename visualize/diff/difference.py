@@ -9,18 +9,18 @@ from functools import cached_property
 from typing import Any
 
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.states import Decision
-from visualize.diff.aligned import Renamed, aligned, original_place
+from visualize.build import picture
+from visualize.diff.align import Renamed, aligned, original_place
+from visualize.diff.as_text import lines
 from visualize.diff.change import Change, weight
-from visualize.diff.changes import changes
+from visualize.diff.compare import changes
 from visualize.diff.fields import grave
-from visualize.diff.merged import merged
+from visualize.diff.merged_picture import merged
 from visualize.diff.originals import Originals
-from visualize.diff.told import lines
-from visualize.picture import picture
-from visualize.shapes import Picture
-from visualize.words import child_pointer
+from visualize.model import Picture
+from visualize.text import child_pointer
 
 __all__ = ("Difference", "difference")
 

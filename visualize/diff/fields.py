@@ -10,15 +10,15 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.guards.guard import Guard
+from rai_missions.model import MissionModel
 from rai_missions.states.decision import Budget, Option
 from rai_missions.states.tree import TreeNode
-from rai_missions.written import Written
 from visualize.diff.change import Change, Severity
+from visualize.diff.guard_relation import relation
 from visualize.diff.originals import AS_THEY_ARE, Originals
-from visualize.diff.weaker import relation
-from visualize.words import child_pointer, effects, template
+from visualize.text import child_pointer, effects, template
 
-__all__ = ("LIMITS", "Spot", "effects_changed", "fields", "grave", "guards", "said")
+__all__ = ("LIMITS", "FieldRef", "effects_changed", "fields", "grave", "guards", "said")
 
 LIMITS = (
     "timeout_s", "deadline_s", "max_age_s", "settle_s", "handover_s", "cancel_s", "ready_s", "within_s", "attempts",
@@ -44,7 +44,7 @@ APART = (
 """Fields that are compared by hand."""
 
 
-class Spot(NamedTuple):
+class FieldRef(NamedTuple):
     """Where two things that are compared stand."""
 
     old: str
@@ -56,7 +56,7 @@ class Spot(NamedTuple):
     own: Originals = AS_THEY_ARE
     """Things of the old mission in their own words."""
 
-    def inside(self, *words: str, whose: str = "") -> Spot:
+    def inside(self, *words: str, whose: str = "") -> FieldRef:
         """A part of it."""
         old, new = (child_pointer(each, *words) for each in (self.old, self.new))
         return self._replace(old=old, new=new, whose=whose or self.whose)
@@ -80,8 +80,8 @@ def grave(yes: bool) -> Severity:
 
 
 def fields(
-    old: Written, new: Written, spot: Spot, also_apart: Sequence[str] = (), *, of: type[Written] | None = None,
-    asks_a_model: bool = False,
+    old: MissionModel, new: MissionModel, spot: FieldRef, also_apart: Sequence[str] = (), *,
+    of: type[MissionModel] | None = None, asks_a_model: bool = False,
 ) -> Iterator[Change]:  # fmt: skip
     """What is otherwise in two models, but for what they hold of states, rows and options.
 
@@ -112,7 +112,7 @@ def fields(
             yield here.changed(topic, f"'{word}' changed", severity, before=said(own), after=said(after))
 
 
-def _weighed(name: str, new: Written, after: Any, *, asks_a_model: bool) -> tuple[str, Severity]:
+def _weighed(name: str, new: MissionModel, after: Any, *, asks_a_model: bool) -> tuple[str, Severity]:
     """What a field is about, and whether a change of it is for a reviewer to judge."""
     if name in WHEN_SET:
         return WHEN_SET[name], grave(bool(after))
@@ -133,7 +133,7 @@ def _same_program(before: Any, after: Any) -> bool:
     return len(names) == 2 and names[0] == names[1] is not None
 
 
-def _limit(before: Any, after: Any, spot: Spot, word: str, *, either: bool) -> Change:
+def _limit(before: Any, after: Any, spot: FieldRef, word: str, *, either: bool) -> Change:
     """What became of a bound; `either`: to lower it may loosen as well, as in a tree, which goes on past a failure."""
     topic = "trust" if word == "max_age_s" else "limit"
     was, now = (_bound(value, word) for value in (before, after))
@@ -148,7 +148,7 @@ def _bound(value: float | None, word: str) -> str:
 
 
 def guards(
-    before: Guard | None, after: Guard | None, spot: Spot, called: str, *, topic: str = "guard",
+    before: Guard | None, after: Guard | None, spot: FieldRef, called: str, *, topic: str = "guard",
     grave_if: Sequence[str] = ("weakened", "changed"),
 ) -> Iterator[Change]:  # fmt: skip
     """What became of a guard; `grave_if`: which of weakened, strengthened and changed a reviewer must judge."""
@@ -165,7 +165,7 @@ def guards(
         yield spot.changed("rest", f"{called} written otherwise, means the same", "other", before=was, after=now)
 
 
-def effects_changed(before: Any, after: Any, spot: Spot, word: str, why: Sequence[str]) -> Change:
+def effects_changed(before: Any, after: Any, spot: FieldRef, word: str, why: Sequence[str]) -> Change:
     """What is done on the way is otherwise; `why` it matters to more than a reader."""
     was, now = said(spot.own.of(before)), said(after)
     because = f": {', '.join(dict.fromkeys(why))}" if why else ""
@@ -175,7 +175,7 @@ def effects_changed(before: Any, after: Any, spot: Spot, word: str, why: Sequenc
 
 def said(value: Any) -> str:
     """A value in words."""
-    if isinstance(value, Written):
+    if isinstance(value, MissionModel):
         return template(value.written())
     if isinstance(value, tuple) and value and all(hasattr(item, "words") for item in value):
         return f"“{'; '.join(effects(value))}”"

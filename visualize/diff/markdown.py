@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from visualize.diff.as_text import by_topic, counted, headline
 from visualize.diff.change import Change
 from visualize.diff.difference import Difference
-from visualize.diff.told import by_topic, counted, headline
 from visualize.mermaid import mermaid
-from visualize.shapes import Mark
+from visualize.model import Mark
 from visualize.style import clean
 
 __all__ = ("markdown",)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-from rai_missions.mission import Mission
-from rai_missions.written import Written
+from rai_missions.mission.mission import Mission
+from rai_missions.model import MissionModel
 
 __all__ = ("AS_THEY_ARE", "Originals")
 
@@ -30,7 +30,7 @@ class Originals:
             self._states = {now: was for (_, now, _), (_, was, _) in names}
 
     def _pair(self, renamed: Any, given: Any) -> None:
-        if isinstance(renamed, Written):
+        if isinstance(renamed, MissionModel):
             self._found[id(renamed)] = given
             for name in renamed.model_fields_set:
                 self._pair(getattr(renamed, name), getattr(given, name))

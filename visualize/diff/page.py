@@ -9,15 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from visualize.build import picture
+from visualize.diff.as_text import headline
 from visualize.diff.change import Change, heading
 from visualize.diff.difference import Difference
-from visualize.diff.told import headline
+from visualize.page.as_json import Json, plain
 from visualize.page.chart_data import chart_data
-from visualize.page.document import SCRIPTS, document
+from visualize.page.html import SCRIPTS, document
 from visualize.page.lens import lens
 from visualize.page.lenses import lenses
-from visualize.page.plain import Json, plain
-from visualize.picture import picture
 
 __all__ = ("difference_data", "page")
 

@@ -11,12 +11,12 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions import renaming
-from rai_missions.effects import Call, Drop, Effect, Publish, Raise, Set
-from rai_missions.mission import Mission
+from rai_missions.mission import renaming
+from rai_missions.mission.mission import Mission
+from rai_missions.model import MissionModel
 from rai_missions.states import Transition
+from rai_missions.states.effects import Call, Drop, Effect, Publish, Raise, Set
 from rai_missions.states.state import ANY_EVENT
-from rai_missions.written import Written
 
 __all__ = ("Uses", "otherwise", "uses")
 
@@ -72,10 +72,10 @@ def uses(*missions: Mission) -> Uses:
     return Uses(frozenset(keys), frozenset(heard), timers)
 
 
-def _all(given: Any) -> Iterator[Written]:
+def _all(given: Any) -> Iterator[MissionModel]:
     """Every written thing in one, itself included."""
     inner: Iterable[Any] = ()
-    if isinstance(given, Written):
+    if isinstance(given, MissionModel):
         yield given
         inner = (getattr(given, name) for name in given.model_fields_set)
     elif isinstance(given, Mapping):
@@ -86,7 +86,7 @@ def _all(given: Any) -> Iterator[Written]:
         yield from _all(item)
 
 
-def _read(item: Written) -> set[str]:
+def _read(item: MissionModel) -> set[str]:
     """The keys that a thing reads, by what `renaming` knows of its fields."""
     found = set[str]()
 

@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 from rai_missions.states import Decision, Transition
 from rai_missions.states.state import ANY_EVENT
-from visualize.diff.aligned import paired
+from visualize.diff.align import paired
 from visualize.diff.change import Change, Severity
-from visualize.diff.fields import Spot, effects_changed, grave, guards, said
+from visualize.diff.fields import FieldRef, effects_changed, grave, guards, said
+from visualize.diff.reachability import Ways
 from visualize.diff.reads import Uses, otherwise
-from visualize.diff.ways import Ways
-from visualize.words import effects, trigger
+from visualize.text import effects, trigger
 
 __all__ = ("Rows", "row_changes")
 
@@ -29,7 +29,7 @@ class Rows(NamedTuple):
 
     old: Sequence[Transition]
     new: Sequence[Transition]
-    spot: Spot
+    spot: FieldRef
     """Of the state."""
     before: Ways
     after: Ways

@@ -5,8 +5,8 @@ Rule: the engine waits for nobody. It leaves its steps in a queue; what a viewer
 """
 
 from visualize.live.feed import Feed, RunFeed
-from visualize.live.following import JournalFeed
-from visualize.live.scene import Scene
-from visualize.live.server import Desk, LivePage, Place
+from visualize.live.journal_feed import JournalFeed
+from visualize.live.run_view import RunScene
+from visualize.live.server import CommandSink, LivePage, Place
 
-__all__ = ("Desk", "Feed", "JournalFeed", "LivePage", "Place", "RunFeed", "Scene")
+__all__ = ("CommandSink", "Feed", "JournalFeed", "LivePage", "Place", "RunFeed", "RunScene")

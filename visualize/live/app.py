@@ -20,16 +20,16 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
-from visualize.live.door import ASGI, Allowance, Receive, Scope, Send
+from rai_missions.mission.mission import Mission
+from visualize.build import picture
+from visualize.live.auth import ASGI, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
-from visualize.live.pictures import Camera
-from visualize.live.shell import page, script, style
+from visualize.live.images import Camera
+from visualize.live.static import page, script, style
+from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
-from visualize.page.plain import Json
-from visualize.picture import picture
 
-__all__ = ("Desk", "Told", "application")
+__all__ = ("CommandSink", "ReplyCallback", "application")
 
 LARGEST_ORDER = 65_536
 """Bytes."""
@@ -46,16 +46,16 @@ STALLED_S = 10.0
 MOST_CAMERAS = 32
 
 
-class Told(Protocol):
+class ReplyCallback(Protocol):
     """Hears once, from any thread, what became of an order."""
 
     def __call__(self, success: bool, why: str) -> None: ...
 
 
-class Desk(Protocol):
+class CommandSink(Protocol):
     """Takes the operator's orders."""
 
-    def submit(self, text: str, told: Told) -> None:
+    def submit(self, text: str, told: ReplyCallback) -> None:
         """Take an order, as JSON; never waits."""
 
 
@@ -97,7 +97,7 @@ class Pages:
         about: What the page says of the run beside what happens: `run`, `journal`, `answers`.
     """
 
-    def __init__(self, mission: Mission, hub: Hub, desk: Desk | None, about: Json) -> None:
+    def __init__(self, mission: Mission, hub: Hub, desk: CommandSink | None, about: Json) -> None:
         self._hub, self._desk = hub, desk
         self._mission = {"chart": chart_data(picture(mission), mission), "acts": desk is not None, **about}
         self._cameras: OrderedDict[tuple[str, int], Camera] = OrderedDict()
@@ -163,7 +163,7 @@ class Pages:
             return _refused(409, why)
         return await self._carry(self._desk, text, command)
 
-    async def _carry(self, desk: Desk, text: str, command: str) -> Response:
+    async def _carry(self, desk: CommandSink, text: str, command: str) -> Response:
         loop = asyncio.get_running_loop()
         receipt: asyncio.Future[tuple[bool, str]] = loop.create_future()
 
@@ -188,7 +188,7 @@ class Pages:
         return JSONResponse({"success": success, "why": why}, 200 if success else 409)
 
 
-def application(mission: Mission, hub: Hub, desk: Desk | None, about: dict[str, Any]) -> ASGI:
+def application(mission: Mission, hub: Hub, desk: CommandSink | None, about: dict[str, Any]) -> ASGI:
     """What stands behind the door."""
     return Starlette(routes=[*Pages(mission, hub, desk, about).routes()])
 

@@ -10,9 +10,9 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
-from rai_missions.states.goals import OpenGoal
-from rai_missions.step import Step
-from visualize.live.scene import TAIL, Scene
+from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine.step import Step
+from visualize.live.run_view import TAIL, RunScene
 
 __all__ = ("Feed", "RunFeed")
 
@@ -23,10 +23,10 @@ MOST_WAITING = 512
 class Feed(Protocol):
     """What a page follows. All of it is called on the server's loop."""
 
-    async def begin(self, wake: Callable[[], None]) -> Scene:
+    async def begin(self, wake: Callable[[], None]) -> RunScene:
         """Somebody watches: how it stands, and `wake` (from any thread) once there is more."""
 
-    async def take(self, scene: Scene) -> Scene:
+    async def take(self, scene: RunScene) -> RunScene:
         """Bring a scene up to date; a new one where what happened in between was not kept."""
 
     def end(self) -> None:
@@ -51,7 +51,7 @@ class RunFeed:
 
     def __init__(
         self,
-        look: Callable[[], Scene],
+        look: Callable[[], RunScene],
         now: Callable[[], float],
         closed: Callable[[], Mapping[int, Mapping[str, str]]] = dict,
         loose: Callable[[], Sequence[OpenGoal]] = tuple,
@@ -72,12 +72,12 @@ class RunFeed:
         if step.moves or step.effects or step.why:
             self._past.append(step)
 
-    async def begin(self, wake: Callable[[], None]) -> Scene:
+    async def begin(self, wake: Callable[[], None]) -> RunScene:
         self._waiting.clear()
         self._is_told, self._wake = False, wake
         return self._whole()
 
-    async def take(self, scene: Scene) -> Scene:
+    async def take(self, scene: RunScene) -> RunScene:
         self._is_told = False
         while True:
             try:
@@ -100,7 +100,7 @@ class RunFeed:
     def now(self) -> float:
         return self._now()
 
-    def _whole(self) -> Scene:
+    def _whole(self) -> RunScene:
         scene = self._look()
         scene.loosen([goal.data() for goal in self._loose()])
         scene.recall(step for step in tuple(self._past) if step.seq <= scene.seq)

@@ -16,7 +16,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from visualize.live.feed import Feed
-from visualize.live.scene import Scene
+from visualize.live.run_view import RunScene
 
 __all__ = ("BEAT_S", "Hub", "Viewer")
 
@@ -80,7 +80,7 @@ class Hub:
         self._news, self._opening = asyncio.Event(), asyncio.Lock()
         self._pump: asyncio.Task[None] | None = None
         self._board_at = self._sent_at = 0.0
-        self.scene = Scene()
+        self.scene = RunScene()
 
     @property
     def viewers(self) -> int:

@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
-from visualize.live.app import Desk, application
-from visualize.live.door import Door, is_loopback
+from rai_missions.mission.mission import Mission
+from visualize.live.app import CommandSink, application
+from visualize.live.auth import Door, is_loopback
 from visualize.live.feed import Feed
 from visualize.live.hub import Hub
 
-__all__ = ("PORT", "Desk", "LivePage", "Place")
+__all__ = ("PORT", "CommandSink", "LivePage", "Place")
 
 PORT = 8765
 STALLED_MS = 10_000
@@ -93,7 +93,7 @@ class LivePage:
         return "https" if self._tls else "http"
 
     def start(
-        self, mission: Mission, feed: Feed, desk: Desk | None = None, about: dict[str, Any] | None = None
+        self, mission: Mission, feed: Feed, desk: CommandSink | None = None, about: dict[str, Any] | None = None
     ) -> None:
         """Serve a run from now on.
 
@@ -122,11 +122,11 @@ class LivePage:
             raise UsageError(f"the page cannot be served: {told[0]}")
 
     async def _serve(
-        self, mission: Mission, feed: Feed, desk: Desk | None, about: dict[str, Any], ready: threading.Event
+        self, mission: Mission, feed: Feed, desk: CommandSink | None, about: dict[str, Any], ready: threading.Event
     ) -> None:
         import uvicorn  # an extra, and needed by nobody who does not watch
 
-        from visualize.live.impatient import Impatient
+        from visualize.live.timeouts import Impatient
 
         self._loop, self._hub = asyncio.get_running_loop(), Hub(feed)
         inside = application(mission, self._hub, desk, about)

@@ -5,8 +5,8 @@ Rule: what is shown is data. It stands in the page as JSON, is put on the screen
 """
 
 from visualize.page.chart_data import chart_data
-from visualize.page.document import document
-from visualize.page.review import Finding, Journal, review, review_data
+from visualize.page.data import Finding, Journal, review, review_data
+from visualize.page.html import document
 from visualize.page.runs import Run, read_run, run_data, run_of_steps
 
 __all__ = (

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from rai_missions.states import Decision, State
 from rai_missions.states.state import descendants
-from visualize.page.plain import Json, plain, without_empty
-from visualize.shapes import Edge, Node, Picture
+from visualize.model import Edge, Node, Picture
+from visualize.page.as_json import Json, plain, without_empty
 
 __all__ = ("chart_data",)
 

@@ -10,8 +10,8 @@ import base64
 
 from rai_missions.errors import MissionError
 from rai_missions.event import Image
-from rai_missions.png import png
-from visualize.page.plain import Json
+from rai_missions.image import png
+from visualize.page.as_json import Json
 
 __all__ = ("BUDGET", "Gallery")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from visualize.page.plain import Json
+from visualize.page.as_json import Json
 
 __all__ = ("item", "lens")
 

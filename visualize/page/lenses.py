@@ -6,14 +6,14 @@ Rule: a lens is data. It names states, and rows and options by JSON pointer; who
 
 from __future__ import annotations
 
-from rai_missions.guards.active import In
-from rai_missions.mission import Mission
+from rai_missions.guards.in_state import In
+from rai_missions.mission.mission import Mission
 from rai_missions.states import Final
+from visualize.model import Picture
+from visualize.page.as_json import Json
 from visualize.page.lens import item, lens
-from visualize.page.plain import Json
-from visualize.page.reach import Roads
-from visualize.page.say import asked_of, say_lens
-from visualize.shapes import Picture
+from visualize.page.model_lens import asked_of, say_lens
+from visualize.page.reachability import Roads
 
 __all__ = ("lenses",)
 

@@ -12,17 +12,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rai_missions.engine.decision import Question
+from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import DefinitionError
 from rai_missions.event import Image
 from rai_missions.journal import Note, StepRow, verify
-from rai_missions.journal.record import Record
-from rai_missions.mission import Mission
-from rai_missions.step import Ask, Step
-from rai_missions.verdict import Question
-from visualize.page.effect_words import effect_words, resting_words
+from rai_missions.journal.reader import Record
+from rai_missions.mission.mission import Mission
+from visualize.page.as_json import Json, Pool, plain, without_empty
+from visualize.page.effect_text import effect_words, resting_words
 from visualize.page.images import Gallery
-from visualize.page.offers import Offers
-from visualize.page.plain import Json, Pool, plain, without_empty
+from visualize.page.rejected_options import Offers
 
 __all__ = ("Run", "read_run", "run_data", "run_of_steps")
 

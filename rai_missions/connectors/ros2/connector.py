@@ -13,11 +13,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, RawMessage, Reply, Report
-from rai_missions.connectors.ros2.definitions import definition_of
+from rai_missions.connectors.ros2.config import read_options
 from rai_missions.connectors.ros2.graph import listed, offered, parameters
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
+from rai_missions.connectors.ros2.msg_definitions import definition_of
 from rai_missions.connectors.ros2.names import Kind, check_name, find_type
-from rai_missions.connectors.ros2.options import read_options
 from rai_missions.connectors.ros2.session import Session
 from rai_missions.errors import ConnectorError, UsageError
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from rai_missions.connectors.ros2.peers import NOBODY, are_gone, servers_of_action
+from rai_missions.connectors.ros2.endpoints import NOBODY, are_gone, servers_of_action
+from rai_missions.connectors.ros2.in_flight_limit import InFlightLimit
+from rai_missions.connectors.ros2.node_thread import Runtime, Work
 from rai_missions.connectors.ros2.rivals import ObservedClient
-from rai_missions.connectors.ros2.runtime import Runtime, Work
 from rai_missions.connectors.ros2.services import MANY, WATCH_S
-from rai_missions.connectors.ros2.window import Window
 
 if TYPE_CHECKING:
-    from rai_missions.connectors.ros2.goals import Goal
+    from rai_missions.connectors.ros2.action_client import Goal
 
 __all__ = ("PRESS_S", "QUIET_S", "STEP_S", "GoalClient")
 
@@ -64,7 +64,7 @@ class GoalClient:
         )  # fmt: skip
         runtime.keep(self, self.client.destroy)
         self.patience_s = patience_s
-        self.starts, self.cancels = Window(), Window()
+        self.starts, self.cancels = InFlightLimit(), InFlightLimit()
         self._running: set[Goal] = set()
         self._lost: dict[Goal, float] = {}
         self._pressed: dict[Goal, float] = {}

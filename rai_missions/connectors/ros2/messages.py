@@ -14,13 +14,13 @@ from functools import cache
 from typing import Any
 
 from rai_missions.connectors.connector import Data
-from rai_missions.connectors.ros2.fields import BYTES, CODES, INTEGERS, FieldType, field_type
+from rai_missions.connectors.ros2.field_types import BYTES, CODES, INTEGERS, FieldType, field_type
+from rai_missions.connectors.ros2.images import PICTURES, check_picture, message_of_picture
 from rai_missions.connectors.ros2.names import find_type
-from rai_missions.connectors.ros2.pictures import PICTURES, check_picture, message_of_picture
-from rai_missions.cut import cut, shown
+from rai_missions.error_text import suggestion
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
-from rai_missions.wording import suggestion
+from rai_missions.redaction.cut import cut, shown
 
 __all__ = ("is_picture", "name_of", "to_data", "to_message", "to_message_later")
 

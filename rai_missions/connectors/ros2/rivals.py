@@ -16,7 +16,7 @@ from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 from unique_identifier_msgs.msg import UUID
 
-from rai_missions.connectors.ros2.runtime import guarded
+from rai_missions.connectors.ros2.node_thread import guarded
 
 __all__ = ("ACTIVE", "ObservedClient", "Sightings")
 

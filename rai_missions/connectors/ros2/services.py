@@ -15,10 +15,10 @@ from typing import Any
 from rclpy.qos import QoSProfile
 
 from rai_missions.connectors.connector import Data, Reply
+from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_service, types_of_service
+from rai_missions.connectors.ros2.in_flight_limit import AT_ONCE
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
-from rai_missions.connectors.ros2.peers import Peers, are_gone, servers_of_service, types_of_service
-from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
-from rai_missions.connectors.ros2.window import AT_ONCE
+from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
 from rai_missions.connectors.stamps import Dated
 
 __all__ = ("MANY", "Client", "Service")

@@ -13,15 +13,15 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, RawMessage, Reply, Report
-from rai_missions.connectors.ros2.actions import Served
-from rai_missions.connectors.ros2.found import FoundGoal
+from rai_missions.connectors.ros2.action_client import Goal
+from rai_missions.connectors.ros2.action_server import Served
+from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.goal_client import GoalClient
-from rai_missions.connectors.ros2.goals import Goal
-from rai_missions.connectors.ros2.options import Options
-from rai_missions.connectors.ros2.runtime import Runtime, Work, guarded
+from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
+from rai_missions.connectors.ros2.publishers import Publication
+from rai_missions.connectors.ros2.recovered_goal import RecoveredGoal
 from rai_missions.connectors.ros2.services import Client, Service
 from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
-from rai_missions.connectors.ros2.topics import Publication
 from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import UsageError
 
@@ -171,7 +171,7 @@ class Session:
         self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, Goal).send(goal))
 
     def find_goal(self, action: str, cls: Any, goal_id: str, report: Callable[[Report], None]) -> None:
-        self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, FoundGoal).find())
+        self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, RecoveredGoal).find())
 
     def _pursue(self, goal_id: str, report: Callable[[Report], None], begin: Work) -> None:
         def lose(why: str) -> None:

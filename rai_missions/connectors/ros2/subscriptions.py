@@ -17,12 +17,12 @@ from rclpy.qos import QoSPolicyKind
 from rclpy.serialization import deserialize_message
 
 from rai_missions.connectors.connector import Close, Message, RawMessage
+from rai_missions.connectors.ros2.config import QosProfile
 from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.mixed import Mixed
+from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.offers import offered_quality
-from rai_missions.connectors.ros2.options import Quality
-from rai_missions.connectors.ros2.runtime import Runtime, guarded
-from rai_missions.connectors.ros2.topics import profile
+from rai_missions.connectors.ros2.publishers import profile
 from rai_missions.connectors.stamps import Dated
 
 __all__ = ("Listener", "Subscriptions")
@@ -64,7 +64,7 @@ class Subscriptions:
         date: Dates a message that is received now.
     """
 
-    def __init__(self, runtime: Runtime, quality: Callable[[str], Quality], date: Callable[[Any], Dated]) -> None:
+    def __init__(self, runtime: Runtime, quality: Callable[[str], QosProfile], date: Callable[[Any], Dated]) -> None:
         self._runtime, self._quality, self._date = runtime, quality, date
         self._readers: dict[tuple[str, bool], _Reader] = {}
 
@@ -99,7 +99,7 @@ class _Reader:
     """One topic's reader. On the runtime's thread only."""
 
     def __init__(
-        self, runtime: Runtime, topic: str, cls: Any, *, quality: Quality, date: Callable[[Any], Dated], is_raw: bool
+        self, runtime: Runtime, topic: str, cls: Any, *, quality: QosProfile, date: Callable[[Any], Dated], is_raw: bool
     ) -> None:
         self._runtime, self._topic, self._class, self._quality = runtime, topic, cls, quality
         self._date, self._is_raw = date, is_raw

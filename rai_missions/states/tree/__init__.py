@@ -33,7 +33,7 @@ from rai_missions.states.tree.leaves import (
     WaitLeaf,
 )
 from rai_missions.states.tree.node import Decorator, TreeNode, tree_paths
-from rai_missions.states.tree.state import Tree
+from rai_missions.states.tree.tree import Tree
 
 __all__ = (
     "ONLY_IN_PYTHON",

@@ -8,10 +8,10 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 
-from rai_missions.cut import clipped
 from rai_missions.errors import UsageError
+from rai_missions.model import fault
+from rai_missions.redaction.cut import clipped
 from rai_missions.states.tree.node import TreeNode
-from rai_missions.written import fault
 
 __all__ = ("ONLY_IN_PYTHON", "BehaviourLeaf", "Factory", "factory_name")
 

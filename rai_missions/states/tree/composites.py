@@ -8,8 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from rai_missions.model import Bool, Integer, OneOf, fault
 from rai_missions.states.tree.node import TreeNode
-from rai_missions.written import Bool, Integer, OneOf, fault
 
 __all__ = ("Branch", "ParallelTree", "Selector", "Sequence")
 

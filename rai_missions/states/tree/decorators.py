@@ -8,8 +8,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard
+from rai_missions.model import Integer, Name, Number, OneOf
 from rai_missions.states.tree.node import Decorator, TreeNode
-from rai_missions.written import Integer, Name, Number, OneOf
 
 __all__ = (
     "Condition", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "OneShot", "PassThrough", "Repeat",

@@ -8,11 +8,11 @@ from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from rai_missions.effects import Set
 from rai_missions.guards.guard import Guard
-from rai_missions.states.decision import Asked
+from rai_missions.model import Bool, Json, Name, Number, OneOf, Path, Seconds, Text, fault, suggestion
+from rai_missions.states.decision import DecisionSpec
+from rai_missions.states.effects import Set
 from rai_missions.states.tree.node import TreeNode
-from rai_missions.written import Bool, Json, Name, Number, OneOf, Path, Seconds, Text, fault, suggestion
 
 __all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf", "SetLeaf", "WaitLeaf")
 
@@ -87,7 +87,7 @@ class PublishLeaf(TreeNode, word="publish"):
 class DecisionLeaf(TreeNode, word="decision"):
     """Asks, then runs the subtree of the option; an option without one is success."""
 
-    decision: Asked
+    decision: DecisionSpec
     then: dict[Name, OneOf[TreeNode]] = Field(default_factory=dict)
     """Option → what is done then."""
 

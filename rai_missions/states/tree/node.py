@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
-from rai_missions.written import Kind, OneOf, Text
+from rai_missions.model import OneOf, TaggedModel, Text
 
 __all__ = ("Decorator", "TreeNode", "depth", "tree_paths")
 
 
-class TreeNode(Kind, family="tree node"):
+class TreeNode(TaggedModel, family="tree node"):
     """A node of a tree."""
 
     name: Text = ""

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A robot with wheels and a lidar among the rooms of a house, on MuJoCo, with a navigation shaped like Nav2's."""
 
-from rai_missions.worlds.display import choose_renderer
+from rai_missions.worlds.opengl import choose_renderer
 
 choose_renderer()
 
-from rai_missions.worlds.house.house import House  # noqa: E402 - mujoco is imported here
+from rai_missions.worlds.house.world import House  # noqa: E402 - mujoco is imported here
 
 __all__ = ("House",)

@@ -14,8 +14,8 @@ from typing import Any, Literal
 from rai_missions.connectors.connector import Data, Report
 from rai_missions.worlds.messages import pose_stamped, stamp
 from rai_missions.worlds.orchard.autonomy import Autonomy
-from rai_missions.worlds.orchard.crossing import Judge
-from rai_missions.worlds.orchard.route import Lattice
+from rai_missions.worlds.orchard.crossing_judge import Judge
+from rai_missions.worlds.orchard.planner import Lattice
 from rai_missions.worlds.orchard.tractor import Pose
 
 __all__ = ("Cross", "NavigateToPose")

@@ -11,8 +11,8 @@ import math
 from collections.abc import Callable
 from typing import Literal
 
-from rai_missions.worlds.orchard.follow import Follower
-from rai_missions.worlds.orchard.route import Lattice, Move, Place, straight
+from rai_missions.worlds.orchard.path_follower import Follower
+from rai_missions.worlds.orchard.planner import Lattice, Move, Place, straight
 from rai_missions.worlds.orchard.tractor import NOSE_M, Pose
 
 __all__ = ("Autonomy", "Word")

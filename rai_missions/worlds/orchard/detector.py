@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rai_missions.errors import UsageError
 from rai_missions.worlds.camera import Camera, Frame, Moment, Sight
-from rai_missions.worlds.orchard.figures import FIGURES, LIVING
+from rai_missions.worlds.orchard.bodies import FIGURES, LIVING
 from rai_missions.worlds.orchard.obstacles import Obstacle
 from rai_missions.worlds.orchard.tractor import NOSE_M, Pose
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from rai_missions.errors import UsageError
-from rai_missions.worlds.orchard.figures import FIGURES, LIVING
+from rai_missions.worlds.orchard.bodies import FIGURES, LIVING
 from rai_missions.worlds.orchard.layout import Layout
 
 __all__ = ("Obstacle", "Walker", "place")

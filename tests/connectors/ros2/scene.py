@@ -12,13 +12,13 @@ import threading
 import uuid
 from typing import Any
 
-from rai_missions.clock import WallClock
 from rai_missions.connectors.contract import Heard
+from rai_missions.engine.step import StartGoal, Step
 from rai_missions.event import Event
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
-from rai_missions.runner import Runner
-from rai_missions.step import StartGoal, Step
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.runtime.clock import WallClock
+from rai_missions.runtime.runner import Runner
 from tests.connectors.ros2.peer_process import FIBONACCI, Peer
 from tests.connectors.ros2.scripted_server import PROGRAM, Script
 

@@ -12,13 +12,13 @@ from typing import Any
 
 import pytest
 
-from rai_missions.clock import HeardClock, WallClock
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Heard
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
-from rai_missions.runner import Runner
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.runtime.clock import HeardClock, WallClock
+from rai_missions.runtime.runner import Runner
 
 Open = Callable[..., Any]
 POSE, CLOCK = "geometry_msgs/msg/PoseStamped", "rosgraph_msgs/msg/Clock"

@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.connectors.ros2.fields import FieldType, field_type
+from rai_missions.connectors.ros2.field_types import FieldType, field_type
 from rai_missions.connectors.ros2.goal_ids import to_bytes, to_text
 from rai_missions.connectors.ros2.messages import to_data, to_message
 from rai_missions.connectors.ros2.names import find_type
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
-from rai_missions.robot import plain
-from rai_missions.robot.convert import image_of
+from rai_missions.profile import plain
+from rai_missions.profile.convert import image_of
 
 BOUNDS = {"boolean": None, "octet": (0, 255), "float": None, "double": None}
 INTEGERS = {f"{sign}int{bits}": bits for sign in ("", "u") for bits in (8, 16, 32, 64)}

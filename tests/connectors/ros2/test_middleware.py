@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from rai_missions.connectors.ros2 import middleware
+from rai_missions.connectors.ros2 import fastdds as middleware
 
 VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 ROOMY = 8_000_000

@@ -24,6 +24,6 @@ ONE, OTHER = b"1", b"2"
 def test_a_server_is_replaced_only_by_one_that_is_there(
     then: dict[bytes, str], now: dict[bytes, str], gone: bool, replaced: bool
 ) -> None:
-    from rai_missions.connectors.ros2.peers import are_gone, are_replaced
+    from rai_missions.connectors.ros2.endpoints import are_gone, are_replaced
 
     assert (are_gone(then, now), are_replaced(then, now)) == (gone, replaced)

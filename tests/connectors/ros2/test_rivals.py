@@ -23,9 +23,9 @@ from rclpy.client import Client
 from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.contract import Heard
 from rai_missions.errors import UsageError
-from rai_missions.mission import Mission
-from rai_missions.robot import Robot
-from rai_missions.runner import Result, Runner
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.runtime.runner import Result, Runner
 from tests.connectors.ros2.peer_process import FIBONACCI, Peer
 from tests.connectors.ros2.scripted_server import PROGRAM, Script
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.visualize.diff.test_severity import Json, Mutation, asked_of_people, decision, drive_over, row, states
 from tests.visualize.runs import ROOT, document, tractor
 from visualize import Difference, difference

@@ -16,14 +16,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rai_missions.blackboard import Stamped
 from rai_missions.errors import DefinitionError
 from rai_missions.guards.guard import Guard, Site
-from rai_missions.mission import Mission
+from rai_missions.keys import Stamped
+from rai_missions.mission.mission import Mission
 from tests.strategies import KEYS, guards, mission_documents, missions
 from tests.visualize.runs import document
 from visualize import difference
-from visualize.diff.weaker import relation
+from visualize.diff.guard_relation import relation
 
 BOARD = Mission.model_validate({**document(), "blackboard": KEYS, "transitions": [], "invariants": {}}).blackboard
 

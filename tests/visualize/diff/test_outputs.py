@@ -15,16 +15,16 @@ from markdown_it import MarkdownIt
 
 import visualize.diff
 from benchmarks.bench_draw import chain
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.strategies import mission_documents, missions
 from tests.visualize.changed import changed
 from tests.visualize.diff.test_laws import shuffled
 from tests.visualize.grammar import read as read_mermaid
 from tests.visualize.runs import document, hostile, tractor
 from visualize import difference
+from visualize.diff.as_json import as_json, plain_difference
 from visualize.diff.markdown import LONGEST, markdown
 from visualize.diff.page import difference_data, page
-from visualize.diff.plain import as_json, plain_difference
 from visualize.outline import outline
 
 SCHEMA: dict[str, Any] = json.loads(

@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 
-from rai_missions.mission import Mission
+from rai_missions.mission.mission import Mission
 from tests.strategies import missions
 from tests.visualize.changed import changed
 from tests.visualize.runs import document, tractor
 from visualize import Difference, difference
-from visualize.diff.ways import Ways, way
+from visualize.diff.reachability import Ways, way
 
 Json = dict[str, Any]
 Mutation = Callable[[Json], Any]

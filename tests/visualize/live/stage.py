@@ -12,13 +12,13 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Step
 from rai_missions.event import Event
-from rai_missions.lifecycle import Lifecycle
-from rai_missions.mission import Mission
-from rai_missions.step import Step
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.lifecycle import Lifecycle
 from rai_missions.trees import PyTrees
-from visualize.live import LivePage, Place, RunFeed, Scene
+from visualize.live import LivePage, Place, RunFeed, RunScene
 
 __all__ = ("PATIENCE_S", "Run", "Viewer", "ask", "folded", "until")
 
@@ -49,11 +49,11 @@ class Run:
     def __exit__(self, *_: object) -> None:
         self.page.stop()
 
-    def look(self) -> Scene:
+    def look(self) -> RunScene:
         chart = self.chart
         seq = chart.seq
         board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
-        return Scene(
+        return RunScene(
             seq=seq, at=chart.at, mode=self.mode, control=chart.holder, active=chart.active, board=board,
             outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
         )  # fmt: skip

@@ -15,16 +15,16 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.cli import main, parser
-from rai_missions.commands import watch as room
-from rai_missions.commands.live import Watch, run_file, sort_out
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.cli.commands import watch as room
+from rai_missions.cli.commands.run_page import Watch, run_file, sort_out
+from rai_missions.cli.main import main, parser
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.journal import read
-from rai_missions.runner import Result
-from tests.agents.node.scenes import StandIn, mission, robot
+from rai_missions.runtime.runner import Result
+from tests.node.scenes import StandIn, mission, robot
 from tests.visualize.live.stage import Viewer, ask, until
 from visualize.live import LivePage, Place
 
@@ -42,7 +42,7 @@ class Watched:
         connector.start()
         self.robot, self.journal = StandIn(connector), folder / "a.journal"
         self.page = LivePage(Place(port=0))
-        setting = Setting(
+        setting = RunConfig(
             mission(), robot({"kind": "local"}), connector=connector, journal=self.journal, operator=terminal
         )
         self._watch = Watch(self.page, setting, operator=operator)

@@ -14,8 +14,8 @@ import pytest
 
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import Header, Journal
-from rai_missions.journal.database import Lock
-from rai_missions.mission import Mission
+from rai_missions.journal.sqlite import Lock
+from rai_missions.mission.mission import Mission
 from tests.visualize.live.stage import Run, Viewer, ask, until
 from tests.visualize.live.test_scene import play
 from tests.visualize.page.reading import answered, journal_of

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.agents.mission import Setting, prepare
-from rai_missions.commands.live import Watch
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.cli.commands.run_page import Watch
 from rai_missions.event import Event
 from rai_missions.journal import Journal
 from rai_missions.recording import journal_of
-from rai_missions.replay import replay
-from rai_missions.result import Result
-from tests.agents.node.scenes import mission
+from rai_missions.replay.replay import replay
+from rai_missions.runtime.result import Result
+from tests.node.scenes import mission
 from tests.recording.kept import rows_of
 from tests.visualize.live.stage import Viewer, ask, until
 from visualize.live import LivePage, Place
@@ -23,7 +23,7 @@ from visualize.live import LivePage, Place
 
 def cut_short(journal: Path, *names: tuple[str, str]) -> None:
     """A journal that ends while a question is open."""
-    with prepare(Setting(mission(), journal=journal)) as prepared:
+    with prepare(RunConfig(mission(), journal=journal)) as prepared:
         chart = prepared.runner.chart
         assert isinstance(prepared.journal, Journal)
         for number, (name, kind) in enumerate((("start", "command"), *names)):
@@ -41,7 +41,7 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_go
     journal, recording = tmp_path / "a.journal", tmp_path / "a.mcap"
     cut_short(journal, ("ask", "event"), *([("pause", "command")] if is_paused else []))
     page, ended = LivePage(Place(port=0)), list[Result]()
-    watch = Watch(page, Setting(None, journal=journal, resume=journal, record=recording))
+    watch = Watch(page, RunConfig(None, journal=journal, resume=journal, record=recording))
 
     def run() -> None:
         with prepare(watch.setting) as prepared:

@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.engine.step import Move, Step
 from rai_missions.event import Event, Image
-from rai_missions.mission import Mission
-from rai_missions.step import Move, Step
-from tests.agents.node.scenes import mission as errand
+from rai_missions.mission.mission import Mission
+from tests.node.scenes import mission as errand
 from tests.visualize.live.stage import Run
 from tests.visualize.page.reading import HOSTILE
 from tests.visualize.runs import tractor
-from visualize.live import Scene
-from visualize.live.lines import LONGEST, bounded, line
+from visualize.live import RunScene
+from visualize.live.as_json import LONGEST, bounded, line
 
 SEEN = {"kind": "log", "distance_m": 4.0, "height_m": 0.1, "living": False}
 HAPPENINGS: dict[str, tuple[str, str, dict[str, Any]]] = {
@@ -45,7 +45,7 @@ def play(run: Run, act: str) -> None:
         run.send("operator", "proposal", number, option=act, parameters={})
 
 
-def shown(scene: Scene) -> dict[str, Any]:
+def shown(scene: RunScene) -> dict[str, Any]:
     told = scene.whole()
     return {name: told[name] for name in ("mode", "control", "active", "board")}
 

@@ -16,9 +16,10 @@ import pytest
 
 from rai_missions.errors import UsageError
 from rai_missions.event import Image
-from rai_missions.png import png
+from rai_missions.image import png
 from tests.visualize.live.stage import Run, Viewer, ask, until
-from visualize.live import LivePage, Place, hub, impatient
+from visualize.live import LivePage, Place, hub
+from visualize.live import timeouts as impatient
 
 WITH_TOKEN = [("GET", "/mission"), ("GET", "/events"), ("GET", "/picture?key=camera"), ("POST", "/orders")]
 PAUSE = json.dumps({"command": "pause"}).encode()

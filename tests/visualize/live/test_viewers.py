@@ -158,8 +158,8 @@ def test_without_a_viewer_nothing_is_made_of_a_step(run: Run, monkeypatch: pytes
     def encoded(*_: Any) -> Any:
         raise AssertionError("something was made for nobody")
 
-    monkeypatch.setattr("visualize.live.scene.line", encoded)
-    monkeypatch.setattr("visualize.live.scene.bounded", encoded)
+    monkeypatch.setattr("visualize.live.run_view.line", encoded)
+    monkeypatch.setattr("visualize.live.run_view.bounded", encoded)
     for act in ("obstacle", "anomaly", "agent", "replan"):
         play(run, act)
     run.write("camera", Image("camera@1", 4, 3, "rgb8", encoded))

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Step
 from rai_missions.event import Event, Image
 from rai_missions.journal import Header, Journal
-from rai_missions.mission import Mission
-from rai_missions.step import Step
+from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 
 __all__ = ("HOSTILE", "answered", "data_of", "folded", "journal_of", "picture_bytes")

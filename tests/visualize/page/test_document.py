@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tests.visualize.page.reading import DATA, HOSTILE, data_of
 from visualize.page import document
-from visualize.page.document import ASSETS, SCRIPTS
+from visualize.page.html import ASSETS, SCRIPTS
 
 TEXTS = st.one_of(st.sampled_from(HOSTILE), st.text(max_size=40))
 

@@ -13,20 +13,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.chart import Chart
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Step
 from rai_missions.event import Event, Tick
-from rai_missions.load import load
-from rai_missions.mission import Mission
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
 from rai_missions.states import Final
-from rai_missions.step import Step
 from rai_missions.trees import PyTrees
 from tests.strategies import EVENTS, missions
 from tests.visualize.page.reading import answered, data_of, folded, journal_of
 from tests.visualize.runs import ROOT, document, hostile, run, tractor
 from visualize.page import review, review_data, run_of_steps
-from visualize.page.plain import plain
-from visualize.page.reach import Roads
-from visualize.page.say import asked_of
+from visualize.page.as_json import plain
+from visualize.page.model_lens import asked_of
+from visualize.page.reachability import Roads
 
 LENSES = ("say", "operator", "stops", "invariants")
 

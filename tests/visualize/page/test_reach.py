@@ -8,17 +8,17 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.load import load
-from rai_missions.mission import Mission
-from rai_missions.prove.explored import Own
-from rai_missions.prove.free import Free
-from rai_missions.prove.happening import HappeningKind
-from rai_missions.prove.space import CANCEL, Arrival, Space, Way
-from rai_missions.rebuild import default_ticker
-from rai_missions.step import Move
+from rai_missions.engine.step import Move
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.explorer import CANCEL, Arrival, Edge, Space
+from rai_missions.prove.state_key import Own
+from rai_missions.prove.stimulus import HappeningKind
+from rai_missions.replay.rebuild import default_ticker
 from tests.strategies import KEYS, missions
 from tests.visualize.runs import ROOT, tractor
-from visualize.page.reach import Roads
+from visualize.page.reachability import Roads
 
 Json = dict[str, Any]
 lenient = settings(max_examples=12, suppress_health_check=list(HealthCheck), deadline=None)
@@ -28,12 +28,12 @@ MOST = 80
 class Moving(Space):
     """A space that remembers by which moves each of its states was first come to."""
 
-    def __init__(self, chart: Free, most: int) -> None:
+    def __init__(self, chart: Environment, most: int) -> None:
         super().__init__(chart, most)
         self.came: list[tuple[int, bool, tuple[Move, ...]]] = []
         self._moves: dict[int, tuple[Arrival, tuple[Move, ...]]] = {}
 
-    def _arrival(self, way: Way, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
+    def _arrival(self, way: Edge, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
         moves = tuple(self.chart.moves)
         arrival = super()._arrival(way, kind, before, kept)
         self._moves[id(arrival)] = arrival, moves  # the arrival is kept, so that no other gets its id
@@ -47,7 +47,7 @@ class Moving(Space):
 
 def hold(mission: Mission) -> None:
     """Whatever a run enters after a row is in reach of where the row leads."""
-    space = Moving(Free(mission, default_ticker(mission)), MOST)
+    space = Moving(Environment(mission, default_ticker(mission)), MOST)
     space.explore()
     roads = Roads(mission)
     to = {place: row.to for rows in roads.rows.values() for place, row in rows}

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A chat model as whoever is asked: it may wish for an option, and that is all.
+
+Rule: whatever the model does – raise, hang, babble, flood – its question is answered once, in time, and the next one
+is taken.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, get_args
+
+from langchain_core.language_models import BaseChatModel
+from langchain_core.tools import BaseTool
+
+from rai_missions.answerers.model.chat import Absent, Chat, Ended, Raised, Spent, ThreadChat
+from rai_missions.answerers.model.conversation import ModelConfig, ModelConversation
+from rai_missions.answerers.model.deadlines import DeadlineWatch
+from rai_missions.answerers.model.output_modes import Mode
+from rai_missions.answerers.model.parse_reply import ParsedReply
+from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.tool_calls import is_read_only
+from rai_missions.embodiment.identity import Identity
+from rai_missions.engine.decision import Question
+from rai_missions.errors import UsageError
+from rai_missions.model import suggestion
+from rai_missions.redaction.cut import cut, first_line
+from rai_missions.redaction.hush import hush
+from rai_missions.redaction.redact import Redaction, held_by
+
+__all__ = ("DecisionAgent",)
+
+LONGEST_WHY = 300
+
+
+class DecisionAgent:
+    """Asks a langchain chat model, each question on a thread of its own.
+
+    Args:
+        model: Who is asked: a model of langchain's, asked on that thread, or a `ModelProcess`.
+        identity: Who the model is, as an embodied being; shown with each question.
+        tools: What it may look things up with, where a question names it; each is marked as one that only looks.
+        mode: How it is asked: by a JSON Schema, by one function an option, in plain text; `auto` finds out.
+        images: Whether it is shown pictures; `auto`: if its profile says that it takes them.
+        at_once: How many questions may be in work; one that hangs counts until it comes back.
+        longest_s: Wall time for one question, where neither it nor its budget sets one.
+
+    Raises:
+        UsageError: No such mode, or a tool that is not marked read-only.
+    """
+
+    def __init__(
+        self,
+        model: BaseChatModel | Chat,
+        identity: Identity | None = None,
+        tools: Sequence[BaseTool] = (),
+        *,
+        mode: Literal["auto", "json_schema", "tools", "text"] = "auto",
+        images: Literal["auto", "yes", "no"] = "auto",
+        at_once: int = 4,
+        longest_s: float = 300.0,
+    ) -> None:
+        for given, known, what in (
+            (mode, ("auto", *get_args(Mode)), "mode"),
+            (images, ("auto", "yes", "no"), "images"),
+        ):
+            if given not in known:
+                raise UsageError(f"{what} '{given}' does not exist{suggestion(given, known)}")
+        for tool in tools:
+            if not is_read_only(tool):
+                marks = 'metadata={"read_only": True}'
+                raise UsageError(
+                    f"the tool '{tool.name}' is not marked as one that only looks ({marks}): a decision takes no other"
+                )
+        own = isinstance(model, BaseChatModel)
+        self._redaction: Redaction = hush(held_by(model) if own else ())
+        self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
+        self._manner = ModelConfig(
+            self._chat,
+            mode,
+            {tool.name: tool for tool in tools},
+            identity,
+            images,
+            self._redaction.text,
+        )
+        self._at_once, self._longest_s = at_once, longest_s
+        self._unfit: set[Mode] = set()
+        self._lock = threading.Lock()
+        self._pending: dict[int, Pending] = {}
+        self._threads: set[threading.Thread] = set()
+        self._watch = DeadlineWatch()
+
+    def run(self) -> None:
+        """Have the model get ready; a question finds its own thread, whether this was called or not."""
+        self._chat.open()
+
+    def stop(self, within_s: float = 1.0) -> None:
+        """Drop every question, end the model's process and wait for the threads, so long at most.
+
+        A model given as a Python object that hangs keeps its thread, which does not hold up the program's end.
+        """
+        with self._lock:
+            dropped, threads = list(self._pending.values()), list(self._threads)
+            self._pending.clear()
+        for pending in dropped:
+            pending.close()
+        self._watch.look()
+        self._chat.close()
+        ends = time.monotonic() + within_s
+        for thread in threads:
+            if thread is not threading.current_thread():
+                thread.join(max(0.0, ends - time.monotonic()))
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        """Think about a question on a thread of its own."""
+        pending = Pending(question, answer, longest_s=self._longest_s)
+        thought = ModelConversation(pending, self._manner, frozenset(self._unfit))
+        # Python cannot end a thread that hangs in a model: a daemon does not hold up the program's end.
+        thread = threading.Thread(target=self._work, args=(thought,), name=f"question {question.number}", daemon=True)
+        with self._lock:
+            busy = len(self._threads)
+            if busy < self._at_once:
+                self._threads.add(thread)
+                self._pending[question.number] = pending
+        if busy >= self._at_once:
+            pending.tell({"absent": f"the model has not come back from {busy} earlier questions"})
+            return
+        self._watch.add(pending, lambda: self._give_up(thought))
+        thread.start()
+
+    def withdraw(self, number: int) -> None:
+        """The question is no longer asked; what comes back is dropped."""
+        with self._lock:
+            pending = self._pending.pop(number, None)
+        if pending is not None and pending.close():
+            self._watch.look()
+
+    def _work(self, thought: ModelConversation) -> None:
+        pending = thought.pending
+        try:
+            said = self._answer(thought)
+        except BaseException as error:  # noqa: BLE001 - a thread that dies would count as one that hangs, for ever
+            said = {"failed": f"the answer could not be taken in: {type(error).__name__}"}
+        with self._lock:
+            self._threads.discard(threading.current_thread())
+            if self._pending.get(pending.question.number) is pending:
+                del self._pending[pending.question.number]
+        if pending.tell(said):
+            self._watch.look()
+
+    def _answer(self, thought: ModelConversation) -> dict[str, Any]:
+        try:
+            reading = thought.think()
+        except Absent as absent:
+            return self._told(thought, {"absent": cut(absent, LONGEST_WHY)})
+        except (Spent, Ended) as ended:
+            reading = ParsedReply(failed=str(ended))
+        except Raised as error:
+            reading = ParsedReply(failed=f"the model raised {error.kind}: {first_line(error.what)}")
+        except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
+            reading = ParsedReply(failed=f"the model raised {type(error).__name__}: {first_line(error)}")
+        if reading.wish:
+            self._unfit.update(thought.unfit)
+            return self._told(thought, reading.wish)
+        return self._told(thought, {"failed": cut(reading.failed, LONGEST_WHY)})
+
+    def _give_up(self, thought: ModelConversation) -> None:
+        pending = thought.pending
+        pending.tell(self._told(thought, {"failed": f"no answer within {pending.taken_s:.1f} s"}))
+
+    def _told(self, thought: ModelConversation, said: Mapping[str, Any]) -> dict[str, Any]:
+        looked = {"looked": list(thought.looked)} if thought.looked else {}
+        cleaned: dict[str, Any] = self._redaction.json({**said, **looked, "usage": thought.usage()})
+        return cleaned

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a decision needs of a chat model, wherever the model lives: on a thread of this process, or in one of its own.
+
+Rule: whatever a model raises comes out as `Raised`; of what it says, no more than is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from langchain_core.callbacks import BaseCallbackHandler
+from langchain_core.language_models import BaseChatModel
+from langchain_core.messages import AIMessage, BaseMessage
+
+from rai_missions.answerers.model.output_modes import Form, Mode, bound, calls_tools, fills_schemas, takes_images
+from rai_missions.answerers.model.parse_reply import LONGEST, Said, said_of
+from rai_missions.answerers.model.pending import Pending
+
+__all__ = ("Abilities", "Absent", "Chat", "Conversation", "Ended", "Raised", "Spent", "ThreadChat", "name_of")
+
+UNFIT = frozenset({400, 415, 422, 500, 501})
+"""HTTP statuses by which servers refuse a form of answer that they do not know; the next mode may do."""
+
+
+class Spent(BaseException):
+    """The budget is spent, or the answer is waited for no longer; the text says which.
+
+    No `Exception`, so that nothing on the way out of a provider's package logs it or takes it for a fault.
+    """
+
+
+class Raised(Exception):
+    """The model, or its provider's package, raised.
+
+    Args:
+        kind: The exception's type.
+        what: The exception, or its text.
+        unfit: It says that the model cannot be asked in this way, rather than that it failed.
+    """
+
+    def __init__(self, kind: str, what: object, *, unfit: bool) -> None:
+        super().__init__(kind)
+        self.kind, self.what, self.unfit = kind, what, unfit
+
+    @classmethod
+    def by(cls, error: BaseException) -> Raised:
+        """What an exception says."""
+        unfit = isinstance(error, NotImplementedError) or getattr(error, "status_code", None) in UNFIT
+        return cls(type(error).__name__, error, unfit=unfit)
+
+
+class Absent(Exception):
+    """There is no model to be asked; the text says why."""
+
+
+class Ended(Exception):
+    """The model's process ended while it was asked; the text says how."""
+
+
+class Abilities(NamedTuple):
+    """What a model can do."""
+
+    schemas: bool
+    """Its output can be held to a JSON Schema."""
+    tools: bool
+    """It can be bound to tools."""
+    images: bool
+    """It says that it takes pictures."""
+    name: str
+    """What it is called."""
+
+    @classmethod
+    def of(cls, model: BaseChatModel) -> Abilities:
+        """Of a model in this process."""
+        return cls(fills_schemas(model), calls_tools(model), takes_images(model), name_of(model))
+
+
+class Conversation(Protocol):
+    """One question put to a model, with what it looks up on the way; it remembers what the model said."""
+
+    def say(self, messages: Sequence[BaseMessage]) -> Said | None:
+        """The model's answer to these messages; None where it gave none.
+
+        Raises:
+            Raised: The model raised.
+            Ended: Its process ended.
+            Spent: The answer is waited for no longer, or it is longer than what is read.
+        """
+
+
+class Chat(Protocol):
+    """A chat model that can be asked."""
+
+    @property
+    def name(self) -> str:
+        """What it is called, for the journal."""
+
+    def open(self) -> None:
+        """Get ready to be asked; never waits. A model that was not opened is opened by the first question."""
+
+    def abilities(self, pending: Pending) -> Abilities:
+        """What it can do; may wait for it until the question is closed.
+
+        Raises:
+            Absent: It cannot be opened.
+            Ended: Its process ended.
+            Spent: The question was closed before it was known.
+        """
+
+    def converse(self, mode: Mode, form: Form, pending: Pending) -> Conversation:
+        """Begin to ask it, in a mode in which it can be asked."""
+
+    def close(self) -> None:
+        """Free what it holds, within a second or so; it may be opened again."""
+
+
+class ThreadChat:
+    """A model given as a Python object: asked on the thread of whatever asks.
+
+    Nothing is promised of a model that holds the interpreter's lock, crashes, or hangs beyond the program's end.
+    """
+
+    def __init__(self, model: BaseChatModel) -> None:
+        self._model = model
+
+    @property
+    def name(self) -> str:
+        return name_of(self._model)
+
+    def open(self) -> None:
+        """It is there."""
+
+    def abilities(self, pending: Pending) -> Abilities:
+        return Abilities.of(self._model)
+
+    def converse(self, mode: Mode, form: Form, pending: Pending) -> Conversation:
+        try:
+            return Talk(self._model, mode, form, lambda: pending.open)
+        except Exception as error:
+            raise Raised.by(error) from error
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+class Talk:
+    """A conversation with a model in this process.
+
+    Args:
+        model: Who is asked.
+        mode: How.
+        form: What it may answer.
+        is_open: Whether the answer is still waited for.
+    """
+
+    def __init__(self, model: BaseChatModel, mode: Mode, form: Form, is_open: Callable[[], bool]) -> None:
+        self._chain = bound(model, mode, form)
+        self._is_open = is_open
+        self._messages: list[BaseMessage] = []
+
+    def say(self, messages: Sequence[BaseMessage]) -> Said | None:
+        self._messages += messages
+        try:
+            answer = self._chain.invoke(list(self._messages), config={"callbacks": [Watch(self._is_open)]})
+        except Spent:
+            raise
+        except BaseException as error:  # even an exit that a model asks for is only a failed answer
+            raise Raised.by(error) from error
+        if not isinstance(answer, AIMessage):
+            return None
+        self._messages.append(answer)
+        return said_of(answer)
+
+
+class Watch(BaseCallbackHandler):
+    """Ends a stream that is waited for no longer, or that says too much."""
+
+    def __init__(self, is_open: Callable[[], bool]) -> None:
+        self.is_open, self.heard = is_open, 0
+
+    def on_llm_new_token(self, token: Any, **_: Any) -> None:
+        self.heard += len(token) if isinstance(token, str) else 1
+        if not self.is_open():
+            raise Spent("nobody waits for the answer any more")
+        if self.heard > LONGEST:
+            raise Spent(f"answered with more than {LONGEST} characters")
+
+
+def name_of(model: BaseChatModel) -> str:
+    """What a model is called; its class's name where it has none, or none that can be printed."""
+    try:
+        return str(getattr(model, "model_name", None) or getattr(model, "model", None) or type(model).__name__)
+    except Exception:  # noqa: BLE001 - a question must be given up in time, whatever a model's package does
+        return type(model).__name__

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The process that holds a model: opens it, asks it, and sends back what is read of its answers.
+
+Rule: the main thread takes orders alone, so that it answers while a model hangs; each question has a thread of its own.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import threading
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rai_missions.answerers.model.process.frames import outward, read_frame
+
+__all__ = ("work",)
+
+
+class Outlet:
+    """Where replies go; threads take turns."""
+
+    def __init__(self, fd: int) -> None:
+        self._fd, self._lock = fd, threading.Lock()
+
+    def send(self, message: Mapping[str, Any]) -> None:
+        """Send one message; a pipe that has ended ends nothing here, the guard does."""
+        data = memoryview(outward(message)[0])
+        with self._lock, contextlib.suppress(BrokenPipeError):
+            while data:
+                data = data[os.write(self._fd, data) :]
+
+
+class Open:
+    """Whether a question is still waited for."""
+
+    def __init__(self) -> None:
+        self.is_open = True
+
+
+def work(request_fd: int, reply_fd: int) -> None:
+    """Take orders until there are no more."""
+    outlet = Outlet(reply_fd)
+    first = read_frame(request_fd)
+    if first is None:
+        return
+    model = _opened(first[0], outlet)
+    if model is None:
+        return
+    talks: dict[int, tuple[Any, Open]] = {}
+    while (order := read_frame(request_fd)) is not None:
+        message, blobs = order
+        number, is_open = message["id"], talks[message["id"]][1] if message["id"] in talks else Open()
+        if message["do"] == "drop":
+            is_open.is_open = False
+            talks.pop(number, None)
+            outlet.send({"dropped": number})
+            continue
+        if message["do"] == "begin":
+            talks[number] = (None, is_open)
+        given = (model, message, blobs, talks, is_open, outlet)
+        threading.Thread(target=_answer, args=given, name=f"question {number}", daemon=True).start()
+
+
+def _opened(order: Mapping[str, Any], outlet: Outlet) -> Any:
+    """The model, as the engine's process would have opened it; None where it cannot be opened."""
+    os.environ.update(order["environment"])
+    sys.path[:] = order["path"]
+    from rai_missions.answerers.model.chat import Abilities
+    from rai_missions.answerers.model.process.words import ability_words
+    from rai_missions.answerers.model.providers import open_model
+    from rai_missions.redaction.cut import cut
+    from rai_missions.redaction.hush import hush
+    from rai_missions.redaction.redact import held_by
+
+    hush(order["secrets"])
+    try:
+        model = open_model(order["model"])
+        hush(held_by(model))
+        words = ability_words(Abilities.of(model))
+    except BaseException as error:  # noqa: BLE001 - whatever the provider's package raises, the model is not there
+        outlet.send({"absent": cut(error, 400)})
+        return None
+    outlet.send(words)
+    return model
+
+
+def _answer(
+    model: Any, message: Mapping[str, Any], blobs: Sequence[bytes], talks: dict[int, tuple[Any, Open]], is_open: Open,
+    outlet: Outlet,
+) -> None:  # fmt: skip
+    """Put one question, or what was looked up for it, to the model."""
+    from rai_missions.answerers.model.chat import Talk
+    from rai_missions.answerers.model.output_modes import Form
+    from rai_missions.answerers.model.process.words import messages_in, reply_words
+
+    number = message["id"]
+    try:
+        if message["do"] == "begin":
+            form = Form(message["schema"], message["tools"])
+            talk = Talk(model, message["mode"], form, lambda: is_open.is_open)
+            talks[number] = (talk, is_open)
+        else:
+            talk = talks[number][0]
+        words = reply_words(talk.say(messages_in(message["messages"], blobs)))
+    except BaseException as error:  # noqa: BLE001 - whatever it is, it is reported, and this process stays
+        words = reply_words(error)
+    outlet.send({"reply": number, **words})

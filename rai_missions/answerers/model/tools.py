@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tools that a model has in a run: those that look, over the run's own connector, as far as the profile allows.
+
+Rule: without `tools` in the profile a model has none, and one that acts is never among them.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from rai_missions.check.index import MissionIndex
+from rai_missions.connectors.connector import Connector
+from rai_missions.error_text import suggestion
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+
+if TYPE_CHECKING:
+    from rai_missions.tools import Toolbox
+
+__all__ = ("open_toolbox",)
+
+log = logging.getLogger(__name__)
+
+
+def open_toolbox(
+    mission: Mission, robot: Robot | None, connector: Connector | None, now: Callable[[], float]
+) -> Toolbox | None:
+    """The tools of a run; None where the profile allows none.
+
+    Args:
+        mission: Whose decisions name tools.
+        robot: Whose profile says what may be touched.
+        connector: The run's.
+        now: The run's clock.
+
+    Raises:
+        DefinitionError: A decision names a tool that there is not, or one that acts.
+    """
+    named = dict(_named(mission))
+    if robot is None or robot.tools is None or connector is None:
+        for name, place in named.items():
+            log.warning("%s: the tool '%s' is not there: the robot's profile has no 'tools'", place, name)
+        return None
+    from rai_missions.tools import Allowed, Toolbox
+
+    rules = robot.tools
+    box = Toolbox(connector, Allowed(read=rules.read, write=rules.write, never=rules.never), now=now)
+    look, every = {tool.name for tool in box.read_only}, {tool.name for tool in box.tools}
+    faults = [
+        Fault(place, f"the tool '{name}' acts, and a decision may only look{suggestion(name, look)}")
+        if name in every else Fault(place, f"no tool '{name}'{suggestion(name, look)}")
+        for name, place in named.items() if name not in look
+    ]  # fmt: skip
+    if faults:
+        raise DefinitionError(faults)
+    return box
+
+
+def _named(mission: Mission) -> Iterator[tuple[str, str]]:
+    """The tools that decisions name, each with where it is named first."""
+    seen: set[str] = set()
+    for asked, place, _ in MissionIndex(mission).asked:
+        for name in asked.tools:
+            if name not in seen:
+                seen.add(name)
+                yield name, f"{place}/tools"

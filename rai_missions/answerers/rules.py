@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A policy that answers at once: rows of guard → option, from the robot profile.
+
+Rule: rows are tried in the order written; unknown takes no row, and a row counts only where its option is offered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from rai_missions.engine.decision import Question
+from rai_missions.guards.guard import Guard, Site, Test, View
+from rai_missions.keys import Key
+from rai_missions.redaction.cut import cut
+
+__all__ = ("RulesAnswerer",)
+
+
+class AnswerRule(NamedTuple):
+    """One rule compiled."""
+
+    test: Test | None
+    option: str
+    why: str
+
+
+class RulesAnswerer:
+    """Answers by the first row of the asking state that holds now and whose option is offered.
+
+    Args:
+        rules: The state that asks → its rows: a guard, or None for one that always holds, and an option.
+        view_of: What is known now; asked on the thread that asks the question.
+        keys: The mission's keys, by which a guard knows what is stale.
+    """
+
+    def __init__(
+        self,
+        rules: Mapping[str, Sequence[tuple[Guard | None, str]]],
+        view_of: Callable[[], View],
+        *,
+        keys: Mapping[str, Key] | None = None,
+    ) -> None:
+        self._view_of = view_of
+        self._rows = {
+            state: tuple(_compiled(state, index, row, keys or {}) for index, row in enumerate(rows))
+            for state, rows in rules.items()
+        }
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        """Answer before returning."""
+        rows = self._rows.get(question.state)
+        if not rows:
+            answer({"absent": f"no rules for '{question.state}'"})
+            return
+        try:
+            row = _chosen(rows, question, self._view_of())
+        except Exception as error:  # noqa: BLE001 - a predicate of the user's program may raise anything
+            answer({"failed": f"a rule for '{question.state}' raised {type(error).__name__}: {cut(error, 200)}"})
+            return
+        if row is None:
+            answer({"absent": f"no rule for this in '{question.state}'"})
+        else:
+            answer({"option": row.option, "parameters": {}, "why": row.why})
+
+    def withdraw(self, number: int) -> None:
+        """Nothing is ever under way."""
+
+
+def _compiled(state: str, index: int, row: tuple[Guard | None, str], keys: Mapping[str, Key]) -> AnswerRule:
+    guard, option = row
+    said = f"rule {index + 1} of '{state}'"
+    if guard is None:
+        return AnswerRule(None, option, f"{said}: always")
+    return AnswerRule(guard.compile(Site(f"/rules/{state}/{index}", keys, state)), option, f"{said}: {guard.words()}")
+
+
+def _chosen(rows: Sequence[AnswerRule], question: Question, view: View) -> AnswerRule | None:
+    offered = {offer.name for offer in question.options}
+    return next((row for row in rows if row.option in offered and (row.test is None or row.test(view) is True)), None)

@@ -1,7 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The pure chart: SCXML's rules, activities, time and completion, layer by layer."""
-
-from rai_missions.chart.chart import NOT_STARTED, Chart, Snapshot
-from rai_missions.chart.core import Named
-
-__all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")

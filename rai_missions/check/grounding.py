@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Success rests on what the robot said: which keys come from it, and whether a guard can be true without it.
+
+Rule: nobody can declare success, the author included. What is set to a constant, given at the start or answered by a
+model counts as said by nobody.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.check.index import MissionIndex, Write
+from rai_missions.check.paths import key_of
+from rai_missions.guards import All, Any_, Compare, Guard, Held, Named, Near, Not, Possible
+from rai_missions.guards.implication import holds
+from rai_missions.states import Action, Call, Decision, Final
+from rai_missions.states.effects import references
+from rai_missions.states.state import OUTCOMES
+
+__all__ = ("missing_requires", "origins", "unfounded_success")
+
+Found = Iterator[tuple[str, str]]
+
+
+class Origin(NamedTuple):
+    """Where a key's values come from."""
+
+    robot: bool = False
+    """Some come from the robot."""
+    stranger: bool = False
+    """Some come from an argument, an answer, or a payload that anybody may send."""
+    constants: frozenset[str] = frozenset()
+    """Those that the author wrote, as JSON."""
+
+    def joined(self, other: Origin) -> Origin:
+        """Both."""
+        return Origin(self.robot or other.robot, self.stranger or other.stranger, self.constants | other.constants)
+
+
+ROBOT, STRANGER, NOBODY = Origin(robot=True), Origin(stranger=True), Origin()
+
+
+def origins(survey: MissionIndex) -> Mapping[str, Origin]:
+    """Where the values of each key come from; a fixpoint, for keys are copied to keys."""
+    found = survey.remembered.get("origins")
+    if isinstance(found, dict):
+        return found
+    found = {name: _first(key.source, key.initial) for name, key in survey.mission.blackboard.items()}
+    survey.remembered["origins"] = found
+    waiting: dict[str, list[Write]] = {}
+    for write in survey.writes:
+        if write.by in ("from", "each"):
+            waiting.setdefault(write.value.partition(".")[0], []).append(write)
+        if write.key in found and survey.mission.blackboard[write.key].source == "mission":
+            found[write.key] = found[write.key].joined(_of(write))
+    todo = list(found)
+    while todo:
+        name = todo.pop()
+        for write in waiting.get(name, ()):
+            before = found.get(write.key)
+            if before is None or survey.mission.blackboard[write.key].source != "mission":
+                continue
+            after = before.joined(_taken(found[name], write))
+            if after != before:
+                found[write.key] = after
+                todo.append(write.key)
+    return found
+
+
+def _first(source: str, initial: Any) -> Origin:
+    if source == "mission":
+        return NOBODY if initial is None else Origin(constants=frozenset([_text(initial)]))
+    return ROBOT if source == "robot" else STRANGER
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, default=str)
+
+
+def _of(write: Write) -> Origin:
+    """What a write adds by itself; copies of keys are followed later."""
+    if write.by == "result":
+        return ROBOT
+    if write.by == "set":
+        return (
+            STRANGER
+            if next(references(write.value), None) is not None
+            else Origin(constants=frozenset([_text(write.value)]))
+        )
+    if write.by == "status":
+        return Origin(constants=frozenset(map(_text, ("running", "success", "failure"))))
+    if write.by == "add":
+        return STRANGER
+    root = write.value.partition(".")[0]
+    if root == "event":
+        return ROBOT if _from_activity(write) else STRANGER
+    return STRANGER if root == "answer" else NOBODY
+
+
+def _from_activity(write: Write) -> bool:
+    """Whether `event.…` is the result of an action or call: every trigger of the row is an outcome of one."""
+    row = write.scope.row
+    if (
+        row is None
+        or row.owner is None
+        or row.transition.of is not None
+        or not isinstance(row.owner.state, Action | Call)
+    ):
+        return False
+    return all(word in OUTCOMES for word in row.transition.on)
+
+
+def _taken(origin: Origin, write: Write) -> Origin:
+    """What a copy, or a field or item of it, carries along."""
+    fields = write.value.split(".")[1:]
+    if write.by == "each":
+        return origin._replace(constants=frozenset(), stranger=origin.stranger or bool(origin.constants))
+    constants = [json.loads(text) for text in origin.constants]
+    for field in fields:
+        constants = [each[field] for each in constants if isinstance(each, dict) and field in each]
+    return origin._replace(constants=frozenset(map(_text, constants)))
+
+
+def rests(survey: MissionIndex, guard: Guard, *, wanted: bool = True) -> bool:
+    """Whether a guard can be true (or, not `wanted`, false) only by what the robot said."""
+    if isinstance(guard, Not):
+        return rests(survey, guard.guard, wanted=not wanted)
+    if isinstance(guard, Held):
+        return rests(survey, guard.held, wanted=wanted)
+    if isinstance(guard, Possible):
+        return not wanted and rests(survey, guard.possible, wanted=False)
+    if isinstance(guard, All | Any_):
+        parts = (rests(survey, part, wanted=wanted) for part in guard.inner())
+        return any(parts) if isinstance(guard, All) is wanted else all(parts)
+    if isinstance(guard, Compare):
+        return _compared(survey, guard, wanted)
+    if isinstance(guard, Near):
+        return guard.near[0] != guard.near[1] and any(_pure(survey, path) for path in guard.near)
+    if isinstance(guard, Named):
+        return any(_pure(survey, path) for path in references(guard.with_))
+    return False
+
+
+def _pure(survey: MissionIndex, path: str) -> bool:
+    """Whether all values there come from the robot."""
+    return _origin(survey, path) == ROBOT
+
+
+def _origin(survey: MissionIndex, path: str) -> Origin:
+    """Of the key that a path means; a key that there is not is another rule's fault, and not two."""
+    name = key_of(survey, path)
+    return STRANGER if path.startswith(("event.", "answer.")) else origins(survey).get(name or "", ROBOT)
+
+
+def _compared(survey: MissionIndex, guard: Compare, wanted: bool) -> bool:
+    """Whether a comparison needs the robot: it does if none of the author's own constants would do."""
+    if guard.other == guard.key:
+        return False
+    if _pure(survey, guard.key) or (guard.other is not None and _pure(survey, guard.other)):
+        return True
+    origin = _origin(survey, guard.key)
+    if not origin.robot or origin.stranger:
+        return False
+    operands = [guard.operand] if guard.other is None else _known(survey, guard.other)
+    values = _fields(origin, guard.key)
+    return not any(holds(value, guard.op, operand) is wanted for value in values for operand in operands)
+
+
+def _known(survey: MissionIndex, path: str) -> list[Any]:
+    """The constants that the other key is known to hold, an argument's initial among them."""
+    name = path.partition(".")[0]
+    key = survey.mission.blackboard.get(name)
+    initial = [key.initial] if key is not None and key.initial is not None and "." not in path else []
+    return initial + _fields(_origin(survey, path), path)
+
+
+def _fields(origin: Origin, path: str) -> list[Any]:
+    values = [json.loads(text) for text in origin.constants]
+    for field in path.split(".")[1:]:
+        values = [value[field] for value in values if isinstance(value, dict) and field in value]
+    return values
+
+
+def unfounded_success(survey: MissionIndex) -> Found:
+    """`achieved` and the `requires` of a top-level `succeeded` each rest on a robot key or an action's result."""
+    for ruled in survey.guards:
+        owner = ruled.scope.owner
+        final = ruled.role == "requires" and owner is not None and owner.parent is None and _succeeds(owner.state)
+        if (ruled.role == "achieved" or final) and not rests(survey, ruled.guard):
+            yield (
+                ruled.place,
+                f"this can be true without a word of the robot: {ruled.guard.words():.200}; "
+                "compare a key of the source 'robot', or one that an action's 'result' writes",
+            )
+
+
+def _succeeds(state: object) -> bool:
+    return isinstance(state, Final) and state.final == "succeeded"
+
+
+def missing_requires(survey: MissionIndex) -> Found:
+    """A top-level `succeeded` has a `requires`."""
+    for spot in survey.top:
+        if isinstance(spot.state, Final) and _succeeds(spot.state) and spot.state.requires is None:
+            answered = any(
+                isinstance(row.owner and row.owner.state, Decision)
+                for row in survey.rows
+                if spot.name in row.transition.to
+            )
+            why = "an answer alone would declare success" if answered else "nothing the robot says would have to agree"
+            yield (
+                spot.place,
+                f"the mission succeeds at '{spot.name}' without 'requires', so {why}; "
+                "add what the robot's keys must say",
+            )

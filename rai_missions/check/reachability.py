@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""States that nothing leads to, and states that nothing can leave."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
+from rai_missions.check.reported_outcomes import reported
+from rai_missions.check.scc import knots
+from rai_missions.states import Final, History, Parallel
+from rai_missions.states.state import ANY_EVENT
+
+__all__ = ("dead_ends", "entered_with", "unreachable_states", "waiting_rooms")
+
+Found = Iterator[tuple[str, str]]
+
+
+class Reach:
+    """What can be active at some time, as far as the rows' targets say: guards and triggers do not count."""
+
+    def __init__(self, survey: MissionIndex) -> None:
+        self.survey = survey
+        self.active: set[StateRef] = set()
+        self._descended: set[StateRef] = set()
+
+    def enter(self, targets: Iterable[StateRef], *, follow: bool = True) -> None:
+        """Mark what entering the targets makes active, then (to `follow`) what the rows there lead to."""
+        todo = [(target, True) for target in targets]
+        while todo:
+            spot, descend = todo.pop()
+            for here in spot.upward():
+                if here in self.active:
+                    break
+                self.active.add(here)
+                parent = here.parent
+                if parent is not None and isinstance(parent.state, Parallel) and parent not in self.active:
+                    todo += [(region, True) for region in parent.children if region is not here]
+                if follow:
+                    todo += [(target, True) for row in here.rows for target in self.survey.found(row.transition.to)]
+            if descend and spot not in self._descended:
+                self._descended.add(spot)
+                todo += [(inner, True) for inner in default_entry(self.survey, spot)]
+
+
+def default_entry(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
+    """The states that entering one leads into by itself."""
+    if isinstance(spot.state, History):
+        return survey.found(spot.state.default) or ([spot.parent] if spot.parent is not None else [])
+    if isinstance(spot.state, Parallel):
+        return [child for child in spot.children if not isinstance(child.state, History)]
+    named = survey.found(getattr(spot.state, "initial", ()))
+    found = [
+        each
+        for each in named
+        if each.inside(spot)
+        and not (isinstance(each.state, History) and each.parent is spot and not each.state.default)
+    ]
+    return found or spot.children  # an initial that is wrong is one fault, not one a child
+
+
+def entered_with(survey: MissionIndex, targets: Iterable[StateRef], stays: StateRef | None) -> set[StateRef]:
+    """What entering the targets makes active inside a state that stays so, history without memory; that state too."""
+    reach = Reach(survey)
+    reach.active.update(stays.upward() if stays is not None else ())
+    reach.enter(targets, follow=False)
+    return reach.active
+
+
+def reached(survey: MissionIndex) -> set[StateRef]:
+    """The states that can be active; worked out once."""
+    found = survey.remembered.get("reached")
+    if not isinstance(found, set):
+        mission, reach = survey.mission, Reach(survey)
+        reach.enter(survey.found(mission.initial) or survey.top)
+        for row in mission.transitions:
+            reach.enter(survey.found(row.to))
+        reach.enter(survey.found((mission.on_cancel,) if mission.on_cancel is not None else ()))
+        found = survey.remembered["reached"] = reach.active
+    return found
+
+
+def unreachable_states(survey: MissionIndex) -> Found:
+    """Every state is entered: by a row, an `initial`, a history, as a region, or by `on_cancel`."""
+    active = reached(survey)
+    lost = {
+        spot: [*_subtree(survey, spot)]
+        for spot in survey.spots
+        if spot not in active and (spot.parent is None or spot.parent in active) and _own_fault(survey, spot)
+    }
+    follows = {spot: [each for each in _targets(survey, inside, spot) if each in lost] for spot, inside in lost.items()}
+    parts = knots(follows)
+    part_of = {spot: part[0] for part in parts for spot in part}
+    led = {part_of[each] for spot, after in follows.items() for each in after if part_of[each] is not part_of[spot]}
+    for part in parts:
+        if part[0] not in led:
+            name = part[0].name
+            yield part[0].place, f'nothing leads to \'{name}\'; add a row with "to": "{name}", or take the state away'
+
+
+def _own_fault(survey: MissionIndex, spot: StateRef) -> bool:
+    """Whether nothing else is told of it that explains why it is not reached."""
+    homeless = spot.parent is None or isinstance(spot.parent.state, Parallel)
+    return survey.by_name[spot.name] is spot and not (homeless and isinstance(spot.state, History))
+
+
+def _subtree(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
+    return survey.spots[spot.index : spot.last + 1]
+
+
+def _targets(survey: MissionIndex, inside: list[StateRef], whole: StateRef) -> Iterator[StateRef]:
+    """Where rows inside a state lead to, and what that is inside of, as far as it is outside the state."""
+    for target in survey.found(name for spot in inside for row in spot.rows for name in row.transition.to):
+        yield from (here for here in target.upward() if here is not whole and not here.inside(whole))
+
+
+def dead_ends(survey: MissionIndex) -> Found:
+    """A state that only waits has a row, here or further out, that can fire and leaves it."""
+    for spot in _waiting(survey):
+        if not any(_frees(survey, row, spot) for row in (*_rows_here(spot), *_own_rows(survey))):
+            yield (
+                spot.place,
+                f"nothing can leave '{spot.name}': it is not final, runs nothing, "
+                "and no row that can fire leads out of it; add a row, or make it final",
+            )
+
+
+def waiting_rooms(survey: MissionIndex) -> Found:
+    """A state that only waits is left by more than those rows of the mission that give up."""
+    success = {spot for spot in survey.top if isinstance(spot.state, Final) and spot.state.final == "succeeded"}
+    hopeful: dict[str, bool] = {}
+    for spot in _waiting(survey) if success else ():
+        if any(_frees(survey, row, spot) for row in _rows_here(spot)):
+            continue
+        rows = [row for row in _own_rows(survey) if _frees(survey, row, spot)]
+        for row in rows:
+            if row.place not in hopeful:
+                reach = Reach(survey)
+                reach.enter(survey.found(row.transition.to))
+                hopeful[row.place] = bool(reach.active & success)
+        if rows and not any(hopeful[row.place] for row in rows):
+            places = ", ".join(row.place for row in rows[:4])
+            remedy = "add a row of its own, or make it final"
+            yield spot.place, f"only {places} can leave '{spot.name}', and gives the mission up; {remedy}"
+
+
+def _waiting(survey: MissionIndex) -> Iterator[StateRef]:
+    """The reachable states that run nothing and are left by rows alone."""
+    for spot in survey.spots:
+        ends = isinstance(spot.state, Final | History) or spot.children or spot.state.activity()
+        timed = any(here.state.timeout_s is not None for here in spot.upward())
+        if not ends and not timed and spot in reached(survey):
+            yield spot
+
+
+def _rows_here(spot: StateRef) -> Iterator[TransitionRef]:
+    """The rows of the state and its ancestors."""
+    for here in spot.upward():
+        yield from here.rows
+
+
+def _own_rows(survey: MissionIndex) -> list[TransitionRef]:
+    """The mission's own rows, which stand last."""
+    return survey.rows[len(survey.rows) - len(survey.mission.transitions) :]
+
+
+def _frees(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> bool:
+    """Whether a row can fire while the state is active, and leads elsewhere."""
+    transition = row.transition
+    if not transition.to or all(survey.spot(name) is spot for name in transition.to):
+        return False
+    if not transition.on:
+        return True
+    if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in transition.on):
+        return True
+    outcomes = _heard_over(survey, row, spot)
+    return any(word in outcomes for word in transition.on)
+
+
+def _heard_over(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> frozenset[str]:
+    """The outcomes that a row can hear while a state that runs nothing is active: those of regions beside it."""
+    if row.transition.of is not None:
+        source = survey.spot(row.transition.of)
+        return reported(survey).by(source) if source is not None else frozenset()
+    for here in spot.upward():
+        if isinstance(here.state, Parallel) and (here is row.owner or row.owner is None or here.inside(row.owner)):
+            return reported(survey).heard(row.owner)
+    return frozenset()

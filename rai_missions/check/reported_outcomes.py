@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which outcomes a state can report, and which of them can reach the rows of another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rai_missions.check.index import MissionIndex, StateRef
+from rai_missions.states import Compound, Each, Final, History, Include, Parallel
+
+__all__ = ("Reported", "reported")
+
+ENDS = frozenset({"succeeded", "failed", "aborted", "canceled", "unverified"})
+"""What finals can say."""
+
+
+class Reported:
+    """Outcomes, by the index of the state."""
+
+    def __init__(self, spots: list[StateRef], top: Iterable[StateRef]) -> None:
+        self._ends: list[frozenset[str]] = [frozenset()] * len(spots)
+        self._below: list[frozenset[str]] = [frozenset()] * len(spots)
+        for spot in reversed(spots):
+            ends = self._of(spot)
+            climbing = (ends & (ENDS | {"timed_out", "rejected"})) - {"succeeded"}
+            self._ends[spot.index] = ends
+            self._below[spot.index] = climbing.union(*(self._below[child.index] for child in spot.children))
+        self.anywhere = frozenset[str]().union(*(self._below[spot.index] for spot in top))
+        """What can climb as far as the mission's own rows."""
+
+    def by(self, spot: StateRef) -> frozenset[str]:
+        """What it can report about itself."""
+        return self._ends[spot.index]
+
+    def heard(self, spot: StateRef | None) -> frozenset[str]:
+        """What rows of it can hear: its own, and what climbs from inside."""
+        return self.anywhere if spot is None else self._ends[spot.index] | self._below[spot.index]
+
+    def _of(self, spot: StateRef) -> frozenset[str]:
+        state = spot.state
+        outcomes = state.outcomes()
+        if isinstance(state, Include):
+            outcomes |= ENDS
+        elif isinstance(state, Each):
+            outcomes |= self._finals(spot) | {"succeeded", "failed"}
+        elif isinstance(state, Parallel):
+            outcomes |= self._together(spot)
+        elif isinstance(state, Compound):
+            outcomes |= self._finals(spot)
+        if state.activity() and any(each.state.control is not None for each in spot.upward()):
+            outcomes |= {"rejected"}
+        return frozenset(outcomes)
+
+    def _finals(self, spot: StateRef) -> frozenset[str]:
+        finals = [child.state for child in spot.children if isinstance(child.state, Final)]
+        return frozenset([final.final for final in finals]) | (
+            {"unverified"} if any(final.requires is not None for final in finals) else frozenset()
+        )
+
+    def _together(self, spot: StateRef) -> frozenset[str]:
+        """The outcomes of regions that can all end; nothing while one of them never does."""
+        regions = [child for child in spot.children if not isinstance(child.state, Final | History)]
+        ends = [self._ends[region.index] & ENDS for region in regions]
+        if not regions or not all(ends):
+            return frozenset()
+        worst = frozenset[str]().union(*ends) - {"succeeded"}
+        return worst | ({"succeeded"} if all("succeeded" in each for each in ends) else frozenset())
+
+
+def reported(survey: MissionIndex) -> Reported:
+    """Which outcomes the states of a mission can report; worked out once."""
+    found = survey.remembered.get("reported")
+    if not isinstance(found, Reported):
+        found = survey.remembered["reported"] = Reported(survey.spots, survey.top)
+    return found

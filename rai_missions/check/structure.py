@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What may stand where: initials, lists of targets, history, finals, rows into themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
+from rai_missions.guards import In
+from rai_missions.states import Compound, Each, Final, History, Parallel
+
+__all__ = (
+    "crossing_rows",
+    "history_defaults",
+    "initial_outside",
+    "misplaced_states",
+    "misused_internal",
+    "target_lists",
+    "words_in_vain",
+)
+
+Found = Iterator[tuple[str, str]]
+
+
+def initial_outside(survey: MissionIndex) -> Found:
+    """`initial` names a state inside the one that it stands in; a history of the same has a default."""
+    for spot in survey.spots:
+        names = getattr(spot.state, "initial", ())
+        for index, name in enumerate(names):
+            target = survey.by_name.get(name)
+            place = f"{spot.place}/initial" + (f"/{index}" if len(names) > 1 else "")
+            if target is None:
+                continue
+            if not target.inside(spot):
+                inside = ", ".join(child.name for child in spot.children[:8])
+                yield place, f"'{name}' is not inside '{spot.name}'; inside it are: {inside}"
+            elif isinstance(target.state, History) and target.parent is spot and not target.state.default:
+                yield place, _leads_back(name)
+    for index, name in enumerate(survey.mission.initial):
+        target = survey.by_name.get(name)
+        if target is not None and isinstance(target.state, History) and target.parent is None:
+            place = "/initial" + (f"/{index}" if len(survey.mission.initial) > 1 else "")
+            yield place, _leads_back(name)
+
+
+def _leads_back(name: str) -> str:
+    remedy = 'name a state instead, or give it a default: "transitions": [{"to": …}]'
+    return f"the history '{name}' leads to this 'initial' where there is no memory; {remedy}"
+
+
+def history_defaults(survey: MissionIndex) -> Found:
+    """A history's default is a state inside its parent, of a shallow one a child, and no history."""
+    for spot in survey.spots:
+        if not isinstance(spot.state, History) or spot.parent is None:
+            continue
+        for target in survey.found(spot.state.default):
+            place, parent = f"{spot.place}/transitions/0/to", spot.parent
+            if not target.inside(parent):
+                yield (
+                    place,
+                    f"'{target.name}' is not inside '{parent.name}'; '{spot.name}' leads back there, name one in it",
+                )
+            elif isinstance(target.state, History):
+                yield place, f"'{target.name}' is a history too; name the state to which it is to lead without memory"
+            elif spot.state.history == "shallow" and target.parent is not parent:
+                child = next(each for each in target.upward() if each.parent is parent)
+                remedy = f"name '{child.name}', or make it deep"
+                yield place, f"a shallow history leads to a child of '{parent.name}', not to '{target.name}'; {remedy}"
+
+
+def target_lists(survey: MissionIndex) -> Found:
+    """A list of targets names one state in each of several regions of one parallel."""
+    lists = [("/initial", survey.mission.initial)]
+    lists += [(f"{spot.place}/initial", getattr(spot.state, "initial", ())) for spot in survey.spots]
+    lists += [(f"{row.place}/to", row.transition.to) for row in survey.rows]
+    for place, names in lists:
+        if len(names) > 1:
+            targets = [survey.by_name.get(name) for name in names]
+            if sentence := _clash([target for target in targets if target is not None]):
+                yield place, sentence
+
+
+def _clash(targets: Sequence[StateRef]) -> str:
+    """Why targets cannot be entered together; empty if they can."""
+    via: dict[StateRef | None, StateRef] = {}
+    for target in targets:
+        below = target
+        for above in (*tuple(target.upward())[1:], None):
+            other = via.setdefault(above, below)
+            if other is not below and not (above is not None and isinstance(above.state, Parallel)):
+                where = "at the top of the mission" if above is None else f"inside '{above.name}'"
+                names = f"'{other.name}' and '{below.name}'"
+                return f"{names} are never active together {where}; name states in different regions of one parallel"
+            if above is None:
+                break
+            below = above
+    for index, target in enumerate(targets):
+        if target in targets[:index]:
+            return f"'{target.name}' is named twice; name one state a region"
+        if target in via:
+            return f"'{via[target].name}' is inside '{target.name}', and the list enters both; name one state a region"
+    return ""
+
+
+def misplaced_states(survey: MissionIndex) -> Found:
+    """A history stands in a compound state, a final not beside regions, and neither has a timeout or control."""
+    for spot in survey.spots:
+        state, parent = spot.state, spot.parent
+        if isinstance(state, History) and (parent is None or isinstance(parent.state, Parallel)):
+            where = "at the top, which is never left" if parent is None else f"among the regions of '{parent.name}'"
+            yield (
+                spot.place,
+                f"the history '{spot.name}' stands {where}; put it into the compound state that it is to remember",
+            )
+        if isinstance(state, Final) and parent is not None and isinstance(parent.state, Parallel):
+            yield (
+                spot.place,
+                f"the final '{spot.name}' stands among the regions of '{parent.name}'; put it into a region",
+            )
+        if isinstance(state, Final | History):
+            kind = "final" if isinstance(state, Final) else "history"
+            why = "it ends its parent" if kind == "final" else "it is never active itself"
+            words = ["timeout_s", "control", *(("entry", "exit") if kind == "history" else ("transitions",))]
+            for word in words:
+                if getattr(state, word):
+                    yield f"{spot.place}/{word}", f"a {kind} state has no '{word}', for {why}; take it away"
+
+
+def misused_internal(survey: MissionIndex) -> Found:
+    """`internal` leads from a compound state to a state inside it."""
+    for row in survey.rows:
+        if not row.transition.internal:
+            continue
+        place, owner = f"{row.place}/internal", row.owner
+        if owner is None or not isinstance(owner.state, Compound | Each):
+            name = "the mission's own row" if owner is None else f"'{owner.name}'"
+            yield place, f"'internal' is for rows of a compound state, which {name} is not; take it away"
+            continue
+        for target in survey.found(row.transition.to):
+            if target is owner:
+                yield (
+                    place,
+                    f"a row to '{owner.name}' itself leaves and enters it; lead inside it, or take 'internal' away",
+                )
+            elif not target.inside(owner):
+                yield place, f"'{target.name}' is not inside '{owner.name}', so the row leaves it; take 'internal' away"
+
+
+def crossing_rows(survey: MissionIndex) -> Found:
+    """A row that leads from one region into another restarts the whole parallel."""
+    for row in survey.rows:
+        for target in survey.found(row.transition.to):
+            parallel = _crossed(row, target)
+            if parallel is not None and len(row.transition.to) == 1:
+                yield (
+                    f"{row.place}/to",
+                    f"'{target.name}' is in another region of '{parallel.name}', so all its regions are left and "
+                    "entered anew; raise an event that a row there waits for, or lead out of the parallel",
+                )
+
+
+def _crossed(row: TransitionRef, target: StateRef) -> StateRef | None:
+    """The parallel between whose regions a row leads."""
+    if row.owner is None:
+        return None
+    meeting = next((here for here in row.owner.upward() if target.inside(here) or target is here), None)
+    inner = meeting is not None and meeting is not row.owner and meeting is not target
+    return meeting if meeting is not None and inner and isinstance(meeting.state, Parallel) else None
+
+
+def words_in_vain(survey: MissionIndex) -> Found:
+    """`in` asks for a state that can be active."""
+    for place, part, _ in survey.parts:
+        if isinstance(part, In):
+            spot = survey.by_name.get(part.state)
+            if spot is not None and isinstance(spot.state, History):
+                remedy = f"'{spot.parent.name}'" if spot.parent is not None else "a state that it leads to"
+                yield f"{place}/in", f"'{part.state}' is a history, which is never active itself; ask for {remedy}"

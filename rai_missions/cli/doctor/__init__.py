@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What this machine has, what it lacks, and how to get it.
+
+Rule: whatever may crash or hang is tried in a process of its own, within seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rai_missions.cli.doctor.finding import Finding
+from rai_missions.cli.doctor.machine import machine
+from rai_missions.cli.doctor.robot import reach
+from rai_missions.cli.doctor.ros import ros
+from rai_missions.profile import Robot
+
+__all__ = ("Finding", "examine")
+
+
+def examine(robot: Robot | None = None) -> Iterator[Finding]:
+    """Look at everything that this project uses, and at a robot where one is given."""
+    yield from machine()
+    yield from ros()
+    if robot is not None:
+        yield from reach(robot)

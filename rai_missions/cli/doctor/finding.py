@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the doctor says of one thing, and how it tries what may not come back."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple
+
+from rai_missions.redaction.cut import cut
+
+__all__ = ("Finding", "Tried", "tried")
+
+PROBE = "rai_missions.cli.doctor.probe"
+
+
+class Finding(NamedTuple):
+    """One thing looked at."""
+
+    status: Literal["ok", "absent", "missing"]
+    """`missing` is needed; `absent` is there for those who want it."""
+    what: str
+    remedy: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.status:8}{self.what}" + (f": {self.remedy}" if self.remedy else "")
+
+
+class Tried(NamedTuple):
+    """What came of something tried in a process of its own."""
+
+    said: Any = None
+    fault: str = ""
+    """Why it said nothing, in a sentence."""
+
+
+def tried(what: str, given: Any, environment: Mapping[str, str], *, within_s: float = 30.0) -> Tried:
+    """Try one of the probes; it may crash, hang or say anything.
+
+    Args:
+        what: The probe.
+        given: What it is told, as JSON.
+        environment: The variables of its process.
+        within_s: How long it may take.
+    """
+    try:
+        done = subprocess.run(
+            [sys.executable, "-W", "ignore", "-m", PROBE, what],
+            input=json.dumps(given),
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=within_s,
+            env=dict(environment),
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return Tried(fault=f"nothing came back within {within_s:g} s")
+    lines = done.stdout.splitlines()
+    if done.returncode == 0 and lines:
+        return Tried(json.loads(lines[-1]))
+    words = [line.strip() for line in done.stderr.splitlines() if line.strip()]
+    if done.returncode < 0:
+        return Tried(fault=f"it crashed ({signal.Signals(-done.returncode).name})")
+    return Tried(fault=cut(words[-1], 300) if words else f"it ended with {done.returncode}")

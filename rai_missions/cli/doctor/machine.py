@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a machine has beside ROS: Python, packages, extras, what draws and what renders."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import sys
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from rai_missions.cli.doctor.finding import Finding
+
+__all__ = ("installed", "machine")
+
+EXTRAS = (
+    ("sim", ("mujoco", "numpy", "PIL"), "simulated worlds"),
+    ("draw", ("graphviz_pure",), "pictures without a system Graphviz"),
+    ("local", ("xllamacpp",), "a model that needs no key and no network"),
+    ("openai", ("langchain_openai",), "models of OpenAI and of servers that speak its protocol"),
+    ("anthropic", ("langchain_anthropic",), "models of Anthropic"),
+    ("ollama", ("langchain_ollama",), "models served by Ollama"),
+    ("record", ("mcap",), "recordings that Foxglove opens"),
+    ("mqtt", ("paho",), "robots behind an MQTT broker"),
+    ("watch", ("starlette", "uvicorn"), "the live page"),
+)
+NEEDED = ("pydantic", "langchain-core", "py-trees", "transitions", "jsonschema", "graphviz", "rich")
+
+
+def machine() -> Iterator[Finding]:
+    """Look at everything that this project uses, ROS left out."""
+    here = ".".join(map(str, sys.version_info[:3]))
+    enough = sys.version_info >= (3, 11)
+    yield Finding("ok" if enough else "missing", f"Python {here}", "" if enough else "3.11 or newer is needed")
+    for name in NEEDED:
+        yield _package(name)
+    for extra, modules, what in EXTRAS:
+        there = all(_has(module) for module in modules)
+        remedy = "" if there else f"pip install 'rai_missions[{extra}]'"
+        yield Finding("ok" if there else "absent", f"extra {extra} ({what})", remedy)
+    yield _drawing()
+    yield _rendering()
+
+
+def _has(module: str) -> bool:
+    if module == "graphviz_pure":
+        return _program("graphviz-pure") is not None
+    return importlib.util.find_spec(module) is not None
+
+
+def _package(name: str) -> Finding:
+    try:
+        return Finding("ok", f"{name} {version(name)}")
+    except PackageNotFoundError:
+        return Finding("missing", name, f"pip install {name}")
+
+
+def _program(name: str) -> str | None:
+    beside = Path(sys.executable).parent / name
+    return str(beside) if beside.exists() else shutil.which(name)
+
+
+def _drawing() -> Finding:
+    for name in ("dot", "graphviz-pure"):
+        if found := _program(name):
+            return Finding("ok", f"pictures are drawn by {found}")
+    return Finding("absent", "nothing draws SVG and PNG", "install Graphviz, or pip install 'rai_missions[draw]'")
+
+
+def _rendering() -> Finding:
+    if importlib.util.find_spec("mujoco") is None:
+        return Finding("absent", "a camera in simulated worlds", "pip install 'rai_missions[sim]'")
+    from rai_missions.errors import UsageError
+    from rai_missions.worlds.world import open_world
+
+    try:
+        world = open_world("orchard", alleys=1, obstacles=["none"])
+        world.close()
+    except UsageError as error:
+        return Finding("absent", "a camera in simulated worlds", str(error))
+    return Finding("ok", f"simulated worlds, pictures by MUJOCO_GL={os.environ.get('MUJOCO_GL', 'the display')}")
+
+
+def installed(name: str) -> bool:
+    """A distribution of that name is here."""
+    try:
+        version(name)
+    except PackageNotFoundError:
+        return False
+    return True

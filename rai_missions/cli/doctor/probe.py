@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the doctor tries in a process of its own: `python -m rai_missions.cli.doctor.probe WHAT`, told and telling JSON.
+
+Rule: the last line on the output is the answer; a sentence on stderr and another exit status say why there is none.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+import time
+import uuid
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.errors import MissionError
+
+__all__ = ("main",)
+
+LOOK_S = 0.05
+DISCOVERY_S = 15.0
+
+
+def load(_: Any) -> dict[str, str]:
+    """Where rclpy comes from, and which middleware it speaks through."""
+    rclpy: Any = importlib.import_module("rclpy")
+    utilities: Any = importlib.import_module("rclpy.utilities")
+    return {"file": str(rclpy.__file__), "rmw": str(utilities.get_rmw_implementation_identifier())}
+
+
+def discovery(_: Any) -> float | None:
+    """How many seconds a node takes to find another; None if it does not."""
+    from rai_missions.connectors.ros2 import open_connector
+
+    one, other = open_connector({}), open_connector({})
+    topic = f"/rai_missions_doctor_{uuid.uuid4().hex[:8]}"
+    other.start()
+    other.serve(topic, "std_srvs/srv/Trigger", lambda _: {"success": True})
+    began = time.monotonic()
+    one.start()
+    try:
+        found = _awaited(lambda: topic in one.listed("services"), DISCOVERY_S)
+        return time.monotonic() - began if found else None
+    finally:
+        one.stop()
+        other.stop()
+
+
+def types(wanted: list[list[Any]]) -> list[str]:
+    """Why each type of a kind is not here; empty for one that is."""
+    from rai_missions.connectors.ros2 import why_absent
+
+    return [why_absent(name, kind) for name, kind in wanted]
+
+
+def fields(wanted: list[list[Any]]) -> list[Any]:
+    """What each type of a kind holds; None for one that is not here."""
+    from rai_missions.connectors.ros2 import fields_of
+
+    return [fields_of(name, kind) for name, kind in wanted]
+
+
+def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
+    """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
+
+    What is listed and not offered has only somebody who listens for it, or asks.
+    """
+    from rai_missions.agents.mission import REMOTE
+    from rai_missions.connectors.connector import SupportsDiscoveryCount
+
+    options = dict(given["connector"])
+    connector = importlib.import_module(REMOTE[options.pop("kind")]).open_connector(options)
+    wanted: dict[Any, list[tuple[str, str]]] = {
+        mode: names for mode, names in given["wanted"].items() if mode in connector.modes
+    }
+    connector.start()
+    try:
+
+        def looked() -> dict[str, dict[str, dict[str, str]]]:
+            listed = {mode: dict(connector.listed(mode)) for mode in wanted}
+            if not isinstance(connector, SupportsDiscoveryCount):
+                return {"listed": listed, "offered": listed}
+            return {"listed": listed, "offered": {mode: _offered(connector, mode, listed[mode]) for mode in wanted}}
+
+        def is_there() -> bool:
+            now = looked()
+            return all(name in now[how][mode] for mode, names in wanted.items() for name, how in names)
+
+        _awaited(is_there, float(given["within_s"]))
+        return looked()
+    finally:
+        connector.stop()
+
+
+def _offered(connector: Any, mode: str, listed: Mapping[str, str]) -> dict[str, str]:
+    counts = connector.offered(mode)
+    return {name: types for name, types in listed.items() if name in counts}
+
+
+def _awaited(is_so: Callable[[], bool], within_s: float) -> bool:
+    until = time.monotonic() + within_s
+    while not is_so():
+        if time.monotonic() > until:
+            return False
+        time.sleep(LOOK_S)
+    return True
+
+
+PROBES: Mapping[str, Callable[[Any], Any]] = {
+    "load": load,
+    "discovery": discovery,
+    "types": types,
+    "fields": fields,
+    "graph": graph,
+}
+
+
+def main() -> int:
+    """Try what the command line names; returns the exit status."""
+    try:
+        answer = PROBES[sys.argv[1]](json.loads(sys.stdin.read()))
+    except (MissionError, ImportError, OSError) as fault:
+        sys.stderr.write(f"{fault}\n")
+        return 1
+    sys.stdout.write(f"\n{json.dumps(answer)}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

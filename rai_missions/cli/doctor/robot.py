@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a robot can be reached as its profile says: its types, and its topics, services and actions.
+
+Rule: looking is all; nothing is asked of the robot, and nothing is told to it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from rai_missions.agents.mission import REMOTE
+from rai_missions.cli.doctor.finding import Finding, Tried, tried
+from rai_missions.connectors.connector import Mode
+from rai_missions.error_text import suggestion
+from rai_missions.profile import Robot, misnamed
+from rai_missions.profile.message_types import Kind, heard, typed
+from rai_missions.worlds.world import WORLDS
+
+__all__ = ("reach", "wanted")
+
+WITHIN_S = 10.0
+
+
+class Wanted(NamedTuple):
+    """Something that a profile names."""
+
+    place: str
+    """Where: `blackboard/battery`."""
+    mode: Mode
+    name: str
+    type: str
+    is_listener: bool = False
+    """It is published on: nobody has to listen."""
+    may_be_silent: bool = False
+    """An event: who tells of it may come to be when it happens."""
+
+    @property
+    def how(self) -> str:
+        """How it is to be there: `offered` by somebody, or, where that is enough, `listed`."""
+        return "listed" if self.is_listener else "offered"
+
+
+def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterator[Finding]:
+    """Look for a robot.
+
+    Args:
+        robot: Its profile.
+        environment: The variables that its connector reads; this process's own if left out.
+    """
+    given = os.environ if environment is None else environment
+    kind = str(robot.connector["kind"])
+    if kind not in REMOTE:
+        yield _local(kind, robot)
+        return
+    if kind == "ros2":
+        yield from _types(robot, given)
+    names = list(wanted(robot))
+    by_mode = {
+        mode: [(each.name, each.how) for each in names if each.mode == mode]
+        for mode in ("topics", "services", "actions")
+    }
+    told = {"connector": robot.connector, "wanted": by_mode, "within_s": WITHIN_S}
+    found = tried("graph", told, given, within_s=60)
+    if found.fault:
+        yield Finding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
+        return
+    there: dict[str, dict[str, dict[str, str]]] = found.said
+    if not any(each.name in there[each.how].get(each.mode, ()) for each in names):
+        remedy = "start the robot or its simulation, and compare the domain and the discovery range of both"
+        yield Finding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
+        return
+    yield from (_looked_for(each, there[each.how].get(each.mode, {})) for each in names)
+
+
+def wanted(robot: Robot) -> Iterator[Wanted]:
+    """All topics, services and actions that a profile names; a handover's, whose name depends on who asks, left out."""
+    yield from _heard(robot)
+    yield from _done(robot)
+    for name, topic in robot.topics.items():
+        yield Wanted(f"topics/{name}", "topics", topic.topic, topic.type, is_listener=True)
+
+
+def _heard(robot: Robot) -> Iterator[Wanted]:
+    heard = (("blackboard", robot.blackboard), ("events", robot.events), ("", {"holder": robot.holder}))
+    for sort, sources in heard:
+        for name, source in sources.items():
+            place = f"{sort}/{name}".lstrip("/")
+            if source is not None and source.topic is not None:
+                yield Wanted(place, "topics", source.topic, source.type, may_be_silent=sort == "events")
+            elif source is not None and source.service is not None:
+                yield Wanted(place, "services", source.service, source.type)
+
+
+def _done(robot: Robot) -> Iterator[Wanted]:
+    services = {f"services/{name}": service for name, service in robot.services.items()}
+    for name, action in robot.actions.items():
+        if action.action is not None:
+            yield Wanted(f"actions/{name}", "actions", action.action, action.type)
+        parts = (("start", action.start), ("cancel", action.cancel))
+        services |= {f"actions/{name}/{word}": part for word, part in parts if part is not None}
+    services |= {f"control/{name}": each for name, each in robot.control.items() if "{" not in each.service}
+    yield from (Wanted(place, "services", each.service, each.type) for place, each in services.items())
+
+
+def _local(kind: str, robot: Robot) -> Finding:
+    world = robot.connector.get("world")
+    if kind != "local":
+        near = suggestion(kind, ("local", *REMOTE))
+        return Finding(
+            "missing", f"the robot '{robot.name}' has a connector of kind '{kind}', which is not known{near}"
+        )
+    if world is not None and world not in WORLDS:
+        near = suggestion(str(world), WORLDS)
+        return Finding("missing", f"the robot '{robot.name}' lives in a world '{world}', which is not known{near}")
+    return Finding("ok", f"the robot '{robot.name}' is simulated with the run" if world else f"'{robot.name}' is local")
+
+
+def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
+    asked = list(typed(None, robot))
+    found = tried("types", [[each.type, each.kind] for each in asked], given)
+    if found.fault:
+        yield Finding("missing", f"the types that '{robot.name}' names cannot be looked up", found.fault)
+        return
+    yield from _fields(robot, given)
+    absent = [(each, why) for each, why in zip(asked, found.said, strict=True) if why]
+    yield from (Finding("missing", f"{each.place.lstrip('/')}: {each.type}", why) for each, why in absent)
+    if not absent:
+        yield Finding("ok", f"all {len({each.type for each in asked})} types that '{robot.name}' names are here")
+
+
+def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
+    """Fields of which the profile speaks, and the types have not."""
+    asked: list[tuple[str, Kind]] = [
+        (source.type, "srv" if source.service is not None else "msg") for _, _, source in heard(None, robot)
+    ]
+    found = tried("fields", asked, given) if asked else Tried([])
+    if found.fault:
+        yield Finding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
+        return
+    there = dict(zip(asked, found.said, strict=True))
+    for fault in misnamed(None, robot, lambda name, kind: there[name, kind]):
+        yield Finding("missing", fault.place.lstrip("/"), fault.sentence)
+
+
+def _looked_for(each: Wanted, there: Mapping[str, str]) -> Finding:
+    what = f"{each.place}: {each.mode[:-1]} {each.name}"
+    if each.name not in there:
+        if each.is_listener:
+            return Finding("absent", f"{what} has no listener")
+        if each.may_be_silent:
+            return Finding("absent", f"{what} is published by nobody now")
+        return Finding("missing", f"{what} is not there", f"start what offers it{suggestion(each.name, there)}")
+    types = there[each.name]
+    if each.type and types and each.type not in types.split(", "):
+        return Finding("missing", f"{what} is there as {types}", f"the profile says {each.type}; mend one of them")
+    return Finding("ok", what)

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run on a terminal: the lines scroll by, and below them stands where the mission is now.
+
+Rule: while a person is asked the terminal is theirs.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping
+from typing import Any, TextIO
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from rai_missions.cli.progress import Lines, Person, trimmed
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.goal_ledger import may_move
+from rai_missions.engine.decision import Answerer, Question
+from rai_missions.engine.step import Ask, Step
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.runner import Result
+
+__all__ = ("Screen",)
+
+STYLES = (
+    ("refused", "bold yellow"), ("fallback", "bold yellow"), ("question ", "cyan"), ("offered:", "cyan"),
+    ("waits until control", "bold yellow"), ("ignored", "dim"),
+    ("succeeded:", "bold green"), ("failed:", "bold red"), ("aborted:", "bold red"), ("canceled:", "bold yellow"),
+)  # fmt: skip
+
+
+class Screen(Lines):
+    """Prints a run as `Lines` does, in colour, above a live foot.
+
+    Args:
+        mission: Whose run it is.
+        out: The terminal.
+        verbose: Steps that changed nothing too.
+    """
+
+    def __init__(self, mission: Mission, out: TextIO, *, verbose: bool = False) -> None:
+        super().__init__(mission, io.StringIO(), verbose=verbose)
+        self._console = Console(file=out, highlight=False)
+        self._live: Live | None = None
+        self._status: Status | None = None
+        self._personal: set[int] = set()
+
+    def lend(self, person: Person) -> Answerer:
+        """Somebody who asks on this terminal: the foot is taken away first."""
+        return _Borrower(self._hide, super().lend(person))
+
+    def close(self) -> None:
+        self._hide()
+        super().close()
+
+    def status(self, status: Status) -> None:
+        """The run's mode, control or states have changed, or which goals may still move the robot."""
+        super().status(status)
+        self._status = status
+
+    def step(self, step: Step) -> None:
+        asked = [
+            effect.question.number for effect in step.effects if isinstance(effect, Ask) and self._is_person(effect)
+        ]
+        self._personal.update(asked)
+        if step.event.kind == "proposal" or step.moves:
+            self._personal.intersection_update(asked)
+        super().step(step)
+        if self._personal:
+            self._hide()
+        elif self._chart is not None:
+            self._show(self._foot(step.at))
+
+    def _show(self, foot: Group) -> None:
+        if self._live is None:  # a new one each time: a stopped one would clear the lines above it
+            self._live = Live(foot, console=self._console, refresh_per_second=8, transient=True)
+            self._live.start()
+        self._live.update(foot)
+
+    def _hide(self) -> None:
+        live, self._live = self._live, None
+        if live is not None:
+            live.stop()
+
+    def end(self, result: Result, picture: str = "") -> None:
+        self._hide()
+        super().end(result, picture)
+
+    def _question(self, ask: Ask) -> None:
+        if self._is_person(ask):  # the operator's own prompt says it
+            self._asked += 1
+        else:
+            super()._question(ask)
+
+    @staticmethod
+    def _is_person(ask: Ask) -> bool:
+        return ask.question.asked == "operator"
+
+    def _print(self, line: str) -> None:
+        style = next((style for word, style in STYLES if word in line), "")
+        self._console.print(Text(line, style=style), soft_wrap=True)
+
+    def _foot(self, at: float) -> Group:
+        chart, status = self._chart, self._status
+        assert chart is not None
+        head = Text(f"{at:9.2f} s  ", style="bold")
+        head.append(f"{status.mode if status else ''}  ", style="bold green")
+        head.append(" › ".join(self._path(chart)), style="bold")
+        head.append(f"   control: {status.control if status else ''}", style="dim")
+        if status is not None and status.waits:
+            head.append(f"\n{'':13}{status.waits}", style="bold yellow")
+        if status is not None and status.open_goals:
+            head.append(f"\n{'':13}{trimmed(may_move(status.open_goals), 400)}", style="bold red")
+        facts = Table.grid(padding=(0, 2))
+        for key, entry in sorted(chart.view.board.items()):
+            if self._mission.blackboard[key].source == "robot":
+                said = Text(trimmed(entry.value, 60))  # a string would be read as markup
+                facts.add_row(Text(f"  {key}", style="dim"), said, f"{at - entry.at:.1f} s old")
+        return Group(Text(""), head, facts)
+
+    def _path(self, chart: Chart) -> list[str]:
+        return [name for _, name, _ in self._mission.walk() if name in chart.active]
+
+
+class _Borrower:
+    """Asks once the terminal is free."""
+
+    def __init__(self, hide: Callable[[], None], person: Answerer) -> None:
+        self._hide, self._person = hide, person
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        self._hide()
+        self._person.ask(question, answer)
+
+    def withdraw(self, number: int) -> None:
+        self._person.withdraw(number)

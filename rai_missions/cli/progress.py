@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run as a person reads it: a line a step, each question with its answer and verdict, and the end with its rule.
+
+Rule: it is told of steps and prints; it keeps nothing that anybody else needs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol, TextIO
+
+from rai_missions.engine import NOT_STARTED, Chart
+from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
+from rai_missions.engine.decision import Answerer
+from rai_missions.engine.step import (
+    Ask,
+    CallService,
+    CancelGoal,
+    Handover,
+    LogLine,
+    PublishMessage,
+    SayAloud,
+    StartGoal,
+    Step,
+)
+from rai_missions.event import Event, Image
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.runner import Result
+
+__all__ = ("Lines", "Person", "trimmed")
+
+WIDTH = 150
+
+
+def trimmed(value: Any, width: int = WIDTH) -> str:
+    """A value in one line of bounded length, without control characters."""
+    text = value if isinstance(value, str) else _plain(value)
+    text = " ".join("".join(char if char.isprintable() else " " for char in text).split())
+    return text if len(text) <= width else text[: width - 1] + "…"
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_plain(item)}" for name, item in value.items())
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    if isinstance(value, Image):
+        return f"picture {value.ref}"
+    return str(value)
+
+
+def _reasons(mission: Mission) -> dict[str, str]:
+    """JSON pointer of a row → what its guard says."""
+    found = {}
+    for place, rows in (("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk())):
+        for index, row in enumerate(rows):
+            if row.when is not None:
+                found[f"{place}/transitions/{index}"] = row.when.words()
+    return found
+
+
+class Person(Answerer, Protocol):
+    """Somebody at the terminal."""
+
+    def stop(self) -> None:
+        """Nothing more will be asked."""
+
+
+class Lines:
+    """Prints a run line by line.
+
+    Args:
+        mission: Whose run it is.
+        out: Where the lines go.
+        verbose: Quiet steps, such as ignored events, too.
+    """
+
+    def __init__(self, mission: Mission, out: TextIO, *, verbose: bool = False) -> None:
+        self._mission, self._out, self._verbose = mission, out, verbose
+        self._asked = 0
+        self._persons: list[Person] = []
+        self._shown: tuple[str, ...] = ()
+        self._answered: dict[str, int] = {}
+        self._reasons = _reasons(mission)
+        self._chart: Chart | None = None
+        self._is_waiting = False
+        self._open_goals: tuple[OpenGoal, ...] = ()
+
+    def begin(
+        self, robot: str, answerers: str, journal: str, *, model: str | None, goes_on: str = "", moved_aside: str = ""
+    ) -> None:
+        """The head of a run: what runs on what, who answers, where it is written down, from where it goes on."""
+        self._print(f"{self._mission.name} {self._mission.version} on {robot or 'no robot'}")
+        self._print(f"model: {model or 'none, no model is asked'}")
+        self._print(f"questions are answered by: {answerers or 'nobody, so each takes its fallback'}")
+        self._print(f"journal: {journal or 'none'}")
+        if moved_aside:
+            self._print(f"the journal of an earlier run, which had this name, is now {moved_aside}")
+        if goes_on:
+            self._print(goes_on)
+        self._print("")
+
+    def watch(self, chart: Chart) -> None:
+        """The run begins; its state may be shown beside the lines."""
+        self._chart = chart
+
+    def lend(self, person: Person) -> Answerer:
+        """Somebody who asks where these lines are printed; sent away when the run is over."""
+        self._persons.append(person)
+        return person
+
+    def close(self) -> None:
+        """The run is over, however it went."""
+        for person in self._persons:
+            person.stop()
+
+    def status(self, status: Status) -> None:
+        """The run's mode, control or states have changed, or which goals may still move the robot."""
+        if status.open_goals and status.open_goals != self._open_goals:
+            self._print(f"{'':13}{trimmed(may_move(status.open_goals), 400)}")
+        self._open_goals = status.open_goals
+
+    def step(self, step: Step) -> None:
+        """One step; those that changed nothing are left out unless all are wanted."""
+        if step.why == NOT_STARTED and not self._verbose:
+            self._wait(step)
+            return
+        if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
+            return
+        parts = [self._way(step), *self._does(step)]
+        if step.ignored:
+            parts = [f"ignored: {step.why}" if step.why else "ignored"]
+        if step.event.kind == "proposal" and not step.moves:
+            parts = []
+        text = " · ".join(part for part in parts if part)
+        notes = [note for note in step.notes if not note.startswith(("question ", "fallback ", "control: "))]
+        if text or notes:
+            self._print(f"{step.at:9.2f} s  {trimmed(self._event(step.event), 28):<28}  {text or '; '.join(notes)}")
+            for note in (*self._because(step), *notes) if text else ():
+                self._print(f"{'':13}{trimmed(note)}")
+        self._verdict(step)
+        if step.moves:
+            self._shown = ()
+        for effect in step.effects:
+            if isinstance(effect, Ask):
+                self._question(effect)
+
+    def _wait(self, step: Step) -> None:
+        """Said once: what the mission must hear before it starts; what else happens until then changes nothing."""
+        unheard = self._chart.unheard if self._chart is not None else ()
+        if unheard and not self._is_waiting:
+            self._is_waiting = True
+            self._print(f"{step.at:9.2f} s  waiting for the robot: {', '.join(unheard)}")
+
+    def end(self, result: Result, picture: str = "") -> None:
+        """How it ended, and where everything is."""
+        self._print("")
+        self._print(f"{result.outcome}: {trimmed(result.why, 400)}")
+        if result.warning:
+            self._print(trimmed(result.warning, 400))
+        said = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
+        self._print(
+            f"steps {result.steps} · questions {self._asked} (answers that counted: {said}) · {result.duration_s:.1f} s"
+        )
+        if result.journal:
+            self._print(f"journal: {result.journal}")
+        if result.moved_aside:
+            self._print(f"the journal of an earlier run, which had this name, is now {result.moved_aside}")
+        if picture:
+            self._print(f"picture: {picture}")
+
+    def _event(self, event: Event) -> str:
+        if event.kind == "write":
+            return f"{event.name} = {trimmed(event.data.get('value'), 20)}"
+        if event.kind in ("accepted", "result"):
+            return f"{event.name} ({event.number})"
+        if event.kind == "proposal":
+            return f"{event.name} answers"
+        return {"tick": "time", "control": f"control: {event.name}"}.get(event.kind, event.name)
+
+    def _way(self, step: Step) -> str:
+        if not step.moves:
+            return ""
+        left = [name for name in step.exited if name not in step.entered]
+        entered = list(step.entered)
+        return f"{', '.join(reversed(left))} → {', '.join(entered)}".strip() if entered else ""
+
+    def _because(self, step: Step) -> list[str]:
+        """What was so that moved the mission without an event or outcome."""
+        rows = [row for move in step.moves if not move.trigger for row in move.taken]
+        return [f"because {self._reasons[row]}" for row in rows if row in self._reasons]
+
+    def _does(self, step: Step) -> list[str]:
+        said = []
+        for effect in step.effects:
+            if isinstance(effect, StartGoal):
+                said.append(f"start {effect.action} ({effect.number})")
+            elif isinstance(effect, CancelGoal):
+                said.append(f"cancel {effect.action} ({effect.number})")
+            elif isinstance(effect, CallService):
+                said.append(f"call {effect.service} ({effect.number})")
+            elif isinstance(effect, PublishMessage):
+                said.append(f"publish {effect.topic}")
+            elif isinstance(effect, Handover):
+                said.append(f"control to {effect.to}")
+            elif isinstance(effect, SayAloud | LogLine):
+                said.append(f"“{effect.text}”")
+        said += [f"{key} := {trimmed(value, 40)}" for key, value in step.writes if step.event.kind != "write"]
+        return said
+
+    def _question(self, ask: Ask) -> None:
+        """What is asked; said once for all who are asked the same."""
+        question = ask.question
+        self._asked += 1
+        offered = ", ".join(offer.name for offer in question.options)
+        words = (question.owner, offered, *(trimmed(shown.words().rpartition(", ")[0]) for shown in question.evidence))
+        if words != self._shown:
+            self._shown = words
+            self._print(f"{'':13}question: {trimmed(question.text)}")
+            for shown in question.evidence:
+                self._print(f"{'':15}{trimmed(shown.words())}")
+            self._print(f"{'':15}offered: {offered}")
+        again = f", attempt {question.attempt}" if question.attempt > 1 else ""
+        self._print(f"{'':13}question {question.number} to {question.asked}{again}")
+
+    def _verdict(self, step: Step) -> None:
+        for note in step.notes:
+            if note.startswith(("question ", "fallback ")):
+                if note.startswith("fallback "):
+                    self._answered["fallback"] = self._answered.get("fallback", 0) + 1
+                elif note.endswith(": accepted"):
+                    self._answered[step.event.name] = self._answered.get(step.event.name, 0) + 1
+                why = step.event.data.get("why") if step.event.kind == "proposal" else ""
+                self._print(f"{'':13}{trimmed(note)}" + (f" (“{trimmed(why, 80)}”)" if why else ""))
+
+    def _print(self, line: str) -> None:
+        print(line, file=self._out, flush=True)

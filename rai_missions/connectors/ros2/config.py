@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a robot profile says of its ROS 2 connector, and what it means where it says nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import Any, get_args, get_type_hints
+
+from rai_missions.error_text import suggestion
+from rai_missions.errors import UsageError
+from rai_missions.redaction.cut import shown
+
+__all__ = ("Options", "QosProfile", "read_options")
+
+RELIABILITIES = ("reliable", "best_effort")
+DURABILITIES = ("volatile", "latched")
+
+
+@dataclass(frozen=True)
+class QosProfile:
+    """How messages of one topic travel: ROS 2's quality of service."""
+
+    reliability: str | None = None
+    """`reliable` or `best_effort`; left out: reliable, and best effort where the publisher offers no better."""
+    durability: str = "volatile"
+    """`latched` (ROS 2's `transient_local`): who subscribes later hears the last messages. Or `volatile`."""
+    depth: int = 10
+    """How many messages wait for a slow reader; 1 means that the newest wins."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """A profile's `connector`, beside its `kind`."""
+
+    node: str = ""
+    """The node's name; left out, one that is unique in the graph."""
+    namespace: str = ""
+    domain_id: int | None = None
+    """Left out, `ROS_DOMAIN_ID` says it."""
+    arguments: tuple[str, ...] = ()
+    """What would follow `--ros-args`: `["-r", "/scan:=/front/scan"]`."""
+    parameters: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    """The node's parameters, by name."""
+    sim_time: bool = False
+    """Time is what `/clock` says."""
+    discovery_s: float = 3.0
+    """Seconds in which whoever is there is found; who is not found then is not there."""
+    pictures: bool = False
+    """This process publishes pictures; then Fast DDS is given the shared memory that they take."""
+    qos: Mapping[str, QosProfile] = field(default_factory=lambda: MappingProxyType({}))
+    """Topic → how its messages travel."""
+
+    def quality(self, topic: str) -> QosProfile:
+        """How messages of a topic travel."""
+        return self.qos.get(topic) or (STATIC if topic.rpartition("/")[2] == "tf_static" else DEFAULT)
+
+
+DEFAULT = QosProfile()
+STATIC = QosProfile(durability="latched", depth=100)
+"""tf2 says once what does not change, to whoever comes later as well."""
+
+
+def read_options(given: Mapping[str, Any]) -> Options:
+    """A profile's words as `Options`.
+
+    Raises:
+        UsageError: A word or a value that is not understood; the sentence says what would be right.
+    """
+    said = dict(_known(given, Options, "connector"))
+    if "arguments" in said:
+        said["arguments"] = _texts(said["arguments"])
+    if "qos" in said:
+        qos = said["qos"]
+        said["qos"] = {topic: _quality(topic, each) for topic, each in _mapping(qos, "connector/qos").items()}
+    if "parameters" in said:
+        said["parameters"] = dict(_mapping(said["parameters"], "connector/parameters"))
+    domain, patience = said.get("domain_id"), said.get("discovery_s", 3.0)
+    if domain is not None and not 0 <= domain <= 232:
+        raise UsageError(f"connector/domain_id: {domain} is no ROS domain; one goes from 0 to 232")
+    if not patience > 0:
+        raise UsageError(f"connector/discovery_s: {patience} is no time to be found in; give seconds above 0")
+    return Options(**said)
+
+
+def _quality(topic: str, given: Any) -> QosProfile:
+    place = f"connector/qos/{topic}"
+    said = dict(_known(_mapping(given, place), QosProfile, place))
+    if said.get("durability") == "transient_local":
+        said["durability"] = "latched"
+    for word, values in (("reliability", RELIABILITIES), ("durability", DURABILITIES)):
+        if word in said and said[word] not in values:
+            near = suggestion(str(said[word]), values)
+            raise UsageError(f"{place}/{word}: {shown(said[word])} is not known{near}")
+    if not 1 <= said.get("depth", 1) <= 10_000:
+        raise UsageError(f"{place}/depth: {said['depth']} is no number of messages; give 1 (the newest wins) to 10000")
+    return QosProfile(**said)
+
+
+def _known(given: Mapping[str, Any], kind: type, place: str) -> Mapping[str, Any]:
+    """The words of a dataclass, each of its type."""
+    names, hints = [each.name for each in fields(kind)], get_type_hints(kind)
+    for word, value in given.items():
+        if word not in names:
+            raise UsageError(f"{place}: no option {shown(word)}{suggestion(str(word), names)}")
+        wanted = get_args(hints[word]) or (hints[word],)
+        plain = [each for each in wanted if each in (str, int, float, bool, type(None))]
+        if word in ("arguments", "parameters", "qos"):
+            continue
+        if not any(_is(value, each) for each in plain):
+            raise UsageError(f"{place}/{word}: {shown(value)} is no {plain[0].__name__}")
+    return given
+
+
+def _is(value: Any, kind: type) -> bool:
+    if kind is float:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, kind) and (kind is bool or not isinstance(value, bool))
+
+
+def _mapping(given: Any, place: str) -> Mapping[str, Any]:
+    if not isinstance(given, Mapping):
+        raise UsageError(f"{place}: {shown(given)} stands where an object belongs")
+    return given
+
+
+def _texts(given: Any) -> tuple[str, ...]:
+    if not isinstance(given, list | tuple) or not all(isinstance(each, str) for each in given):
+        raise UsageError(f'connector/arguments: {shown(given)} is no list of texts, such as ["-r", "/a:=/b"]')
+    return tuple(given)

@@ -1,0 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What states do while they are active: a pure machine a kind, under the same file names as in `states`."""
+
+__all__ = ()

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine of an action: wait for the resources, send, be accepted, end, and let the facts settle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
+
+from rai_missions.engine.activities.activity import GOALS, NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.step import CancelGoal, StartGoal
+from rai_missions.event import Event
+from rai_missions.guards.guard import Guard, Instant, Site, Test, View
+from rai_missions.states.effects import filled
+
+__all__ = ("GoalActivity", "GoalMachine")
+
+ENDS = ("failed", "canceled", "rejected")
+"""How a server says that a goal did not succeed; any other word is a failure."""
+
+
+class Pursued(Protocol):
+    """What a state and a leaf that run an action have in common."""
+
+    action: str
+    goal: Mapping[str, Any]
+    result: Mapping[str, str]
+    achieved: Guard | None
+    settle_s: float
+    cancel_s: float
+    over_orphan: bool
+
+
+class GoalActivity(NamedTuple):
+    """How far a goal has come."""
+
+    phase: str
+    """`waiting` for resources, `sent`, `running` once accepted, `settling` once its server said succeeded."""
+    number: int = 0
+    until: float = math.inf
+    """When settling is over."""
+    result: Mapping[str, Any] = {}
+
+
+class GoalMachine:
+    """Pursues one action's goal.
+
+    Args:
+        definition: The state or leaf.
+        owner: Its name.
+        site: Where its guards are compiled.
+        succeeded: The profile's guard for an action that is composed of services; None for one with a server.
+        failed: The same for its failure.
+    """
+
+    def __init__(
+        self, definition: Any, owner: str, site: Site, *, succeeded: Guard | None = None, failed: Guard | None = None
+    ) -> None:
+        self.definition: Pursued = definition
+        self.owner, self.site = owner, site
+        self.achieved: Test | None = definition.achieved.compile(site) if definition.achieved is not None else None
+        self.settling_reads, self.settling_instants = site.watched, tuple(site.instants)
+        composed = Site(site.place, site.keys, site.state)
+        self.succeeded = succeeded.compile(composed) if succeeded is not None else None
+        self.failed = failed.compile(composed) if failed is not None else None
+        self.composed_reads, self.composed_instants = composed.watched, tuple(composed.instants)
+
+    def begin(self, desk: ActivityHost) -> Turn:
+        return self._start(desk) or Turn(GoalActivity("waiting"))
+
+    def _start(self, desk: ActivityHost) -> Turn | None:
+        obstruction = desk.obstruction(self.definition.action)
+        if obstruction == "busy":
+            return None
+        if obstruction == "orphan" and not self.definition.over_orphan:
+            why = "an earlier goal on the same resources never confirmed its end"
+            return Turn(None, outcome=Outcome("rejected", why=why))
+        goal = filled(self.definition.goal, desk.view, self.site)
+        unknown = sorted(name for name, value in goal.items() if value is None)
+        if unknown:
+            return Turn(None, outcome=Outcome("rejected", why=f"the goal's {', '.join(unknown)} is unknown"))
+        number = desk.open_goal(self.owner, self.definition.action, self.definition.cancel_s)
+        return Turn(GoalActivity("sent", number), (StartGoal(number, self.owner, self.definition.action, goal),))
+
+    def hear(self, state: GoalActivity, event: Event, desk: ActivityHost) -> Turn | None:
+        if event.kind == "tick":
+            return self._look(state, desk)
+        if event.number != state.number or not state.number or state.phase == "settling":
+            return None
+        if event.kind == "accepted":
+            return self._look(state._replace(phase="running"), desk) or Turn(state._replace(phase="running"))
+        if event.kind != "result":
+            return None
+        if event.name == "succeeded":
+            return self._settle(state._replace(result=dict(event.data)), desk)
+        if event.name not in ENDS:
+            why = str(event.data.get("why", "")) or f"its server said '{event.name}'"
+            return Turn(None, outcome=Outcome("failed", dict(event.data), why))
+        return Turn(None, outcome=Outcome(event.name, dict(event.data), str(event.data.get("why", ""))))
+
+    def _look(self, state: GoalActivity, desk: ActivityHost) -> Turn | None:
+        """Time has passed or a key has changed."""
+        if state.phase == "waiting":
+            return self._start(desk)
+        if state.phase == "settling":
+            return self._settled(state, desk)
+        if state.phase == "running" and self.succeeded is not None and self.succeeded(desk.view) is True:
+            desk.close_goal(state.number)
+            return self._settle(state, desk)
+        if state.phase == "running" and self.failed is not None and self.failed(desk.view) is True:
+            cancel = CancelGoal(state.number, self.definition.action)
+            return Turn(None, (cancel,), Outcome("failed", why="the profile's guard for its failure is true"))
+        return None
+
+    def _settle(self, state: GoalActivity, desk: ActivityHost) -> Turn:
+        until = desk.begins_at + self.definition.settle_s
+        settling = state._replace(phase="settling", until=until)
+        return self._settled(settling, desk) or Turn(settling)
+
+    def _settled(self, state: GoalActivity, desk: ActivityHost) -> Turn | None:
+        if self.achieved is None or self.achieved(desk.view) is True:
+            return Turn(None, outcome=Outcome("succeeded", state.result), writes=self._results(state))
+        if desk.view.at < state.until:
+            return None
+        assert self.definition.achieved is not None
+        value = self.achieved(desk.view)
+        says = "false" if value is False else f"unknown ({self._unknown(desk.view)})"
+        why = f"the server said succeeded, but '{self.definition.achieved.words()}' is {says}"
+        return Turn(None, outcome=Outcome("unverified", state.result, why))
+
+    def _unknown(self, view: View) -> str:
+        keys = sorted(key for key in self.site.reads if key not in view.board)
+        return f"never heard: {', '.join(keys)}" if keys else "stale"
+
+    def _results(self, state: GoalActivity) -> tuple[tuple[str, Any], ...]:
+        fields = self.definition.result
+        return tuple((key, state.result[field]) for key, field in fields.items() if state.result.get(field) is not None)
+
+    def leave(self, state: GoalActivity, desk: ActivityHost) -> Turn:
+        runs = state.phase in ("sent", "running")
+        return Turn(None, (CancelGoal(state.number, self.definition.action),) if runs else ())
+
+    def wake_at(self, state: GoalActivity, view: View) -> float:
+        instants: tuple[Instant, ...] = ()
+        if state.phase == "settling":
+            instants = self.settling_instants
+        elif state.phase == "running":
+            instants = self.composed_instants
+        later = [instant for instant in (each(view) for each in instants) if instant > view.at]
+        return min([state.until, *later])
+
+    def reads(self, state: GoalActivity) -> frozenset[str]:
+        if state.phase == "waiting":
+            return frozenset({GOALS})
+        if state.phase == "settling":
+            return self.settling_reads
+        return self.composed_reads if state.phase == "running" else NO_KEYS
+
+    def awaits(self, state: GoalActivity) -> frozenset[int]:
+        return frozenset({state.number} - {0})
+
+    def shifted(self, state: GoalActivity, by_s: float) -> GoalActivity:
+        return state._replace(until=state.until + by_s)

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a machine of an activity is: a pure function from what was to what is, what is to be done, and how it ended.
+
+Rule: a machine keeps nothing. Its state is a frozen value in the snapshot; time, facts and numbers come from the desk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+from rai_missions.event import Event
+from rai_missions.guards.guard import View, concerns
+
+if TYPE_CHECKING:
+    from rai_missions.engine.activities.tree_rounds import Rounds
+
+__all__ = ("GOALS", "NO_KEYS", "ActivityHost", "Machine", "Outcome", "Turn", "concerns")
+
+
+class Outcome(NamedTuple):
+    """How an activity ended."""
+
+    name: str
+    """`succeeded`, `failed`, `timed_out`, `rejected`, `canceled`, `unverified`, or an option."""
+    data: Mapping[str, Any] = {}
+    """`event.<field>` (for an option: `answer.<name>`) in the rows it fires."""
+    why: str = ""
+
+
+class Turn(NamedTuple):
+    """What a machine makes of something that happened."""
+
+    state: Any
+    """The activity's state from now on: a frozen value."""
+    effects: tuple[Any, ...] = ()
+    """What the performer is to do, as values of `step.py`."""
+    outcome: Outcome | None = None
+    writes: tuple[tuple[str, Any], ...] = ()
+    """Keys and their new values."""
+    notes: tuple[str, ...] = ()
+    """What a reader of the journal should know: a refused proposal, a stale answer."""
+
+
+class ActivityHost(Protocol):
+    """What lies before a machine: what is known, fresh numbers, and the goals that nobody may forget."""
+
+    @property
+    def view(self) -> View:
+        """The blackboard, the configuration and the time of this moment."""
+
+    @property
+    def begins_at(self) -> float:
+        """When what a machine asks for now is carried out, and its answer can arrive; deadlines count from then."""
+
+    def next_number(self) -> int:
+        """A fresh number for a start or a question."""
+
+    def open_goal(self, owner: str, action: str, cancel_s: float) -> int:
+        """The number of a goal that is sent now and stands in the ledger from here on."""
+
+    def close_goal(self, number: int) -> None:
+        """A goal has ended by the profile's own guard: it leaves the ledger."""
+
+    def write_key(self, key: str, value: Any, by: str = "") -> bool:
+        """Write a key of the mission; what looks next sees it.
+
+        Args:
+            key: Its name.
+            value: Its new value.
+            by: The state whose machine writes it and looks at it by itself: it is not reported to that machine.
+
+        Returns:
+            Whether the key has another value now: one that was unknown, missing or stale counts as another.
+        """
+
+    def rounds(self, owner: str, loops: int) -> Rounds:
+        """What the tree of a state has done in the step in hand; `loops` as `Ticker` has it."""
+
+    def obstruction(self, action: str) -> str:
+        """`busy`: a goal on the same resources has not ended; `orphan`: one never confirmed its end; or empty."""
+
+
+class Machine(Protocol):
+    """One kind of activity, compiled for one owner."""
+
+    owner: str
+    """The state, or `state#path` for a leaf of a tree."""
+
+    def begin(self, desk: ActivityHost) -> Turn:
+        """The state is active and control is where it belongs: start."""
+
+    def hear(self, state: Any, event: Event, desk: ActivityHost) -> Turn | None:
+        """Something happened; None where it does not concern this.
+
+        A `tick` says that an instant has come for which `wake_at` asked, or that the `keys` in its data were written;
+        those of them that have another value now are its `news`. Among both are `GOALS`, and states that have become
+        active or inactive, each by its `presence`.
+        """
+
+    def leave(self, state: Any, desk: ActivityHost) -> Turn:
+        """The state is left, paused or out of time: end what runs."""
+
+    def wake_at(self, state: Any, view: View) -> float:
+        """The next instant at which a `tick` may change something; infinity for none."""
+
+    def reads(self, state: Any) -> frozenset[str]:
+        """What it wants to hear of: changes of keys, of states (`presence`), of goals (`GOALS`)."""
+
+    def awaits(self, state: Any) -> frozenset[int]:
+        """The numbers of the starts and questions whose answer it waits for."""
+
+    def shifted(self, state: Any, by_s: float) -> Any:
+        """The state with its deadlines moved: the mission was paused for so long."""
+
+
+NO_KEYS: frozenset[str] = frozenset()
+GOALS = "#goals"
+"""Stands among the keys for the ledger: a goal has ended or was given up."""

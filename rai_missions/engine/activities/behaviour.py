@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine of a behaviour written in Python: somebody ticks it beside the mission, and its end comes as an event."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.step import StartBehaviour, StopBehaviour
+from rai_missions.event import Event
+from rai_missions.guards.guard import View
+
+__all__ = ("BehaviourActivity", "BehaviourMachine")
+
+ENDS = ("success", "failure")
+
+
+class BehaviourActivity(NamedTuple):
+    """A live behaviour is ticked."""
+
+    number: int
+
+
+class BehaviourMachine:
+    """Has one behaviour ticked until it has ended or is left."""
+
+    def __init__(self, owner: str) -> None:
+        self.owner = owner
+
+    def begin(self, desk: ActivityHost) -> Turn:
+        number = desk.next_number()
+        return Turn(BehaviourActivity(number), (StartBehaviour(number, self.owner),))
+
+    def hear(self, state: BehaviourActivity, event: Event, desk: ActivityHost) -> Turn | None:
+        if event.kind != "behaviour" or event.number != state.number:
+            return None
+        status = str(event.data.get("status", ""))
+        if status not in ENDS:
+            return None
+        return Turn(None, outcome=Outcome(status, why=str(event.data.get("why", ""))))
+
+    def leave(self, state: BehaviourActivity, desk: ActivityHost) -> Turn:
+        return Turn(None, (StopBehaviour(state.number),))
+
+    def wake_at(self, state: BehaviourActivity, view: View) -> float:
+        return math.inf
+
+    def reads(self, state: BehaviourActivity) -> frozenset[str]:
+        return NO_KEYS
+
+    def awaits(self, state: BehaviourActivity) -> frozenset[int]:
+        return frozenset({state.number})
+
+    def shifted(self, state: BehaviourActivity, by_s: float) -> BehaviourActivity:
+        return state

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine of a call: one request, one reply."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.step import CallService
+from rai_missions.event import Event
+from rai_missions.guards.guard import Site, View
+from rai_missions.states.effects import filled
+
+__all__ = ("CallActivity", "CallMachine")
+
+OUTCOMES = {
+    "succeeded": "succeeded",
+    "failed": "failed",
+    "timed_out": "timed_out",
+    "unavailable": "rejected",
+    "rejected": "rejected",
+}
+
+
+class CallActivity(NamedTuple):
+    """A reply is awaited."""
+
+    number: int
+
+
+class CallMachine:
+    """Calls one service."""
+
+    def __init__(self, definition: Any, owner: str, site: Site) -> None:
+        self.definition, self.owner, self.site = definition, owner, site
+
+    def begin(self, desk: ActivityHost) -> Turn:
+        number = desk.next_number()
+        request = filled(self.definition.request, desk.view, self.site)
+        unknown = sorted(name for name, value in request.items() if value is None)
+        if unknown:
+            return Turn(None, outcome=Outcome("rejected", why=f"the request's {', '.join(unknown)} is unknown"))
+        call = CallService(number, self.owner, self.definition.call, request, self.definition.timeout_s)
+        return Turn(CallActivity(number), (call,))
+
+    def hear(self, state: CallActivity, event: Event, desk: ActivityHost) -> Turn | None:
+        if event.kind != "result" or event.number != state.number:
+            return None
+        outcome = OUTCOMES.get(event.name, "failed")
+        data, fields = dict(event.data), self.definition.result
+        writes = tuple((key, data[field]) for key, field in fields.items() if data.get(field) is not None)
+        why = str(data.get("why", ""))
+        return Turn(None, outcome=Outcome(outcome, data, why), writes=writes if outcome == "succeeded" else ())
+
+    def leave(self, state: CallActivity, desk: ActivityHost) -> Turn:
+        return Turn(None)
+
+    def wake_at(self, state: CallActivity, view: View) -> float:
+        return math.inf
+
+    def reads(self, state: CallActivity) -> frozenset[str]:
+        return NO_KEYS
+
+    def awaits(self, state: CallActivity) -> frozenset[int]:
+        return frozenset({state.number})
+
+    def shifted(self, state: CallActivity, by_s: float) -> CallActivity:
+        return state

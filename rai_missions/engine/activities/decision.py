@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine of a decision: whom to ask next, what is offered now, and what becomes of an answer.
+
+Rule: options are worked out anew for each attempt, and an answer counts only by `judge`, now.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.decision import Evidence, Limits, Offer, Proposal, Question, Verdict, judge
+from rai_missions.engine.step import Ask, Withdraw
+from rai_missions.event import Event
+from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.keys import fits
+from rai_missions.redaction.cut import clipped
+from rai_missions.states.decision import DecisionSpec
+
+__all__ = ("DecisionActivity", "DecisionMachine")
+
+
+class DecisionActivity(NamedTuple):
+    """A question is open."""
+
+    question: Question
+    turn: int
+    """Which of `ask` is asked, from 0."""
+    deadline: float
+    """When the whole decision is over."""
+
+
+class DecisionMachine:
+    """Asks one decision's question."""
+
+    def __init__(self, asked: DecisionSpec, owner: str, site: Site) -> None:
+        self.asked, self.owner = asked, owner
+        self.tests = {name: guard.compile(site) for name, guard in asked.guards()}
+        self.shown = [(path, Operand(path, Site(site.place, site.keys))) for path in asked.evidence]
+        self.keys = site.keys
+        budget = asked.budget
+        self.budget = Limits(budget.calls, budget.tokens, budget.seconds)
+
+    def begin(self, desk: ActivityHost) -> Turn:
+        deadline = desk.begins_at + self.asked.deadline_s if self.asked.deadline_s is not None else math.inf
+        return self._ask(desk, turn=0, attempt=1, deadline=deadline, refused=())
+
+    def _ask(self, desk: ActivityHost, *, turn: int, attempt: int, deadline: float, refused: tuple[str, ...]) -> Turn:
+        if attempt > self.asked.attempts:
+            turn, attempt = turn + 1, 1
+        if turn >= len(self.asked.ask):
+            return self._fall_back("nobody gave an answer that counts", refused)
+        view = desk.view
+        question = Question(
+            number=desk.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
+            options=self._offers(view), evidence=self._evidence(view), attempt=attempt, at=view.at,
+            until=self._until(desk.begins_at, turn, deadline), refused=refused, tools=self.asked.tools,
+            budget=self.budget,
+        )  # fmt: skip
+        return Turn(DecisionActivity(question, turn, deadline), (Ask(question),))
+
+    def _offers(self, view: View) -> tuple[Offer, ...]:
+        return tuple(
+            Offer(name, option.about, option.parameters)
+            for name, option in self.asked.options.items()
+            if name not in self.tests or self.tests[name](view) is True
+        )
+
+    def _until(self, begins_at: float, turn: int, deadline: float) -> float:
+        if self.asked.within_s is not None:
+            return min(deadline, begins_at + self.asked.within_s)
+        return begins_at + (deadline - begins_at) / (len(self.asked.ask) - turn)
+
+    def _evidence(self, view: View) -> tuple[Evidence, ...]:
+        return tuple(self._shown(path, operand, view) for path, operand in self.shown)
+
+    def _shown(self, path: str, operand: Operand, view: View) -> Evidence:
+        entry = view.board.get(operand.key)
+        if entry is None:
+            return Evidence(path, None, None, fresh=False)
+        value = operand.read(view)
+        return Evidence(path, value, max(0.0, view.at - entry.at), fresh=value is not None)
+
+    def hear(self, state: DecisionActivity, event: Event, desk: ActivityHost) -> Turn | None:
+        if event.kind == "tick":
+            return self._time(state, desk)
+        if event.kind != "proposal" or event.number != state.question.number:
+            return None
+        if desk.view.at >= state.deadline or desk.view.at >= state.question.until:
+            return self._time(state, desk)
+        return self._answered(state, event.data, desk)
+
+    def _answered(self, state: DecisionActivity, data: Mapping[str, Any], desk: ActivityHost) -> Turn:
+        question = state.question
+        who = f"question {question.number}: {question.asked}"
+        if "absent" in data:
+            turn = self._next(state, desk, turn=state.turn + 1, attempt=1)
+            return turn._replace(notes=(f"{who} is absent: {data['absent']}", *turn.notes))
+        if not isinstance(data.get("option"), str):
+            return self._again(state, desk, f"{who} gave no answer: {clipped(str(data.get('failed', 'nothing')), 300)}")
+        given = data.get("parameters")
+        proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
+        verdict = judge(question, proposal, desk.view, self.tests)
+        if verdict.accepted and (why := self._misfit(proposal.parameters)):
+            verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
+        said = f"{who} proposed '{clipped(proposal.option, 60)}'"
+        if not verdict.accepted:
+            return self._again(state, desk, f"{said}: refused, {verdict.why}", verdict.why)
+        outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
+        writes = tuple(self._written(proposal.parameters))
+        return Turn(None, outcome=outcome, writes=writes, notes=(f"{said}: accepted",))
+
+    def _written(self, parameters: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+        """What an accepted answer writes: the keys of its parameters' names whose source is the answer."""
+        for name, value in parameters.items():
+            key = self.keys.get(name)
+            if key is not None and key.source == "answer":
+                yield name, value
+
+    def _misfit(self, parameters: Mapping[str, Any]) -> str:
+        """Why a parameter cannot be written to its key; empty if each can."""
+        each = (f"{name}: {why}" for name, value in self._written(parameters) if (why := fits(self.keys[name], value)))
+        return next(each, "")
+
+    def _again(self, state: DecisionActivity, desk: ActivityHost, note: str, why: str = "") -> Turn:
+        told = state._replace(question=state.question._replace(refused=(*state.question.refused, why or note)))
+        turn = self._next(told, desk, turn=state.turn, attempt=state.question.attempt + 1)
+        return turn._replace(notes=(note, *turn.notes))
+
+    def _next(self, state: DecisionActivity, desk: ActivityHost, *, turn: int, attempt: int) -> Turn:
+        return self._ask(desk, turn=turn, attempt=attempt, deadline=state.deadline, refused=state.question.refused)
+
+    def _time(self, state: DecisionActivity, desk: ActivityHost) -> Turn | None:
+        question = state.question
+        if desk.view.at >= state.deadline:
+            over = self._fall_back("the deadline has passed", question.refused)
+        elif desk.view.at >= question.until:
+            over = self._next(state, desk, turn=state.turn + 1, attempt=1)
+            over = over._replace(
+                notes=(f"question {question.number}: {question.asked} gave no answer in time", *over.notes)
+            )
+        else:
+            return None
+        return over._replace(effects=(Withdraw(question.number), *over.effects))
+
+    def _fall_back(self, why: str, refused: tuple[str, ...]) -> Turn:
+        if self.asked.fallback is None:
+            return Turn(None, outcome=Outcome("failed", why=f"{why}, and there is no fallback"))
+        note = f"fallback '{self.asked.fallback}': {why}"
+        return Turn(None, outcome=Outcome(self.asked.fallback, why=f"fallback: {why}"), notes=(note,))
+
+    def leave(self, state: DecisionActivity, desk: ActivityHost) -> Turn:
+        return Turn(None, (Withdraw(state.question.number),))
+
+    def wake_at(self, state: DecisionActivity, view: View) -> float:
+        return min(state.deadline, state.question.until)
+
+    def reads(self, state: DecisionActivity) -> frozenset[str]:
+        return NO_KEYS
+
+    def awaits(self, state: DecisionActivity) -> frozenset[int]:
+        return frozenset({state.question.number})
+
+    def shifted(self, state: DecisionActivity, by_s: float) -> DecisionActivity:
+        question = state.question._replace(until=state.question.until + by_s)
+        return state._replace(question=question, deadline=state.deadline + by_s)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission compiled once: its states in document order, its rows with their guards as functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.nodes import Act, CompiledTransition, Condition, Node
+from rai_missions.errors import UsageError
+from rai_missions.guards.guard import Guard, Site
+from rai_missions.mission.mission import Mission
+from rai_missions.states.effects import Effect
+from rai_missions.states.final import Final
+from rai_missions.states.history import History
+from rai_missions.states.state import OUTCOMES, State, Transition
+
+__all__ = ("Compiled",)
+
+CONFIGURATIONS = 4096
+"""So many configurations are remembered, or four for each state; past that all are forgotten and it starts again."""
+
+
+class Compiled:
+    """A mission, ready to be stepped.
+
+    Args:
+        mission: One that `check` finds no fault in; names that do not resolve raise `KeyError`.
+        compile_effect: Makes an act of a written effect; given by the chart, since acts work on it.
+    """
+
+    def __init__(self, mission: Mission, compile_effect: Callable[[Any, str, str], Act]) -> None:
+        self.mission = mission
+        self.root = Node("", "", None, None, 0)
+        self.nodes: dict[str, Node] = {}
+        self.order: list[Node] = [self.root]
+        self.rows: dict[str, CompiledTransition] = {}
+        """JSON pointer → row."""
+        self.named: set[str] = set()
+        """The predicates of the user's program that rows, finals and invariants name."""
+        self.recalls = False
+        """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
+        self.options = {
+            name for _, _, state in mission.walk() for name in (state.outcomes() if state.word == "decision" else ())
+        }
+        self._add(mission.states, self.root, "/states")
+        self._act = compile_effect
+        self._link()
+        self.controls = frozenset(node.control for node in self.order if node.control is not None)
+        """Whose control its states need."""
+        rows = [row for row in self.rows.values() if row.condition is not None and row.condition.holds]
+        self.memories = {memory: row.source.control for row in rows for memory in row.condition.holds}  # type: ignore[union-attr]
+        """Memory of a `held` guard of a transition → whose control the transition's state needs."""
+        self.invariants = {
+            name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
+        }
+        self.invariant_reads = frozenset[str]().union(*(each.reads for each in self.invariants.values()))
+        self._configurations: dict[tuple[int, ...], Configuration] = {}
+        self.empty = Configuration((), self.root)
+
+    def _add(self, states: Mapping[str, State], parent: Node, place: str) -> None:
+        for name, state in states.items():
+            node = Node(name, f"{place}/{name.replace('/', '~1')}", state, parent, len(self.order))
+            self.order.append(node)
+            self.nodes[name] = node
+            (parent.history if node.is_history else parent.children).append(node)
+            self._add(state.children(), node, f"{node.place}/{state.child_place()}")
+
+    def _link(self) -> None:
+        self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
+        starts = [name for node in self.order[1:] for name in _leads(node)]
+        self.recalls = any(self.nodes[name].is_history for name in (*starts, *self.mission.initial))
+        self._rows(self.root, self.mission.transitions)
+        for node in self.order[1:]:
+            state = node.state
+            assert state is not None
+            node.initial = tuple(self.nodes[name] for name in _leads(node))
+            node.clocked = node.clocked or node.activity  # its machine's guards, a profile's too, may ask for its age
+            node.entry = self._acts(state.entry, f"{node.place}/entry", node)
+            node.exit = self._acts(state.exit, f"{node.place}/exit", node)
+            if isinstance(state, Final) and state.requires is not None:
+                node.requires = self.condition(state.requires, f"{node.place}/requires", node.name)
+            if not node.is_history:  # its transition is its default, which never fires
+                self._rows(node, state.transitions)
+        self._follow_histories()
+
+    def _follow_histories(self) -> None:
+        """See that each history leads to a state where there is no memory.
+
+        Raises:
+            UsageError: One leads back to itself.
+        """
+        for node in self.order:
+            seen, todo = set[Node](), [node] if node.is_history else []
+            while todo:
+                for each in todo.pop().initial:
+                    if each is node:
+                        raise UsageError(
+                            f"the history '{node.name}' leads to itself where there is no memory; "
+                            'give it a default, "transitions": [{"to": …}], that is a state'
+                        )
+                    todo += [each] if each.is_history and each not in seen else []
+                    seen.add(each)
+
+    def _rows(self, node: Node, rows: Iterable[Transition]) -> None:
+        for index, transition in enumerate(rows):
+            row = CompiledTransition(transition, f"{node.place}/transitions/{index}", node)
+            row.targets = tuple(self.nodes[name] for name in transition.to)
+            row.recalls = self.recalls or any(target.is_history for target in row.targets)
+            row.acts = self._acts(transition.do, f"{row.place}/do", node)
+            if transition.when is not None:
+                row.condition = self.condition(transition.when, row.place, node.name)
+                row.test = row.condition.test
+            declared = self.mission.events
+            words = set(OUTCOMES) | self.options
+            row.outcomes = frozenset(word for word in transition.on if word in words and word not in declared)
+            node.rows.append(row)
+            self.rows[row.place] = row
+            node.timed = node.timed or transition.after_s is not None
+
+    def _acts(self, effects: Iterable[Effect], place: str, node: Node) -> tuple[Act, ...]:
+        return tuple(self._act(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects))
+
+    def condition(self, guard: Guard, place: str, state: str) -> Condition:
+        """A guard compiled for a place; the states whose age it asks for are clocked from now on."""
+        site = Site(place, self.mission.blackboard, state)
+        test = guard.compile(site)
+        self.named |= site.named
+        for name in site.clocked:
+            (self.nodes[name] if name else self.root).clocked = True
+        return Condition(
+            place, guard, test, frozenset(site.reads), site.watched, tuple(site.instants), dict(site.holds)
+        )
+
+    def configuration(self, atomic: Iterable[Node]) -> Configuration:
+        """The one `Configuration` of these innermost states."""
+        nodes = tuple(sorted(atomic, key=lambda node: node.index))
+        key = tuple(node.index for node in nodes)
+        found = self._configurations.get(key)
+        if found is None:
+            if len(self._configurations) >= max(CONFIGURATIONS, 4 * len(self.order)):
+                self._configurations.clear()
+            found = self._configurations[key] = Configuration(nodes, self.root)
+        return found
+
+
+def _leads(node: Node) -> Iterable[str]:
+    """What entering a state by default leads to: its `initial`; of a history its default, or its parent's `initial`."""
+    if isinstance(node.state, History) and node.state.default:
+        return node.state.default
+    around = node.parent if node.is_history else node
+    if around is None or around.state is None:
+        return ()
+    initial: tuple[str, ...] = getattr(around.state, "initial", ())
+    return initial

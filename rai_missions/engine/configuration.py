@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A set of active states, what can happen in it, and what was worked out of that so far."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.engine.nodes import Act, CompiledTransition, Node
+from rai_missions.engine.step import Move
+from rai_missions.states.state import ANY_EVENT
+
+__all__ = ("CompiledStep", "Configuration")
+
+
+class CompiledStep:
+    """What taking certain rows in a configuration does: a `Move` and all that the chart needs to make it."""
+
+    __slots__ = (
+        "acts", "config", "entered", "exited", "move", "moves", "plain", "remember", "shifts",
+    )  # fmt: skip
+
+    def __init__(self, move: Move, config: Configuration, acts: tuple[Act, ...]) -> None:
+        self.move, self.moves, self.config, self.acts = move, (move,), config, acts
+        self.exited: tuple[Node, ...] = ()
+        self.entered: tuple[Node, ...] = ()
+        self.remember: tuple[tuple[int, tuple[Node, ...]], ...] = ()
+        """History state and what it leads back to from now on."""
+        self.shifts: frozenset[str] = frozenset()
+        """The states that it makes active or inactive, by their `presence`."""
+        self.plain = False
+        """Nothing but the move and its acts: no timer, activity, final, history, or row without an event."""
+
+
+class Configuration:
+    """A set of active states, and what can happen in it."""
+
+    __slots__ = (
+        "active",
+        "atomic",
+        "eventless",
+        "holds",
+        "instants",
+        "key",
+        "leaps",
+        "nodes",
+        "plans",
+        "reads",
+        "watchful",
+    )
+
+    def __init__(self, atomic: tuple[Node, ...], root: Node) -> None:
+        self.atomic = atomic
+        """The innermost active states, in document order."""
+        self.key = tuple(node.index for node in atomic)
+        self.nodes = {each for node in atomic for each in (node, *node.ancestors)} or {root}
+        self.active = frozenset(node.name for node in self.nodes if node.state is not None)
+        self.plans: dict[str, tuple[tuple[CompiledTransition, ...], ...]] = {}
+        self.leaps: dict[Any, CompiledStep] = {}
+        self.eventless = self._candidates(lambda row: row.transition.eventless)
+        rows = [row for node in sorted(self.nodes, key=lambda node: node.index) for row in node.rows]
+        waiting = [row.condition for row in rows if row.condition and row.transition.eventless]
+        self.holds = {memory: test for row in rows if row.condition for memory, test in row.condition.holds.items()}
+        self.reads = frozenset[str]().union(*(condition.reads for condition in waiting), *(
+            row.condition.reads for row in rows if row.condition and row.condition.holds
+        ))  # fmt: skip
+        lasting = [
+            row.condition for row in rows if row.condition and row.condition.holds and not row.transition.eventless
+        ]
+        self.instants = tuple(instant for condition in (*waiting, *lasting) for instant in condition.instants)
+        self.watchful = bool(self.eventless or self.holds)
+
+    def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> tuple[tuple[CompiledTransition, ...], ...]:
+        """For each innermost state its rows and its ancestors', in the order in which they are tried."""
+        chains = (
+            tuple(row for each in (node, *node.ancestors) for row in each.rows if wanted(row)) for node in self.atomic
+        )
+        return tuple(chain for chain in chains if chain)
+
+    def plan(self, event: str, *, declared: bool) -> tuple[tuple[CompiledTransition, ...], ...]:
+        """The rows that an event may fire, a tuple an innermost state, in the order in which they are tried."""
+
+        def wanted(row: CompiledTransition) -> bool:
+            on = row.transition.on
+            return (event in on and event not in row.outcomes) or (declared and ANY_EVENT in on)
+
+        plan = self.plans[event] = self._candidates(wanted)
+        return plan
+
+    def outcome_plan(
+        self, source: Node, outcome: str, *, option: bool, climbs: bool
+    ) -> tuple[tuple[CompiledTransition, ...], ...]:
+        """The rows that an outcome may fire: those of its own state, of its ancestors if it climbs, or that name it."""
+
+        def wanted(row: CompiledTransition) -> bool:
+            if outcome not in row.transition.on or outcome not in row.outcomes:
+                return False
+            if row.transition.of is not None:
+                return row.transition.of == source.name
+            return row.source is source or (climbs and not option and row.source in source.ancestors)
+
+        return self._candidates(wanted)

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Questions, proposals, and the verdict that decides whether a proposal counts.
+
+Rule: a proposal is a wish. Only `judge`, on what is known at that moment, makes an outcome of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, Protocol
+
+from rai_missions.event import Image
+from rai_missions.guards.guard import Test, Truth, View
+from rai_missions.mission.option_parameters import misfits
+from rai_missions.plain_data import apart
+from rai_missions.redaction.cut import clipped
+
+__all__ = ("Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "judge")
+
+
+class Offer(NamedTuple):
+    """One option as it is offered."""
+
+    name: str
+    about: str = ""
+    parameters: Mapping[str, Any] | None = None
+    """JSON Schema of what the answer must bring along, if anything."""
+
+
+class Evidence(NamedTuple):
+    """One key as the question shows it."""
+
+    key: str
+    value: Any
+    """None where it was never heard; an `Image` for pictures."""
+    age_s: float | None
+    """Seconds since it was so; None where it was never heard."""
+    fresh: bool
+
+    def words(self) -> str:
+        """`obstacle: {…}, 0.2 s old`, or `obstacle: unknown, 3.2 s old`."""
+        age = "never heard" if self.age_s is None else f"{self.age_s:.1f} s old"
+        if not self.fresh or self.value is None:
+            return f"{self.key}: unknown, {age}"
+        return f"{self.key}: {'a picture' if isinstance(self.value, Image) else self.value}, {age}"
+
+
+class Limits(NamedTuple):
+    """How much whoever is asked may use for one answer."""
+
+    calls: int = 8
+    """Calls of a model and of read-only tools together."""
+    tokens: int = 20_000
+    """Tokens in and out together, where the provider counts them; once spent, no further call is begun."""
+    seconds: float | None = None
+    """Wall time; None: as long as the question is asked."""
+
+
+class Question(NamedTuple):
+    """What is asked, of whom, and which answers there are."""
+
+    number: int
+    """Its number in the run; an answer carries it."""
+    owner: str
+    """The state, or leaf of a tree (`state#path`), that asks."""
+    asked: str
+    """`agent`, `operator`, `rules` or a script's name."""
+    text: str
+    options: tuple[Offer, ...]
+    evidence: tuple[Evidence, ...] = ()
+    attempt: int = 1
+    """1 for the first time that this answerer is asked."""
+    at: float = 0.0
+    until: float = 0.0
+    """The instant at which its time is over, on the run's clock."""
+    refused: tuple[str, ...] = ()
+    """Why the earlier answers to this decision were refused, oldest first."""
+    tools: tuple[str, ...] = ()
+    """The read-only tools that may be used while thinking."""
+    budget: Limits = Limits()
+
+    @property
+    def state(self) -> str:
+        """The state that asks."""
+        return self.owner.partition("#")[0]
+
+    def apart(self) -> Question:
+        """The same question with values of its own, for whoever is asked."""
+        options = tuple(offer._replace(parameters=apart(offer.parameters)) for offer in self.options)
+        evidence = tuple(each._replace(value=apart(each.value)) for each in self.evidence)
+        return self._replace(options=options, evidence=evidence)
+
+
+class Proposal(NamedTuple):
+    """What somebody answers."""
+
+    option: str
+    parameters: Mapping[str, Any] = {}
+    why: str = ""
+
+
+class Verdict(NamedTuple):
+    """What the rules say of a proposal."""
+
+    accepted: bool
+    why: str = ""
+    """For a refusal: what was wrong and what would be right; told to whoever is asked next."""
+
+
+class Answerer(Protocol):
+    """Whoever answers a question: a model, a person, rules, a script."""
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        """Take a question; never waits.
+
+        `answer` is told, from any thread, once: `{"option", "parameters", "why"}`, or `{"absent": why}`, or
+        `{"failed": why}`. Further tellings are stale. `usage` may come along:
+        `{"calls", "tokens_in", "tokens_out", "seconds", "model"}`; and `looked`, what was looked up before the answer:
+        `[{"tool", "arguments", "said"}]`, each text.
+        """
+
+    def withdraw(self, number: int) -> None:
+        """The question is no longer asked: stop the work on it, answer nothing."""
+
+
+def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[str, Test]) -> Verdict:
+    """Whether a proposal counts, on what is known now.
+
+    Args:
+        question: As it was asked: its options are what was offered.
+        proposal: The option's name and its parameters.
+        view: The blackboard, configuration and time of this moment.
+        guards: Option → its compiled guard; an option without one may always be taken.
+    """
+    offered = {offer.name: offer for offer in question.options}
+    if proposal.option not in offered:
+        return Verdict(False, f"'{clipped(proposal.option, 60)}' was not offered; offered: {', '.join(offered)}")
+    why = _parameters(offered[proposal.option], proposal.parameters)
+    if why:
+        return Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
+    test = guards.get(proposal.option)
+    value: Truth = True if test is None else test(view)
+    if value is not True:
+        says = "no longer holds" if value is False else "is unknown now"
+        return Verdict(False, f"the guard of '{proposal.option}' {says}; choose another option")
+    return Verdict(True)
+
+
+def _parameters(offer: Offer, given: Mapping[str, Any]) -> str:
+    if offer.parameters is None:
+        return "" if not given else f"'{offer.name}' takes none"
+    return misfits(offer.parameters, given)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""States and rows of a mission, compiled: where each stands among the others, and its guard as a function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.guards.guard import Guard, Instant, Test
+from rai_missions.states.compound import Each, Parallel
+from rai_missions.states.final import Final
+from rai_missions.states.history import History
+from rai_missions.states.state import State, Transition
+
+__all__ = ("Act", "CompiledTransition", "Condition", "Memory", "Node")
+
+Act = Callable[[Any], None]
+"""An effect compiled: does its work on the chart it is given."""
+Memory = Mapping[int, tuple["Node", ...]]
+"""Index of a history state → the states it leads back to."""
+
+
+class Condition(NamedTuple):
+    """A guard compiled, with what it depends on."""
+
+    place: str
+    guard: Guard
+    test: Test
+    reads: frozenset[str]
+    """The keys that it looks at."""
+    watched: frozenset[str]
+    """All but time by which it is woken (`Site.watched`)."""
+    instants: tuple[Instant, ...]
+    holds: Mapping[str, Test]
+
+
+class Node:
+    """A state, where it stands among the others."""
+
+    __slots__ = (
+        "activity", "ancestors", "children", "clocked", "control", "depth", "entry", "exit", "family", "history",
+        "index", "initial", "is_compound", "is_each", "is_final", "is_history", "is_parallel", "name", "parent",
+        "place", "requires", "rows", "state", "timed",
+    )  # fmt: skip
+
+    def __init__(self, name: str, place: str, state: State | None, parent: Node | None, index: int) -> None:
+        self.name, self.place, self.state, self.parent, self.index = name, place, state, parent, index
+        self.ancestors: tuple[Node, ...] = () if parent is None else (parent, *parent.ancestors)
+        """Innermost first, the mission itself (the root) last."""
+        self.depth = len(self.ancestors)
+        self.children: list[Node] = []
+        self.rows: list[CompiledTransition] = []
+        self.initial: tuple[Node, ...] = ()
+        """What entering it by default leads to; of a history where it leads without memory."""
+        self.history: list[Node] = []
+        self.entry: tuple[Act, ...] = ()
+        self.exit: tuple[Act, ...] = ()
+        self.is_history, self.is_final = isinstance(state, History), isinstance(state, Final)
+        self.is_parallel, self.is_each = isinstance(state, Parallel), isinstance(state, Each)
+        self.is_compound = state is None or (bool(state.children()) and not self.is_parallel)
+        self.control: str | None = (state.control if state else None) or (parent.control if parent else None)
+        self.activity = bool(state and state.activity() and not self.is_each)
+        self.timed = bool(state and state.timeout_s is not None)
+        self.clocked = False
+        self.requires: Condition | None = None
+        self.family = state.word if state else ""
+
+    def inside(self, other: Node) -> bool:
+        """Whether it is a proper descendant of another (SCXML: isDescendant)."""
+        return other in self.ancestors
+
+    def __repr__(self) -> str:
+        return f"<{self.name or 'mission'}>"
+
+
+class CompiledTransition:
+    """A transition compiled."""
+
+    __slots__ = (
+        "acts",
+        "condition",
+        "internal",
+        "outcomes",
+        "place",
+        "recalls",
+        "source",
+        "targets",
+        "test",
+        "transition",
+    )
+
+    def __init__(self, transition: Transition, place: str, source: Node) -> None:
+        self.transition, self.place, self.source = transition, place, source
+        self.targets: tuple[Node, ...] = ()
+        self.acts: tuple[Act, ...] = ()
+        self.condition: Condition | None = None
+        self.test: Test | None = None
+        self.internal = transition.internal
+        self.recalls = False
+        """Where it leads depends on what is remembered."""
+        self.outcomes: frozenset[str] = frozenset()
+        """The words of `on` that are outcomes or options, not events."""

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the pure engine needs to know of the robot: which actions occupy what, and what their ends rest on.
+
+Rule: nothing here says how the robot is reached; that is the profile's, and the engine never sees it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from rai_missions.guards.guard import Guard
+
+__all__ = ("RobotFacts",)
+
+
+class RobotFacts(NamedTuple):
+    """A robot profile as far as rules can depend on it. The empty one stands for a robot of which nothing is known."""
+
+    uses: Mapping[str, frozenset[str] | None] = {}
+    """Action → what it occupies; two that share one conflict. None, and an action that is not here: all there is."""
+    keep: frozenset[str] = frozenset()
+    """The actions whose goals go on while the mission is paused."""
+    succeeded: Mapping[str, Guard] = {}
+    """Composed action → the guard over the blackboard that says it has succeeded."""
+    failed: Mapping[str, Guard] = {}
+    """Composed action → the guard over the blackboard that says it has failed."""
+    repeat: frozenset[str] = frozenset()
+    """The actions and services that may be started again when nobody knows whether they were."""
+
+    def conflict(self, one: str, other: str) -> bool:
+        """Whether two actions occupy something in common."""
+        first, second = self.uses.get(one), self.uses.get(other)
+        return first is None or second is None or not first.isdisjoint(second)

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The unit of a run: everything that one event did.
+
+Rule: a Step is a value. Who performs its effects, writes it down or draws it needs nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple
+
+from rai_missions.engine.decision import Question
+from rai_missions.event import Event
+from rai_missions.guards.guard import Truth
+
+__all__ = (
+    "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage", "SayAloud",
+    "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw",
+)  # fmt: skip
+
+
+class StartGoal(NamedTuple):
+    """Send a goal to an action's server."""
+
+    number: int
+    owner: str
+    """The state, or `state#path` for a leaf of a tree."""
+    action: str
+    goal: Mapping[str, Any]
+
+
+class CancelGoal(NamedTuple):
+    """Ask for the end of a goal that was started under this number."""
+
+    number: int
+    action: str
+
+
+class CallService(NamedTuple):
+    """Call a service; the reply comes back as a `result` with this number."""
+
+    number: int
+    owner: str
+    """Empty for an effect whose reply nobody waits for."""
+    service: str
+    request: Mapping[str, Any]
+    timeout_s: float | None = None
+
+
+class PublishMessage(NamedTuple):
+    """Publish a message on a topic of the profile."""
+
+    topic: str
+    message: Mapping[str, Any]
+
+
+class SayAloud(NamedTuple):
+    """Say a sentence to whoever is near."""
+
+    text: str
+
+
+class LogLine(NamedTuple):
+    """A line of the mission's author for the journal's reader."""
+
+    text: str
+
+
+class Ask(NamedTuple):
+    """Put a question to whoever it is for."""
+
+    question: Question
+
+
+class Withdraw(NamedTuple):
+    """The question is no longer asked."""
+
+    number: int
+
+
+class Handover(NamedTuple):
+    """Ask for control to be handed to somebody; a `control` event says when it is."""
+
+    to: str
+
+
+class StartBehaviour(NamedTuple):
+    """Tick a behaviour that is written in Python, until it has ended or is stopped."""
+
+    number: int
+    owner: str
+    """`state#path` of its leaf."""
+
+
+class StopBehaviour(NamedTuple):
+    """Interrupt a behaviour that was started under this number."""
+
+    number: int
+
+
+Effect = (
+    StartGoal
+    | CancelGoal
+    | CallService
+    | PublishMessage
+    | SayAloud
+    | LogLine
+    | Ask
+    | Withdraw
+    | Handover
+    | StartBehaviour
+    | StopBehaviour
+)
+"""What the performer is to do."""
+
+Cause = Literal["", "invariant", "cycle"]
+"""What ended a mission that its own rules did not end: an invariant that is false, or a cycle without end at one
+instant. Empty for any other end, and while the mission runs."""
+
+
+class Move(NamedTuple):
+    """One microstep: the rows that were taken together and what they left and entered."""
+
+    taken: tuple[str, ...]
+    """JSON pointers of the rows; empty for the entry of the mission and for what the engine does by itself."""
+    exited: tuple[str, ...]
+    """Innermost first."""
+    entered: tuple[str, ...]
+    """Outermost first."""
+    trigger: str = ""
+    """What fired it: an event's or outcome's name, `after_s`, or empty for an eventless row."""
+
+
+class Step(NamedTuple):
+    """Everything one event did."""
+
+    seq: int
+    """From 1, without gaps in a run."""
+    at: float
+    event: Event
+    moves: tuple[Move, ...] = ()
+    """In the order in which they were made."""
+    guards: tuple[tuple[str, Truth], ...] = ()
+    """The guards that were looked at, by the JSON pointer of their row or option, and what they said."""
+    writes: tuple[tuple[str, Any], ...] = ()
+    """The keys that were written and their new values, in order."""
+    outcome: str | None = None
+    """How the mission ended: `succeeded`, `failed`, `aborted`, `canceled`; None while it runs."""
+    wake_at: float | None = None
+    """The earliest instant at which time alone can change something; then a `Tick` is due."""
+    effects: tuple[Effect, ...] = ()
+    why: str = ""
+    """The rule that decided the outcome, or why the event was refused or stale."""
+    notes: tuple[str, ...] = ()
+    """What a reader should know: verdicts, orphans, unknown invariants."""
+    resting: tuple[str, ...] = ()
+    """The states whose tree has reached a limit and rests, though it would be ticked again; `wake_at` is now where its
+    rounds continue in the next step, else it waits for the next event that concerns it."""
+
+    @property
+    def ignored(self) -> bool:
+        """The event changed nothing but the blackboard and the clock."""
+        return not (self.moves or self.effects or self.outcome or self.notes)
+
+    @property
+    def question(self) -> Question | None:
+        """The question that this step asks, if it asks one."""
+        return next((effect.question for effect in self.effects if isinstance(effect, Ask)), None)
+
+    @property
+    def entered(self) -> tuple[str, ...]:
+        """The states entered, in order."""
+        return tuple(name for move in self.moves for name in move.entered)
+
+    @property
+    def exited(self) -> tuple[str, ...]:
+        """The states left, in order."""
+        return tuple(name for move in self.moves for name in move.exited)
+
+    def stamp_of(self, key: str) -> float:
+        """When a value that this step wrote was so, seconds on the run's clock; negative before the run began."""
+        event = self.event
+        stamp: Any = self.at
+        if event.kind == "write" and event.name == key:
+            stamp = event.data.get("stamp", event.at)
+        elif event.kind == "command" and event.name == "take_up":
+            stamp = event.data.get("heard", {}).get(key, (None, self.at))[1]
+        return min(float(stamp), self.at) if isinstance(stamp, int | float) else self.at

@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Moves, worked out once: which rows can be taken together, and what taking them leaves and enters.
+
+Rule: what a configuration and the rows taken in it lead to is computed once and remembered.
+Source: W3C SCXML (REC-scxml-20150901), appendix D; the docstrings give the names used there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from rai_missions.engine.compile import Compiled
+from rai_missions.engine.configuration import CompiledStep, Configuration
+from rai_missions.engine.nodes import Act, CompiledTransition, Memory, Node
+from rai_missions.engine.step import Move
+from rai_missions.guards.guard import presence
+from rai_missions.states.history import History
+
+__all__ = ("Graph",)
+
+
+class Graph(Compiled):
+    """A compiled mission that knows its moves."""
+
+    # -- selecting ------------------------------------------------------------------------------------------------
+
+    def compatible(
+        self, config: Configuration, rows: list[CompiledTransition], memory: Memory
+    ) -> list[CompiledTransition]:
+        """The rows that can be taken together: a descendant's preempts an ancestor's, then document order."""
+        if len(rows) < 2:
+            return rows
+        kept: list[tuple[CompiledTransition, set[Node]]] = []
+        for row in rows:
+            exits = set(self._exit_set(config, row, memory))
+            clashing = [(other, theirs) for other, theirs in kept if exits & theirs]
+            if all(row.source.inside(other.source) for other, _ in clashing):
+                kept = [pair for pair in kept if pair not in clashing]
+                kept.append((row, exits))
+        return [row for row, _ in kept]
+
+    def _targets(self, row: CompiledTransition, memory: Memory) -> list[Node]:
+        """Where a row leads, history looked up (getEffectiveTargetStates)."""
+        return [state for target in row.targets for state in self._effective(target, memory)]
+
+    def _effective(self, target: Node, memory: Memory) -> list[Node]:
+        if not target.is_history:
+            return [target]
+        return [each for node in memory.get(target.index) or target.initial for each in self._effective(node, memory)]
+
+    def _domain(self, row: CompiledTransition, memory: Memory) -> Node | None:
+        """The state inside which everything is left and entered (getTransitionDomain)."""
+        targets = self._targets(row, memory)
+        if not targets:
+            return None
+        source = row.source
+        if row.internal and source.is_compound and all(target.inside(source) for target in targets):
+            return source
+        for ancestor in source.ancestors or (self.root,):
+            if ancestor.is_compound and all(target.inside(ancestor) for target in targets):
+                return ancestor
+        return self.root
+
+    def _exit_set(self, config: Configuration, row: CompiledTransition, memory: Memory) -> list[Node]:
+        domain = self._domain(row, memory)
+        return [] if domain is None else [node for node in config.nodes if node.inside(domain)]
+
+    # -- moving ---------------------------------------------------------------------------------------------------
+
+    def leap(
+        self, config: Configuration, rows: tuple[CompiledTransition, ...], memory: Memory, trigger: str
+    ) -> CompiledStep:
+        """What firing these rows does, those preempted left out; worked out once for what it depends on."""
+        key: Any = (rows, trigger)
+        recalls = any(row.recalls for row in rows)
+        if recalls:
+            key = (key, tuple((index, tuple(node.index for node in memory[index])) for index in sorted(memory)))
+        found = config.leaps.get(key)
+        if found is None:
+            found = self._leap(config, tuple(self.compatible(config, list(rows), memory)), memory, trigger)
+            found.plain = found.plain and not recalls
+            config.leaps[key] = found
+        return found
+
+    def _leap(
+        self, config: Configuration, rows: tuple[CompiledTransition, ...], memory: Memory, trigger: str
+    ) -> CompiledStep:
+        exited = {node for row in rows for node in self._exit_set(config, row, memory)}
+        memory = {**memory, **dict(self._remembered(config, exited))}  # SCXML leaves, and remembers, before it enters
+        entered: set[Node] = set()
+        for row in rows:
+            domain = self._domain(row, memory)
+            if domain is None:
+                continue
+            for target in row.targets:
+                self._descend(target, entered, memory)
+            for target in self._targets(row, memory):
+                self._climb(target, domain, entered, memory)
+        acts = tuple(act for row in rows for act in row.acts)
+        return self.move(config, exited, entered, taken=tuple(row.place for row in rows), acts=acts, trigger=trigger)
+
+    def start(self, memory: Memory) -> CompiledStep:
+        """The entry of the mission."""
+        entered: set[Node] = set()
+        self._into(self.root.initial, self.root, entered, memory)
+        return self.move(self.empty, set(), entered, taken=(), acts=(), trigger="")
+
+    def flee(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> CompiledStep:
+        """From wherever it is into a state, everything left."""
+        entered: set[Node] = set()
+        self._into((target,), self.root, entered, memory)
+        exited = {node for node in config.nodes if node.state is not None}
+        return self.move(config, exited, entered, taken=(), acts=(), trigger=trigger)
+
+    def reenter(self, config: Configuration, node: Node, memory: Memory, trigger: str = "") -> CompiledStep:
+        """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
+        entered: set[Node] = set()
+        self._into(node.initial, node, entered, memory)
+        exited = {each for each in config.nodes if each.inside(node)}
+        return self.move(config, exited, entered, taken=(), acts=(), trigger=trigger)
+
+    def move(
+        self, config: Configuration, exited: set[Node], entered: set[Node], *, taken: tuple[str, ...],
+        acts: tuple[Act, ...], trigger: str,
+    ) -> CompiledStep:  # fmt: skip
+        """A leap from what is left and entered: exit innermost first, the rows' acts, entry outermost first."""
+        out = tuple(sorted(exited, key=lambda node: -node.index))
+        into = tuple(sorted(entered, key=lambda node: node.index))
+        nodes = (config.nodes - exited) | entered
+        parents = {node.parent for node in nodes}
+        atomic = [node for node in nodes if node not in parents and node.state is not None]
+        target = self.configuration(atomic)
+        entering = tuple(act for index, node in enumerate(into) for act in self._entering(config, exited, into, index))
+        every = tuple(act for node in out for act in node.exit) + acts + entering
+        move = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
+        leap = CompiledStep(move, target, every)
+        leap.exited, leap.entered = out, into
+        leap.shifts = frozenset(presence(node.name) for node in exited ^ entered)
+        leap.remember = tuple(self._remembered(config, out))
+        quiet = not any(node.timed or node.activity or node.clocked or node.control for node in (*out, *into))
+        ends = any(node.is_final or node.is_each for node in into)
+        watched = config.holds or target.watchful or self.invariants
+        leap.plain = quiet and not (ends or leap.remember or watched)
+        return leap
+
+    def _entering(self, config: Configuration, exited: set[Node], into: tuple[Node, ...], index: int) -> Iterable[Act]:
+        """The acts of entering one node; a final tells of its parent's end, and of a parallel state's with it."""
+        node = into[index]
+        if node.is_each:
+            yield lambda chart: chart.enter_each(node)
+        yield from node.entry
+        if node.is_final and node.parent is not None:
+            so_far = (config.nodes - exited) | set(into[: index + 1])
+            outer = node.parent if node.parent.is_parallel else node.parent.parent
+            complete = tuple(self.complete(outer, so_far))
+            yield lambda chart: chart.reach_final(node, complete)
+
+    def complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
+        """The parallel states that have all their regions in a final now, inner first."""
+        while region_of is not None and region_of.is_parallel and _is_done(region_of, nodes):
+            yield region_of
+            region_of = region_of.parent
+
+    def _remembered(self, config: Configuration, exited: Iterable[Node]) -> Iterable[tuple[int, tuple[Node, ...]]]:
+        for node in exited:
+            for history in node.history:
+                assert isinstance(history.state, History)
+                if history.state.history == "deep":
+                    states = [each for each in config.atomic if each.inside(node)]
+                else:
+                    states = [each for each in config.nodes if each.parent is node]
+                yield history.index, tuple(sorted(states, key=lambda each: each.index))
+
+    def around(self, targets: Iterable[Node]) -> set[Node]:
+        """All that is active when these states are: what contains them, and what is entered inside them by default."""
+        entered: set[Node] = set()
+        self._into(targets, self.root, entered, {})
+        return entered
+
+    def _into(self, targets: Iterable[Node], domain: Node, entered: set[Node], memory: Memory) -> None:
+        """Targets, what is entered inside them by default, and what lies between them and the domain."""
+        targets = tuple(targets)
+        for target in targets:
+            self._descend(target, entered, memory)
+        for target in targets:
+            self._climb(target, domain, entered, memory)
+
+    def _descend(self, node: Node, entered: set[Node], memory: Memory) -> None:
+        """A target and what is entered inside it by default (addDescendantStatesToEnter)."""
+        if node.is_history:
+            assert node.parent is not None
+            targets = memory.get(node.index) or node.initial
+            self._into(targets, node.parent, entered, memory)
+            return
+        entered.add(node)
+        if node.is_parallel:
+            for child in node.children:
+                if not any(each is child or each.inside(child) for each in entered):
+                    self._descend(child, entered, memory)
+        elif node.is_compound and not node.is_each:
+            self._into(node.initial, node, entered, memory)
+
+    def _climb(self, node: Node, domain: Node, entered: set[Node], memory: Memory) -> None:
+        """What lies between a target and the domain (addAncestorStatesToEnter)."""
+        for ancestor in node.ancestors:
+            if ancestor is domain:
+                break
+            entered.add(ancestor)
+            if ancestor.is_parallel:
+                for child in ancestor.children:
+                    if not any(each is child or each.inside(child) for each in entered):
+                        self._descend(child, entered, memory)
+
+
+def _is_done(node: Node, nodes: set[Node]) -> bool:
+    """Whether a state has reached its end (SCXML: isInFinalState)."""
+    if node.is_parallel:
+        return all(_is_done(child, nodes) for child in node.children)
+    if node.is_final:
+        return node in nodes
+    return any(child.is_final and child in nodes for child in node.children)

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gate: a small agent where the actuators are, which lets through only what the holder of control commands.
+
+Rule: it takes its orders from nobody's memory. Who holds control is what the gate says, by `lifecycle.py`'s rules.
+"""
+
+from rai_missions.gate.config import CommandTopic, GateWords, gate_words, read_gate
+from rai_missions.gate.gate import GateAgent
+from rai_missions.gate.rules import step
+from rai_missions.gate.state import Gate, GateRules, status_of
+
+__all__ = (
+    "CommandTopic",
+    "Gate",
+    "GateAgent",
+    "GateRules",
+    "GateWords",
+    "gate_words",
+    "read_gate",
+    "status_of",
+    "step",
+)

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gate at work: hears commands and requests over a connector, and passes on what its rules let through.
+
+Rule: what is published leaves in the order of the rules' deeds, whichever thread brought what. So nothing of a former
+holder follows the stop that ended its hold.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import threading
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from rai_missions.connectors.connector import Close, Connector, Data, Message
+from rai_missions.gate.config import GateWords
+from rai_missions.gate.memory import Memory
+from rai_missions.gate.rules import step
+from rai_missions.gate.state import (
+    COMMANDERS,
+    Alive,
+    Answer,
+    Change,
+    Command,
+    Deed,
+    Gate,
+    GateEvent,
+    Halt,
+    Pass,
+    Refuse,
+    Request,
+    Tell,
+    Tick,
+    status_of,
+)
+from rai_missions.redaction.cut import cut
+from rai_missions.runtime.clock import Clock, Mailbox, WallClock
+from rai_missions.runtime.lifecycle import CONTROLLERS
+
+__all__ = ("GateAgent",)
+
+log = logging.getLogger(__name__)
+
+STRING, EMPTY, TRIGGER = "std_msgs/msg/String", "std_msgs/msg/Empty", "std_srvs/srv/Trigger"
+
+
+class GateAgent:
+    """Stands where the actuators are; an `Agent`.
+
+    Args:
+        words: What it guards, and by which terms.
+        connector: Started by whoever made it; its `now` is the clock's.
+        clock: Time; the wall's by default.
+        observe: Told of each deed in order, after it was done.
+        memory: Who held control when a gate stood here last; without one it begins with its safe holder.
+    """
+
+    def __init__(
+        self,
+        words: GateWords,
+        connector: Connector,
+        *,
+        clock: Clock | None = None,
+        observe: Callable[[Deed], None] | None = None,
+        memory: Memory | None = None,
+    ) -> None:
+        self._words, self._connector, self._observe, self._memory = words, connector, observe, memory
+        self._clock: Clock = clock if clock is not None else WallClock()
+        self._terms, self._topics = words.terms, {each.topic: each for each in words.commands}
+        self._lock = threading.Lock()
+        self._mailbox = Mailbox()
+        self._waits_until = math.inf
+        self._deeds: deque[Deed] = deque()
+        self._is_doing = self._is_over = False
+        self._is_closed = True
+        self._closes: list[Close] = []
+        self._thread: threading.Thread | None = None
+        self._identity = [time.time(), uuid.uuid4().hex[:8]]
+        first = memory.first(words.safe) if memory is not None else words.safe
+        self.gate = Gate(holder=first, since=self._clock.now())
+        """What it knows now."""
+        self.gives_way = False
+        """Another gate of this name stood here before, so this one has ended: two would make two holders."""
+
+    # -- its life --------------------------------------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Begin on a thread of its own; returns at once."""
+        if self._thread is None:
+            self._is_over = False
+            self._thread = threading.Thread(target=self.serve, name="gate")
+            self._thread.start()
+
+    def stop(self) -> None:
+        """End, and leave the actuators stopped."""
+        self.end()
+        thread, self._thread = self._thread, None
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
+
+    def end(self) -> None:
+        """Have `serve` return; from any thread, or a signal's handler."""
+        self._is_over = True
+        self._mailbox.wake()
+
+    def serve(self) -> None:
+        """Stand there until `end`."""
+        try:
+            self.open()
+            while not self._is_over:
+                with self._lock:
+                    self._waits_until = self.gate.wake_at(self._terms)
+                self._clock.wait(self._mailbox, self._waits_until, paced=False)
+                self._mailbox.take()
+                self.tick()
+        finally:
+            self.close()
+
+    def open(self) -> None:
+        """Stop the actuators, say who holds control, and listen.
+
+        Raises:
+            ConnectorError: A type is not there, or a stop is no message of its topic's type.
+        """
+        name, self._is_closed = self._words.name, False
+        self._publish_stops()
+        if self._memory is not None:
+            self._memory.note(self.gate.holder)
+        for who in COMMANDERS:
+            below = f"{name}/{who}"
+            for topic in self._words.commands:
+                self._hear(f"{below}{topic.topic}", topic.type, partial(self._command, who, topic.topic))
+            self._hear(f"{below}/alive", EMPTY, partial(self._live, who))
+            self._hear(f"{below}/request", STRING, partial(self._ask_by_message, who))
+            for to in CONTROLLERS:
+                service = f"{below}/hand_to_{to}"
+                self._closes.append(self._connector.serve(service, TRIGGER, partial(self._serve, to, who)))
+        self._hear(f"{name}/status", STRING, self._look_at_gate)
+        self.tick()
+
+    def close(self) -> None:
+        """Hear nothing more, and stop the actuators."""
+        while self._closes:
+            self._closes.pop()()
+        self._do_in_turn((Halt("the gate has ended"),), is_last=True)
+
+    def _hear(self, topic: str, kind: str, hear: Callable[[Message], None]) -> None:
+        self._closes.append(self._connector.subscribe(topic, kind, hear))
+
+    # -- what happens ----------------------------------------------------------------------------------------------
+
+    def tick(self) -> None:
+        """Do what is due."""
+        self._take(Tick)
+
+    def ask(self, to: str, by: str) -> Mapping[str, Any]:
+        """Ask for control to go to somebody; the answer is a std_srvs/srv/Trigger's."""
+        for each in self._take(lambda at: Request(at, to, by)):
+            if isinstance(each, Answer):
+                holds = f"{to} holds control, grant {each.revision}"
+                return {"success": not each.why, "message": each.why or holds}
+        return {"success": False, "message": "the gate has ended"}
+
+    def _serve(self, to: str, by: str, _: Data) -> Data:
+        return self.ask(to, by)
+
+    def _live(self, who: str, _: Message) -> None:
+        self._take(lambda at: Alive(at, who))
+
+    def _ask_by_message(self, who: str, heard: Message) -> None:
+        """`{"to": "agent"}`, or the name alone."""
+        text = str(heard.data.get("data", ""))
+        try:
+            said = json.loads(text)
+        except (ValueError, RecursionError):
+            said = text
+        to, by = (said.get("to"), said.get("by", who)) if isinstance(said, Mapping) else (said, who)
+        if by != who:
+            log.warning("%s asked for control in the name of %.60s; it speaks for itself alone", who, by)
+        self.ask(cut(to, 60), who if by == who else cut(f"{who} as {by}", 60))
+
+    def _look_at_gate(self, heard: Message) -> None:
+        """A status of this name: our own, or another gate's."""
+        try:
+            began, identity = json.loads(heard.data["data"])["gate"]
+            is_older = [float(began), str(identity)] < self._identity
+        except (KeyError, TypeError, ValueError, RecursionError):
+            return
+        if is_older and not self.gives_way:
+            self.gives_way = True
+            log.critical("another gate stands at %s already; this one ends", self._words.name)
+            self.end()
+
+    def _command(self, who: str, topic: str, heard: Message) -> None:
+        made = heard.at if heard.age_s is not None else math.inf
+        self._take(lambda at: Command(at, who, topic, heard.data, made))
+
+    # -- what is done ----------------------------------------------------------------------------------------------
+
+    def _take(self, happening: Callable[[float], GateEvent]) -> tuple[Deed, ...]:
+        """Ask the rules, and do what they say."""
+        with self._lock:
+            if self._is_closed:
+                return ()
+            self.gate, done = step(self._terms, self.gate, happening(self._clock.now()))
+            self._deeds.extend(done)
+            if self.gate.wake_at(self._terms) < self._waits_until:
+                self._mailbox.wake()
+        self._do_in_turn(())
+        return done
+
+    def _do_in_turn(self, deeds: tuple[Deed, ...], *, is_last: bool = False) -> None:
+        """Do what waits to be done; whoever comes while somebody is at it leaves it to that one."""
+        with self._lock:
+            self._deeds.extend(deeds)
+            self._is_closed = self._is_closed or is_last
+            is_ours, self._is_doing = not self._is_doing, True
+        while is_ours:
+            with self._lock:
+                if not self._deeds:
+                    self._is_doing = False
+                    return
+                deed = self._deeds.popleft()
+            self._do(deed)
+
+    def _do(self, deed: Deed) -> None:
+        try:
+            if isinstance(deed, Pass):
+                topic = self._topics[deed.command.topic]
+                self._connector.publish(topic.topic, topic.type, deed.command.data)
+            elif isinstance(deed, Change | Halt):
+                self._publish_stops()
+                if self._memory is not None and isinstance(deed, Change):
+                    self._memory.note(deed.holder)
+            elif isinstance(deed, Tell):
+                self._tell(deed.gate)
+            if self._observe is not None:
+                self._observe(deed)
+        except Exception:
+            log.exception("not done: %.200s", deed)
+        if isinstance(deed, Change):
+            log.info("control goes from %s to %s: %s", deed.former, deed.holder, deed.why)
+        elif isinstance(deed, Refuse):
+            log.debug("refused: %s", deed)
+
+    def _publish_stops(self) -> None:
+        for topic in self._words.commands:
+            if topic.stop_message is not None:
+                self._connector.publish(topic.topic, topic.type, topic.stop_message)
+
+    def _tell(self, gate: Gate) -> None:
+        status = {"gate": self._identity, **status_of(gate, self._terms), "commands": list(self._topics)}
+        self._connector.publish(f"{self._words.name}/status", STRING, {"data": json.dumps(status)})
+        self._connector.publish(f"{self._words.name}/holder", STRING, {"data": gate.holder})

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a gate finds again when it is started again: who held control last.
+
+Rule: where that is not known, though there was a gate before, the operator may have held it: nobody begins.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from rai_missions.file_type import irregular
+from rai_missions.runtime.lifecycle import CONTROLLERS
+
+__all__ = ("Memory", "usual_path")
+
+log = logging.getLogger(__name__)
+
+
+class Memory:
+    """The small file in which a gate keeps who holds control.
+
+    Args:
+        path: The file; its folder is made when it is first written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def first(self, safe: str) -> str:
+        """Who holds control as the gate begins: the safe one, unless the operator or nobody may have had it last."""
+        try:
+            if sort := irregular(self.path):  # a pipe would never end
+                raise OSError(f"that is {sort}")
+            said = json.loads(self.path.read_text(encoding="utf-8"))
+            last = said["holder"]
+        except FileNotFoundError:
+            return safe
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+            log.warning("who held control last is not known, so nobody has it: %s: %s", self.path, error)
+            return "nobody"
+        return safe if last in CONTROLLERS and last not in ("operator", "nobody") else "nobody"
+
+    def note(self, holder: str) -> None:
+        """Control is with another holder from now on; a file that cannot be written is logged."""
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            beside = self.path.with_name(f"{self.path.name}.{os.getpid()}")
+            beside.write_text(json.dumps({"holder": holder}), encoding="utf-8")
+            beside.replace(self.path)
+        except OSError:
+            log.exception("a gate that is started again will not know that %s holds control", holder)
+
+
+def usual_path(name: str, domain: int | None, environment: Mapping[str, str] = os.environ) -> Path:
+    """Where a gate of a name on a ROS domain keeps it: in the user's folder for states (XDG).
+
+    Args:
+        name: The gate's, such as `/gate`.
+        domain: The ROS domain; the environment's by default.
+        environment: Variables.
+    """
+    folder = environment.get("XDG_STATE_HOME") or os.path.join(os.path.expanduser("~"), ".local", "state")
+    number = domain if domain is not None else environment.get("ROS_DOMAIN_ID", "") or "0"
+    word = name.strip("/").replace("/", ".")
+    return Path(folder) / "rai_missions" / f"gate-{word}-{number}.json"

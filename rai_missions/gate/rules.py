@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of the gate, pure: a `Gate` and what happens give the next `Gate` and what is done.
+
+Rule: whatever happens, first the holder whose time is up loses control. So no command can be quicker than a lapse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rai_missions.errors import UsageError
+from rai_missions.gate.finite import no_finite
+from rai_missions.gate.state import (
+    COMMANDERS,
+    Alive,
+    Answer,
+    Change,
+    Command,
+    Deed,
+    Gate,
+    GateEvent,
+    GateRules,
+    Pass,
+    Refuse,
+    Request,
+    Tell,
+)
+from rai_missions.runtime.lifecycle import Control
+
+__all__ = ("step",)
+
+Turn = tuple[Gate, tuple[Deed, ...]]
+
+
+def step(terms: GateRules, gate: Gate, happening: GateEvent) -> Turn:
+    """What a gate is after something has happened, and what is done, in this order.
+
+    Time never runs backwards: what happens before the last instant known happens at it.
+    """
+    gate, lapsed = _lapse(terms, gate._replace(at=max(gate.at, happening.at)))
+    if isinstance(happening, Request):
+        gate, done = _request(gate, happening)
+    elif isinstance(happening, Command):
+        gate, done = _command(terms, gate, happening)
+    else:
+        gate, done = (_alive(gate, happening.who) if isinstance(happening, Alive) else gate), ()
+    done = (*lapsed, *done)
+    if gate.at >= gate.told + terms.status_s or any(isinstance(each, Change | Answer) for each in done):
+        gate = gate._replace(told=gate.at)
+        done = (*done, Tell(gate))
+    return gate, done
+
+
+def _lapse(terms: GateRules, gate: Gate) -> Turn:
+    """A holder that is silent for longer than its lease loses control to the safe one.
+
+    Where the safe one or the operator does, nobody has it: only the operator gives back what the operator had.
+    """
+    if gate.at < gate.lapses_at(terms):
+        return gate, ()
+    control = _control(gate)
+    control.acknowledge(terms.safe if gate.holder not in (terms.safe, "operator") else "nobody")
+    return _changed(gate, control, f"{gate.holder} was silent for {terms.leases[gate.holder]:g} s")
+
+
+def _request(gate: Gate, request: Request) -> Turn:
+    control = _control(gate)
+    try:
+        why = control.request(request.to, request.by)
+    except UsageError as error:
+        why = str(error)
+    if request.by not in COMMANDERS:
+        why = f"nobody called '{request.by}' can ask for control; there is: {', '.join(COMMANDERS)}"
+    if why:
+        said = f"{request.by} asked for control to go to {request.to}: {why}"
+        gate = gate._replace(requests_refused=_counted(gate.requests_refused, request.by), last_refusal=said)
+        return gate, (Answer(gate.revision, request, why),)
+    changes: tuple[Deed, ...] = ()
+    if request.to != gate.holder:
+        control.acknowledge(request.to)
+        gate, changes = _changed(gate, control, f"{request.by} asked for it")
+    gate = gate._replace(kept=control.kept)
+    return gate, (*changes, Answer(gate.revision, request, ""))
+
+
+def _command(terms: GateRules, gate: Gate, command: Command) -> Turn:
+    who, command = command.who, command._replace(at=gate.at)
+    why = _stops(gate, command) or ("" if command.topic in terms.unlooked else no_finite(command.data))
+    gate = _alive(gate, who)._replace(commanded={**gate.commanded, who: gate.at})
+    if why:
+        gate = gate._replace(refused=_counted(gate.refused, who), last_refusal=f"{who} on {command.topic}: {why}")
+        return gate, (Refuse(gate.revision, command, why),)
+    return gate._replace(passed=_counted(gate.passed, who)), (Pass(gate.revision, command),)
+
+
+def _stops(gate: Gate, command: Command) -> str:
+    """Why a command goes no further; empty if it goes on."""
+    if command.who != gate.holder:
+        return f"{gate.holder} holds control"
+    if command.made < gate.since:
+        return f"it was made {gate.since - command.made:.3g} s before control was handed over, or by another clock"
+    return ""
+
+
+def _alive(gate: Gate, who: str) -> Gate:
+    return gate._replace(alive={**gate.alive, who: gate.at})
+
+
+def _control(gate: Gate) -> Control:
+    control = Control(gate.holder)
+    control.kept = gate.kept
+    return control
+
+
+def _changed(gate: Gate, control: Control, why: str) -> Turn:
+    change = Change(gate.revision + 1, gate.holder, control.holder, why)
+    after = gate._replace(
+        holder=control.holder, kept=control.kept, revision=change.revision, since=gate.at, why=why
+    )  # fmt: skip
+    return after, (change,)
+
+
+def _counted(counts: Mapping[str, int], who: str) -> Mapping[str, int]:
+    return {**counts, who: counts.get(who, 0) + 1}

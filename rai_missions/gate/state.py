@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What travels in the gate: what happens to it, what it remembers, and what it has done where the actuators are.
+
+Rule: all frozen. What the gate knows is one `Gate`; the next one is made from it in `rules.py` alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.runtime.lifecycle import CONTROLLERS
+
+__all__ = (
+    "COMMANDERS",
+    "Alive",
+    "Answer",
+    "Change",
+    "Command",
+    "Deed",
+    "Gate",
+    "GateEvent",
+    "GateRules",
+    "Halt",
+    "Pass",
+    "Refuse",
+    "Request",
+    "Tell",
+    "Tick",
+    "status_of",
+)  # fmt: skip
+
+COMMANDERS: tuple[str, ...] = tuple(each for each in CONTROLLERS if each != "nobody")
+"""Who can command the actuators while they hold control."""
+NOTHING: Mapping[str, Any] = {}
+
+
+class GateRules(NamedTuple):
+    """What a gate is told before it begins."""
+
+    leases: Mapping[str, float] = NOTHING
+    """Holder → seconds of silence after which it loses control; one that is not here may be silent for ever."""
+    safe: str = "autonomy"
+    """Who has control when the holder falls silent: `autonomy` or `nobody`."""
+    status_s: float = 1.0
+    """Seconds between two statuses when nothing changes."""
+    unlooked: frozenset[str] = frozenset()
+    """Topics on which a number may be NaN or infinite."""
+
+
+# -- what happens ------------------------------------------------------------------------------------------------------
+
+
+class Request(NamedTuple):
+    """Somebody asks for control to go to somebody."""
+
+    at: float
+    to: str
+    by: str
+
+
+class Command(NamedTuple):
+    """Somebody commands an actuator."""
+
+    at: float
+    who: str
+    topic: str
+    """The actuators' own topic."""
+    data: Mapping[str, Any]
+    made: float = math.inf
+    """When it was made, by its own stamp, on the gate's clock; infinity where it has none."""
+
+
+class Alive(NamedTuple):
+    """Somebody is there, and has nothing to command."""
+
+    at: float
+    who: str
+
+
+class Tick(NamedTuple):
+    """Time has passed."""
+
+    at: float
+
+
+GateEvent = Request | Command | Alive | Tick
+
+
+# -- what is done ------------------------------------------------------------------------------------------------------
+
+
+class Change(NamedTuple):
+    """Control goes from one to another: the stop is published first."""
+
+    revision: int
+    former: str
+    holder: str
+    why: str
+
+
+class Halt(NamedTuple):
+    """The actuators are stopped, whoever holds control: the gate begins or ends."""
+
+    why: str
+
+
+class Pass(NamedTuple):
+    """A command goes on to the actuators."""
+
+    revision: int
+    command: Command
+
+
+class Refuse(NamedTuple):
+    """A command goes no further."""
+
+    revision: int
+    command: Command
+    why: str
+
+
+class Answer(NamedTuple):
+    """What becomes of a request; `why` is empty where it is granted."""
+
+    revision: int
+    request: Request
+    why: str
+
+
+class Tell(NamedTuple):
+    """The status is published."""
+
+    gate: Gate
+
+
+Deed = Change | Halt | Pass | Refuse | Answer | Tell
+
+
+# -- what is known -----------------------------------------------------------------------------------------------------
+
+
+class Gate(NamedTuple):
+    """Everything that a gate remembers."""
+
+    holder: str = "autonomy"
+    kept: bool = False
+    """The operator has taken control, rather than been given it: only the operator gives it back."""
+    revision: int = 0
+    """Counts the changes of holder: the number of the grant in force."""
+    since: float = 0.0
+    """When the holder was given control."""
+    why: str = "the gate has begun"
+    at: float = 0.0
+    """The last instant that it knows of."""
+    told: float = -math.inf
+    """When the status was last told."""
+    alive: Mapping[str, float] = NOTHING
+    """Who → its last sign of life: a command, refused or not, or a heartbeat."""
+    commanded: Mapping[str, float] = NOTHING
+    """Who → its last command."""
+    passed: Mapping[str, int] = NOTHING
+    """Who → its commands that went on."""
+    refused: Mapping[str, int] = NOTHING
+    """Who → its commands that did not."""
+    requests_refused: Mapping[str, int] = NOTHING
+    """Who → its requests for control that were not granted."""
+    last_refusal: str = ""
+    """Who was refused last, and why."""
+
+    def lapses_at(self, terms: GateRules) -> float:
+        """When the holder loses control if it stays silent; infinity for never."""
+        if self.holder == "nobody" or self.holder not in terms.leases:
+            return math.inf
+        return max(self.since, self.alive.get(self.holder, -math.inf)) + terms.leases[self.holder]
+
+    def wake_at(self, terms: GateRules) -> float:
+        """When the gate next does something by itself."""
+        return min(self.lapses_at(terms), self.told + terms.status_s)
+
+
+def status_of(gate: Gate, terms: GateRules) -> dict[str, Any]:
+    """The status, as everybody reads it; instants are seconds on the gate's clock, `at` among them."""
+    return {
+        "revision": gate.revision,
+        "holder": gate.holder,
+        "why": gate.why,
+        "taken": gate.kept,
+        "since": round(gate.since, 6),
+        "at": round(gate.at, 6),
+        "safe": terms.safe,
+        "leases": dict(terms.leases),
+        "last_command_age_s": {
+            who: round(gate.at - gate.commanded[who], 6) if who in gate.commanded else None for who in COMMANDERS
+        },
+        "passed": {who: gate.passed.get(who, 0) for who in COMMANDERS},
+        "refused": {who: gate.refused.get(who, 0) for who in COMMANDERS},
+        "requests_refused": {who: gate.requests_refused.get(who, 0) for who in COMMANDERS},
+        "last_refusal": gate.last_refusal,
+    }

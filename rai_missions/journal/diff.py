@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where two steps part, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.engine.step import Step
+from rai_missions.redaction.cut import cut_repr
+
+__all__ = ("difference",)
+
+MISSING = object()
+
+
+def difference(expected: Step, got: Step) -> str:
+    """The first difference between two steps, in the order of their fields; empty where there is none.
+
+    Such as `step 12 (anomaly, 3.2 s): moves[0].entered[1] was 'driving', now it is 'assessing'`.
+    """
+    for name in Step._fields:
+        found = _parted(name, getattr(expected, name), getattr(got, name))
+        if found:
+            return f"step {expected.seq} ({expected.event.name}, {expected.at:g} s): {found}"
+    return ""
+
+
+def _parted(place: str, expected: Any, got: Any) -> str:
+    if _same(expected, got):
+        return ""
+    if type(expected) is type(got):
+        if hasattr(expected, "_fields"):
+            pairs = [(f".{name}", getattr(expected, name), getattr(got, name)) for name in expected._fields]
+            return _first(place, pairs)
+        if isinstance(expected, Mapping):
+            names = [*expected, *(name for name in got if name not in expected)]
+            return _first(place, [(f".{name}", expected.get(name, MISSING), got.get(name, MISSING)) for name in names])
+        if isinstance(expected, list | tuple):
+            longest = range(max(len(expected), len(got)))
+            return _first(place, [(f"[{index}]", _at(expected, index), _at(got, index)) for index in longest])
+    return f"{place} was {_said(expected)}, now it is {_said(got)}"
+
+
+def _first(place: str, pairs: list[tuple[str, Any, Any]]) -> str:
+    return next((found for part, old, new in pairs if (found := _parted(f"{place}{part}", old, new))), "")
+
+
+def _same(expected: Any, got: Any) -> bool:
+    """Equal, and not only by Python's leave: 1, 1.0 and true are three values."""
+    if type(expected) is not type(got):
+        return isinstance(expected, Mapping) and isinstance(got, Mapping) and dict(expected) == dict(got)
+    if isinstance(expected, list | tuple):
+        return len(expected) == len(got) and all(map(_same, expected, got))
+    if isinstance(expected, Mapping):
+        return expected.keys() == got.keys() and all(_same(item, got[name]) for name, item in expected.items())
+    return bool(expected == got)
+
+
+def _at(items: Any, index: int) -> Any:
+    return items[index] if index < len(items) else MISSING
+
+
+def _said(value: Any) -> str:
+    return "absent" if value is MISSING else f"{cut_repr(value, 120)}"

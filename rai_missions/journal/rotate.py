@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A journal that gets another name, so that another run may have its old one.
+
+Rule: nothing of it is lost by that: the log beside its file is folded in first, and one that is being written stays.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from rai_missions.errors import UsageError
+from rai_missions.journal.sqlite import Lock, SqliteError, Unbegun, log_of, open_to_write
+from rai_missions.journal.verify import read
+
+__all__ = ("free_name", "make_way", "set_aside")
+
+
+def make_way(path: Path) -> Path | None:
+    """Move a journal that has a name aside, so that another may have it; gives its new name, None where there was none.
+
+    Raises:
+        UsageError: Another process writes it, or its log cannot be folded in.
+        DefinitionError: It is no journal, or it was altered.
+    """
+    return set_aside(path) if path.is_file() else None
+
+
+def free_name(path: Path) -> Path:
+    """The first name beside a file that no file has: `run.1.journal` for `run.journal`.
+
+    Nor may a log be left there, of a journal that was deleted: SQLite would take its rows for those of the next one.
+    """
+    names = (path.with_suffix(f".{number}{path.suffix}") for number in range(1, 10_000))
+    return next(name for name in names if not os.path.lexists(name) and not os.path.lexists(log_of(name)))
+
+
+def set_aside(path: Path, to: Path | None = None) -> Path:
+    """Rename a journal, or a file in which one was begun; gives its new name.
+
+    Args:
+        path: Where it is.
+        to: Its new name; by default the first that is free once nobody else may move it.
+
+    Raises:
+        UsageError: Another process writes it, or its log cannot be folded in.
+        DefinitionError: It is no journal, or it was altered.
+    """
+    lock = Lock(path, new=False)
+    try:
+        with suppress(Unbegun):  # no row is in it, so none can be lost
+            read(path).close()
+            _fold_in(path)
+        return path.rename(to or free_name(path))
+    finally:
+        lock.release()
+
+
+def _fold_in(path: Path) -> None:
+    """SQLite does so when whoever writes closes the file, and takes the log away."""
+    log = log_of(path)
+    if not log.exists():
+        return
+    with suppress(SqliteError):
+        open_to_write(path, new=False).close()
+    if log.exists():
+        raise UsageError(f"what {log.name} holds cannot be written into {path}, so it is not moved aside; name another")

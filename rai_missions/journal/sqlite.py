@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one door to SQLite: a journal's file is made, locked, opened for writing and opened for reading here.
+
+Rule: reading changes nothing, not even the folder; one process writes, and its lock dies with it.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+import sqlite3
+import tempfile
+from pathlib import Path
+
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.file_type import irregular
+from rai_missions.redaction.cut import cut
+
+__all__ = (
+    "BLOB",
+    "FORMAT",
+    "LONGEST_BYTES",
+    "ROW",
+    "JournalReader",
+    "Lock",
+    "SqliteError",
+    "Unbegun",
+    "log_of",
+    "open_to_read",
+    "open_to_write",
+)  # fmt: skip
+
+SqliteError = sqlite3.Error
+
+APPLICATION = 0x5241494D
+"""`RAIM` in the file's header: what tells a journal from other SQLite files."""
+FORMAT = 1
+COLUMNS = {
+    "rows": "number INTEGER PRIMARY KEY, kind TEXT NOT NULL, content TEXT NOT NULL, hash TEXT NOT NULL",
+    "blobs": "sha256 TEXT PRIMARY KEY, media_type TEXT NOT NULL, bytes BLOB NOT NULL",
+}
+ROW = "INSERT INTO rows VALUES (?, ?, ?, ?)"
+BLOB = "INSERT OR IGNORE INTO blobs VALUES (?, ?, ?)"
+TABLES = {name: f"CREATE TABLE {name} ({columns})" for name, columns in COLUMNS.items()}
+SCHEMA = sorted(
+    [
+        *(("table", name, name, made) for name, made in TABLES.items()),
+        ("index", "sqlite_autoindex_blobs_1", "blobs", ""),
+    ]
+)
+"""All that a journal's file declares. A trigger may have the name of a table, so the sort counts as well."""
+LONGEST_BYTES = 64 * 1024 * 1024
+"""No row and no picture is longer: neither written nor read."""
+WAL_HEADER, WAL_FRAME = 32, 24
+"""Bytes of the header of a write-ahead log, and of each of its frames beside its page."""
+DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
+TRIES = 20
+"""How often a journal that is being written is copied before its reader gives up."""
+
+
+class Unbegun(DefinitionError):
+    """A file without a row, as whoever dies while it makes a journal leaves it."""
+
+
+class Lock:
+    """The right to write a journal: held by one process, given back by its end, however it ends.
+
+    Two readings of one file in one process share SQLite's own locks, and closing any descriptor of the file would drop
+    them; that is why whoever reads in the process that writes reads through this descriptor.
+
+    Raises:
+        UsageError: Somebody else has it, or the file cannot be opened for writing.
+    """
+
+    held: dict[tuple[int, int], int] = {}  # noqa: RUF012 - one table a process is the point
+    """(device, inode) → descriptor, of the journals this process writes."""
+
+    def __init__(self, path: Path, *, new: bool) -> None:
+        if not new and irregular(path):
+            raise UsageError(f"no journal at {path}: {_instead(path)}")
+        try:
+            if not new and _identity(path) in self.held:
+                raise UsageError(f"{path} is being written by this process already; close that journal first")
+            self.descriptor = os.open(path, os.O_RDWR | (os.O_CREAT | os.O_EXCL if new else 0), 0o644)
+        except FileExistsError:
+            if sort := irregular(path):
+                raise UsageError(f"a journal cannot be written at {path}: that is {sort}; name another file") from None
+            raise UsageError(
+                f"{path} is there already, and a journal is never overwritten; name another file"
+            ) from None
+        except OSError as error:
+            raise UsageError(f"a journal cannot be written at {path}: {error.strerror}; name another file") from None
+        try:
+            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self.descriptor)
+            raise UsageError(
+                f"{path} is being written by another process; wait for its end or name another file"
+            ) from None
+        self._key = _identity(path)
+        self.held[self._key] = self.descriptor
+
+    def release(self) -> None:
+        """Give it back; doing so twice changes nothing."""
+        if self.held.pop(self._key, None) is not None:
+            os.close(self.descriptor)
+
+
+def _instead(path: Path) -> str:
+    """What there is where a journal was expected."""
+    sort = irregular(path)
+    return f"that is {sort}" if sort else "there is no such file"
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    found = path.stat()
+    return found.st_dev, found.st_ino
+
+
+def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
+    """A connection whose every commit survives the end of the process, though not always a loss of power.
+
+    Write-ahead log with `synchronous=NORMAL`: a commit is in the system's hands when it returns, and on the disk at
+    the next checkpoint. Locking is exclusive, so there is no file of shared memory.
+    """
+    if not new:
+        open_to_read(path).close()  # whatever is no journal is left as it is
+    connection = sqlite3.connect(_uri(path, "rw"), uri=True, isolation_level=None, check_same_thread=False, timeout=0)
+    try:
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
+        for pragma in ("locking_mode=EXCLUSIVE", "journal_mode=WAL", "synchronous=NORMAL", "trusted_schema=OFF"):
+            connection.execute(f"PRAGMA {pragma}").fetchall()
+        if new:
+            marks = [f"PRAGMA application_id={APPLICATION}", f"PRAGMA user_version={FORMAT}"]
+            connection.executescript("; ".join(["BEGIN", *marks, *TABLES.values(), "COMMIT"]))
+    except BaseException:
+        connection.close()
+        raise
+    return connection
+
+
+def open_to_read(path: Path) -> JournalReader:
+    """A connection to what stands in a journal now, also while another process writes it or after it was killed.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal of this format.
+    """
+    try:
+        if not path.is_file():
+            raise UsageError(f"no journal at {path}: {_instead(path)}")
+        if not os.access(path, os.R_OK):
+            raise UsageError(f"the journal {path} cannot be read: permission denied")
+        connection = _opened(path.resolve())
+    except OSError as error:
+        place = error.filename2 or error.filename or path  # its log, or the copy that is made of both
+        raise UsageError(f"the journal {path} cannot be read: {error.strerror}: {place}") from None
+    except sqlite3.Error as error:
+        if _code(error) in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+            where = f"the disk of it, or of its copy in {tempfile.gettempdir()}, is full or at fault"
+            raise UsageError(f"the journal {path} cannot be read: {error}: {where}") from None
+        raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
+    try:
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
+        connection.execute("PRAGMA trusted_schema=OFF")
+        check_is_journal(connection, path)
+    except BaseException:
+        connection.close()
+        raise
+    return connection
+
+
+def _code(error: Exception) -> int:
+    """SQLite's primary code; 0 where it gives none."""
+    return int(getattr(error, "sqlite_errorcode", 0)) & 0xFF
+
+
+def _no_journal(error: Exception) -> str:
+    if _code(error) == sqlite3.SQLITE_CORRUPT:
+        return DAMAGED
+    return f"no journal: {error}; give a file that a run has written"
+
+
+def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
+    """Whether a file is a journal of this format, and nothing else: no view or trigger that would run on reading.
+
+    Raises:
+        DefinitionError: It is not.
+    """
+    try:
+        application = connection.execute("PRAGMA application_id").fetchone()[0]
+        version = connection.execute("PRAGMA user_version").fetchone()[0]
+        found = connection.execute("SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema").fetchall()
+    except (sqlite3.Error, UnicodeDecodeError) as error:
+        raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
+    if not found and application in (0, APPLICATION):
+        sentence = "no journal of a run: its process died making it, and a new one is to be started; "
+        sentence += f"or its rows are in '{log_of(path).name}', which was not brought along: give both files"
+        raise Unbegun([Fault("", sentence)], str(path))
+    if application != APPLICATION:
+        sentence = "a SQLite file, but no journal; give a file that a run has written"
+    elif version != FORMAT:
+        sentence = f"a journal of format {version}; this program reads format {FORMAT}"
+    elif sorted(found, key=str) != sorted(SCHEMA, key=str):
+        names = sorted(cut(name if sort == "table" else f"{sort} {name}", 60) for sort, name, _, made in found if made)
+        sentence = f"its tables are not those of a journal: {', '.join(names[:10]) or 'none'}"
+    else:
+        return
+    raise DefinitionError([Fault("", sentence)], str(path))
+
+
+class JournalReader(sqlite3.Connection):
+    """A journal that is open to be read."""
+
+    cut = 0
+    """Bytes at the end of its log that belong to a row which was not written whole."""
+
+
+def _cut(log: Path, frames: int) -> int:
+    """The bytes behind a log's valid frames that the same writer has left (sqlite.org/fileformat2.html, section 4.1).
+
+    What is left of an earlier writing of the log has other salts, and is nothing that was cut.
+    """
+    with log.open("rb") as file:
+        head = file.read(WAL_HEADER)
+        end = WAL_HEADER + frames * (WAL_FRAME + int.from_bytes(head[8:12]))
+        file.seek(end)
+        frame = file.read(WAL_FRAME)
+    salts = head[16:24]
+    return max(0, log.stat().st_size - end) if salts.startswith(frame[8:16]) else 0
+
+
+def log_of(path: Path) -> Path:
+    """Where SQLite writes what is not yet in a journal's file itself."""
+    return path.with_name(f"{path.name}-wal")
+
+
+def _opened(path: Path) -> JournalReader:
+    log = log_of(path)
+    if not (log.is_file() and log.stat().st_size and log.resolve().parent == path.parent):  # a link leads elsewhere
+        return sqlite3.connect(
+            _uri(path, "ro") + "&immutable=1",
+            uri=True,
+            isolation_level=None,
+            check_same_thread=False,
+            factory=JournalReader,
+        )
+    if not path.stat().st_size:  # SQLite would throw the log away
+        raise DefinitionError([Fault("", DAMAGED)], str(path))
+    with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
+        copy = Path(folder) / "journal"
+        _copy(path, log, copy)
+        connection = sqlite3.connect(copy, isolation_level=None, check_same_thread=False, factory=JournalReader)
+        try:  # once the log is folded in, the open descriptor is all that is needed, and the copy is gone at the end
+            frames = connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()[1]
+            connection.cut = _cut(Path(f"{copy}-wal"), max(0, frames))
+            connection.execute("PRAGMA journal_mode=DELETE").fetchall()
+            connection.execute("PRAGMA query_only=ON")
+        except BaseException:
+            connection.close()
+            raise
+        return connection
+
+
+def _copy(path: Path, log: Path, copy: Path) -> None:
+    """Copies a journal and its log as of one moment.
+
+    While the log's header stays the same, whatever a checkpoint moves into the file is still in the log as well; so a
+    file copied before its log is whole again once the log is read over it (sqlite.org/fileformat2.html, section 4).
+    """
+    for _ in range(TRIES):
+        before = _head(log)
+        descriptor = Lock.held.get(_identity(path))
+        if descriptor is None:
+            shutil.copyfile(path, copy)
+        else:
+            _copy_from(descriptor, copy)
+        if log.exists():
+            shutil.copyfile(log, f"{copy}-wal")
+        if before == _head(log):
+            return
+    raise UsageError(f"{path} is being written too fast to be read; read it when the run has ended")
+
+
+def _copy_from(descriptor: int, copy: Path) -> None:
+    with copy.open("wb") as target:
+        while piece := os.pread(descriptor, 1 << 20, target.tell()):
+            target.write(piece)
+
+
+def _head(log: Path) -> bytes:
+    try:
+        with log.open("rb") as file:
+            return file.read(32)
+    except FileNotFoundError:
+        return b""
+
+
+def _uri(path: Path, mode: str) -> str:
+    return f"{path.resolve().as_uri()}?mode={mode}"

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the mission knows: typed keys, and values with the time at which they were so.
+
+Rule: a value without its stamp does not exist here; whoever reads it can ask how old it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from rai_missions.event import Image
+from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, fault
+from rai_missions.redaction.cut import clipped
+
+__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "fits", "is_number", "stale_at")
+
+TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "pose", "image"]
+Source = Literal["robot", "argument", "mission", "answer"]
+
+PYTHON_TYPES: Mapping[Any, str] = {
+    str: "string", float: "number", int: "integer", bool: "boolean", dict: "object", list: "list", Image: "image",
+}  # fmt: skip
+
+
+def _type_name(given: Any) -> Any:
+    return PYTHON_TYPES.get(given, given) if isinstance(given, type) else given
+
+
+def _field_types(given: Any) -> Any:
+    return {name: _type_name(kind) for name, kind in given.items()} if isinstance(given, Mapping) else given
+
+
+class Stamped(NamedTuple):
+    """A value and the time at which it was so, in seconds on the run's clock."""
+
+    value: Any
+    at: float
+
+
+Blackboard = dict[str, Stamped]
+"""Key → what was last heard of it. A key that is not there was never heard."""
+
+
+class Key(MissionModel):
+    """One key of the blackboard: what may stand there, who writes it and how long it can be believed."""
+
+    positional: ClassVar = ("type",)
+
+    type: Annotated[TypeName, BeforeValidator(_type_name)]
+    """`pose` is `{"x", "y", "z", "yaw"}` in metres and radians with its `frame`; `image` a reference."""
+    source: Source = "mission"
+    """`robot`: written by the robot profile alone. `argument`: given at the start. `mission`: `set`. `answer`: an
+    option's parameters."""
+    initial: Json = None
+    """The value at the start; a robot key has none."""
+    max_age_s: Seconds | None = Field(default=None, gt=0)
+    """A value this old or older is stale: as good as unknown."""
+    optional: Bool = False
+    """The start does not wait for it."""
+    fields: Annotated[dict[Name, TypeName], BeforeValidator(_field_types)] | None = None
+    """An object's fields and their types."""
+    frame: Text = ""
+    """The frame that a pose is given in."""
+    about: Text = ""
+
+    @model_validator(mode="after")
+    def _fits_its_source(self) -> Self:
+        if self.source == "robot" and self.initial is not None:
+            raise fault("initial", "a robot key has no 'initial': it is unknown until the robot says it")
+        if self.fields is not None and self.type != "object":
+            raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'")
+        if self.initial is not None and (why := fits(self, self.initial)):
+            raise fault("initial", f"'initial' does not fit: {why}")
+        return self
+
+
+def is_number(value: Any) -> bool:
+    """Whether it is a number that can be reckoned with: finite, and no integer beyond all floating-point numbers."""
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def _is_pose(value: Any) -> bool:
+    return isinstance(value, Mapping) and all(is_number(value.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")) and (
+        "x" in value and "y" in value
+    )  # fmt: skip
+
+
+_FITS: Mapping[str, Callable[[Any], bool]] = {
+    "string": lambda value: isinstance(value, str),
+    "number": is_number,
+    "integer": lambda value: isinstance(value, int) and is_number(value),
+    "boolean": lambda value: isinstance(value, bool),
+    "object": lambda value: isinstance(value, Mapping),
+    "list": lambda value: isinstance(value, list | tuple),
+    "pose": _is_pose,
+    "image": lambda value: isinstance(value, Image),
+}
+
+
+def fits(key: Key, value: Any) -> str:
+    """Why a value may not stand under a key; empty if it may."""
+    if not _FITS[key.type](value):
+        return f"{clipped(repr(value), 80)} is not of type '{key.type}'"
+    for name, kind in (key.fields or {}).items():
+        if name in value and value[name] is not None and not _FITS[kind](value[name]):
+            return f"field '{name}': {clipped(repr(value[name]), 80)} is not of type '{kind}'"
+    return ""
+
+
+def stale_at(key: Key | None, entry: Stamped) -> float:
+    """The instant from which an entry is stale; infinity for one that lasts."""
+    return entry.at + key.max_age_s if key is not None and key.max_age_s is not None else math.inf

@@ -1,7 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""How a run that was cut short goes on in a mission that has changed: by an explicit map, or not at all."""
-
-from rai_missions.migration.map import Map, load_map, map_schema
-from rai_missions.migration.migrate import Migrated, follow, migrate
-
-__all__ = ("Map", "Migrated", "follow", "load_map", "map_schema", "migrate")

@@ -1,0 +1,7 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mission as it is authored: its model, its files, what files may include, its schema, its Python surface.
+
+Imports guards and states; runs nothing.
+"""
+
+__all__ = ()

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Missions in files: `.json` or `.py` to a `Mission`, and back to JSON.
+
+Rule: whatever a file holds, it becomes a `Mission` or a `DefinitionError` with every fault and its place.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rai_missions.mission.mission import Mission
+
+__all__ = ("SCHEMA", "dump", "load")
+
+SCHEMA = "mission.schema.json"
+"""Where an editor looks for the schema: beside the mission. `rai-missions schema` prints it."""
+
+# The models are imported when used, so that the package's front door can offer these functions and stay light.
+
+
+def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
+    """The mission in a file, with the missions that it includes expanded.
+
+    Args:
+        path: A `.json` file, or a `.py` file that offers a function `mission() -> Mission`, which is executed.
+        python: Whether a `.py` file may be executed.
+
+    Raises:
+        DefinitionError: The mission is at fault; every fault with its JSON pointer.
+        UsageError: There is no such file, or it is of another kind.
+    """
+    from rai_missions.errors import UsageError
+    from rai_missions.mission.include import expanded, read_mission
+    from rai_missions.mission.python_file import run_mission_file
+
+    file = Path(path)
+    if file.suffix == ".json":
+        return expanded(read_mission(file), file)
+    if file.suffix == ".py":
+        if not python:
+            raise UsageError(f"'{file}' is Python, which is not to be executed here; give the mission as JSON")
+        return expanded(run_mission_file(file), file)
+    raise UsageError(f"'{file}' is neither .json nor .py; a mission is one of them")
+
+
+def dump(mission: Mission, path: str | os.PathLike[str] | None = None) -> str:
+    """A mission as JSON text: `load` gives an equal one.
+
+    Args:
+        mission: Whatever was built or loaded.
+        path: Where to write it too; the file is replaced at once, or left as it was.
+
+    Raises:
+        DefinitionError: It nests deeper than `load` would read.
+    """
+    from rai_missions.errors import DefinitionError, Fault
+    from rai_missions.mission.json_reader import MAX_DEPTH, too_deep
+
+    written: dict[str, Any] = {"$schema": SCHEMA, **mission.written()}
+    text = json.dumps(written, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    if too_deep(text) is not None:
+        raise DefinitionError([Fault("", f"more than {MAX_DEPTH} objects and lists inside each other; nest less")])
+    if path is not None:
+        _replace(Path(path), text)
+    return text
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a file so that a reader sees the old one or the new one, never a part."""
+    descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(name).chmod(path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~mask)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Missions in missions: each inclusion becomes a compound state of the mission that it names.
+
+Rule: what comes out is an ordinary mission. Nothing that runs, checks or draws one knows that anything was included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.guards import Guard, In, Not
+from rai_missions.guards.guard import made
+from rai_missions.keys import Key
+from rai_missions.mission.include_rules import Chain, included_file, misfits, questions, refused, shared_key
+from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, read_json
+from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
+from rai_missions.mission.renaming import Names, renamed
+from rai_missions.redaction.cut import shown
+from rai_missions.states import Compound, Final, Include, State, Transition
+from rai_missions.states.state import ANY_EVENT, OUTCOMES
+from rai_missions.validation_errors import faults_of
+
+__all__ = ("MAX_STATES", "expanded", "read_mission")
+
+MAX_STATES = 20_000
+"""In a mission with all that it includes."""
+
+
+class Brought(NamedTuple):
+    """What an inclusion becomes."""
+
+    state: Compound
+    keys: Mapping[str, Key]
+    events: Mapping[str, Any]
+    invariants: Mapping[str, Guard]
+
+
+def read_mission(file: Path) -> Mission:
+    """The mission in a JSON file as it stands there: inclusions are states of their own.
+
+    Raises:
+        DefinitionError: The mission is at fault.
+        UsageError: There is no such file.
+    """
+    data = read_json(file)
+    if not isinstance(data, Mapping):
+        raise DefinitionError([Fault("", f"a mission is a JSON object, not {shown(data)}")], str(file))
+    try:
+        return Mission.model_validate(data)
+    except ValidationError as error:
+        raise DefinitionError(faults_of(error, Mission, data), str(file)) from None
+
+
+def expanded(mission: Mission, file: Path) -> Mission:
+    """A mission without inclusions.
+
+    Args:
+        mission: As it was written.
+        file: Where it was written; the files that it includes are named relative to it, and lie in its folder.
+
+    Raises:
+        DefinitionError: An inclusion is at fault; its place is that of the inclusion.
+    """
+    if not any(isinstance(state, Include) for _, _, state in mission.walk()):
+        return mission
+    whole = _without_inclusions(mission, Chain((file.resolve(),), {"states": 0, "bytes": 0}), str(file))
+    if (levels := _levels(whole.written())) > MAX_DEPTH:
+        why = f"with all it includes it nests {levels} objects and lists, more than {MAX_DEPTH}; include less deeply"
+        raise DefinitionError([Fault("", why)], str(file))
+    return whole
+
+
+def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
+    faults: list[Fault] = []
+    brought: dict[str, Brought] = {}
+    for place, name, state in mission.walk():
+        chain.total["states"] += 1
+        if isinstance(state, Include):
+            try:
+                brought[name] = _brought(name, state, mission, chain)
+            except DefinitionError as error:
+                faults += [Fault(place + fault.place, fault.sentence) for fault in error.faults]
+        if chain.total["states"] > MAX_STATES:
+            faults.append(Fault(place, f"more than {MAX_STATES} states with all that is included; include less"))
+            break
+    if faults:
+        raise DefinitionError(faults, source)
+    return mission.model_copy(update={
+        "states": _replaced(mission.states, brought),
+        "blackboard": {**mission.blackboard, **{k: key for each in brought.values() for k, key in each.keys.items()}},
+        "events": {**mission.events, **{e: event for each in brought.values() for e, event in each.events.items()}},
+        "invariants": {**mission.invariants, **{i: g for each in brought.values() for i, g in each.invariants.items()}},
+    })  # fmt: skip
+
+
+def _replaced(states: Mapping[str, State], brought: Mapping[str, Brought]) -> dict[str, State]:
+    new: dict[str, State] = {}
+    for name, state in states.items():
+        if isinstance(state, Include):
+            new[name] = brought[name].state
+        elif state.children():
+            new[name] = state.model_copy(update={state.child_place(): _replaced(state.children(), brought)})
+        else:
+            new[name] = state
+    return new
+
+
+def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Brought:
+    """What one inclusion becomes; raises faults with places from the inclusion on."""
+    file = included_file(include.mission, chain)
+    try:
+        chain.total["bytes"] += file.stat().st_size
+        if chain.total["bytes"] > MAX_BYTES:
+            raise refused(f"all that is included is larger than {MAX_BYTES // 2**20} MiB; include less")
+        inner = _without_inclusions(read_mission(file), chain._replace(files=(*chain.files, file)), "")
+    except UsageError as error:
+        raise refused(str(error)) from None
+    except DefinitionError as error:
+        if not error.source and error.faults[0].place == "/mission":
+            raise
+        raise DefinitionError(
+            Fault("/mission", f"in {shown(include.mission)}, {fault}") for fault in error.faults
+        ) from None
+    if faults := tuple(misfits(include, inner, parent)):
+        raise DefinitionError(faults)
+    brought = _compound(name, include, inner)
+    for word in (*brought.keys, *brought.events, *brought.invariants):
+        if word in parent.blackboard or word in parent.events or word in parent.invariants:
+            raise refused(f"it brings '{word}', which this mission has itself; rename that")
+    return brought
+
+
+def _names(name: str, include: Include, inner: Mission) -> Names:
+    """What the names of an included mission become."""
+    kept = {*OUTCOMES, *BUILT_IN_EVENTS, *(option for asked in questions(inner) for option in asked.options)}
+    shared = {word: shared_key(given) for word, given in include.with_.items() if word in inner.blackboard}
+
+    def private(given: str) -> str:
+        return f"{name}/{given}"
+
+    def key(given: str) -> str:
+        if given in ("event", "answer") and given not in inner.blackboard:
+            return given
+        return shared.get(given) or private(given)
+
+    def event(given: str) -> str:
+        if given in inner.events and given in include.with_ and given not in inner.blackboard:
+            return str(include.with_[given])
+        return given if given in BUILT_IN_EVENTS and given not in inner.events else private(given)
+
+    def trigger(given: tuple[str, ...]) -> tuple[str, ...]:
+        words = [each for word in given for each in (inner.events if word == ANY_EVENT else (word,))]
+        return tuple(word if word in kept and word not in inner.events else event(word) for word in words)
+
+    return Names(private, key, event, private, trigger)
+
+
+def _compound(name: str, include: Include, inner: Mission) -> Brought:
+    names = _names(name, include, inner)
+    here = In(state=name)
+    states: dict[str, State] = {}
+    for each, state in inner.states.items():
+        states |= _settling(names.state(each), renamed(state, names), inner.settle_s)
+    over = [In(state=each) for each, state in states.items() if isinstance(state, Final)]
+    rows = [_until(over, renamed(row, names)) for row in inner.transitions]
+    common = {word: getattr(include, word) for word in State.model_fields if word in include.model_fields_set}
+    common["about"] = include.about or inner.about
+    common["transitions"] = (*include.transitions, *rows)
+    compound = Compound.model_validate(
+        {**common, "initial": tuple(names.state(each) for each in inner.initial), "states": states}
+    )
+    keys = {
+        names.key(each): key.model_copy(update={"initial": include.with_[each]}) if each in include.with_ else key
+        for each, key in inner.blackboard.items()
+        if shared_key(include.with_.get(each)) is None
+    }
+    events = {names.event(each): event for each, event in inner.events.items() if each not in include.with_}
+    invariants = {f"{name}/{each}": Not(guard=here) | renamed(guard, names) for each, guard in inner.invariants.items()}
+    return Brought(compound, keys, events, invariants)
+
+
+def _until(over: list[In], row: Transition) -> Transition:
+    """A row of the whole included mission ends with it: not once one of its finals is reached."""
+    if not over:
+        return row
+    going = [Not(guard=final) for final in over]
+    return row.model_copy(update={"when": made("all", all=(*((row.when,) if row.when is not None else ()), *going))})
+
+
+def _settling(name: str, state: State, settle_s: float) -> dict[str, State]:
+    """A final whose `requires` may take a while waits before it is one."""
+    if not isinstance(state, Final) or state.requires is None or settle_s == 0:
+        return {name: state}
+    end = f"{name}/settled"
+    waiting = State(
+        about=state.about, entry=state.entry, exit=state.exit,
+        transitions=[Transition(when=state.requires, to=end), Transition(after_s=settle_s, to=end)],
+    )  # fmt: skip
+    return {name: waiting, end: Final(state.final, requires=state.requires)}
+
+
+def _levels(value: Any) -> int:
+    """How deep objects and lists stand inside each other."""
+    deepest, rest = 0, [(value, 1)]
+    while rest:
+        item, level = rest.pop()
+        if isinstance(item, dict | list):
+            deepest = max(deepest, level)
+            rest += [(each, level + 1) for each in (item.values() if isinstance(item, dict) else item)]
+    return deepest

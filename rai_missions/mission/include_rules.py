@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission may include: which files, under which names, and what an included mission cannot say.
+
+Rule: a file is named by the mission that includes it and lies in the folder of the outermost one, links followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rai_missions.error_text import pointer, suggestion
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.file_type import irregular
+from rai_missions.guards.elapsed import Elapsed
+from rai_missions.keys import Key, fits
+from rai_missions.mission.mission import Mission
+from rai_missions.redaction.cut import shown
+from rai_missions.states import Decision, DecisionSpec, Include, Transition
+from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
+
+__all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "misfits", "questions", "refused", "shared_key")
+
+MAX_INCLUSIONS = 16
+"""Missions inside each other."""
+
+
+class Chain(NamedTuple):
+    """Where an inclusion stands: the files that led to it, and what all of them have brought so far."""
+
+    files: tuple[Path, ...]
+    """Outermost first."""
+    total: dict[str, int]
+    """States and bytes of everything included, counted as often as it is."""
+
+    @property
+    def folder(self) -> Path:
+        """What may be included lies in here."""
+        return self.files[0].parent
+
+    def named(self, file: Path) -> str:
+        """A file as a reader of the top mission knows it."""
+        return str(file.relative_to(self.folder))
+
+
+def included_file(written: str, chain: Chain) -> Path:
+    """The file that an inclusion names, if it may be included."""
+    here = chain.files[-1]
+    if "\0" in written or "\\" in written or Path(written).is_absolute() or not written.endswith(".json"):
+        raise refused(f"{shown(written)} cannot be included; name a .json file relative to this one, with '/'")
+    try:
+        file = (here.parent / written).resolve()
+        found = file.is_relative_to(chain.folder) and file.exists()
+    except (OSError, RuntimeError):  # a name too long, links in a circle
+        raise refused(f"{shown(written)} cannot be opened; name a .json file") from None
+    if not file.is_relative_to(chain.folder):
+        raise refused(f"{shown(written)} lies outside the mission's folder; put it inside")
+    if not found:
+        near = (each.name for each in here.parent.glob("*.json") if each.name != here.name)
+        raise refused(f"there is no file {shown(written)}{suggestion(written, near)}")
+    if sort := irregular(file):
+        raise refused(f"{shown(written)} is {sort}; name a .json file")
+    if file in chain.files:
+        circle = " → ".join(chain.named(each) for each in (*chain.files[chain.files.index(file) :], file))
+        raise refused(f"a mission cannot include itself: {circle}; break the circle")
+    if len(chain.files) > MAX_INCLUSIONS:
+        raise refused(f"more than {MAX_INCLUSIONS} missions inside each other; include less deeply")
+    return file
+
+
+def refused(sentence: str) -> DefinitionError:
+    """One fault of the file that an inclusion names."""
+    return DefinitionError([Fault("/mission", sentence)])
+
+
+def misfits(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
+    """What stands against an inclusion, with places from the inclusion on."""
+    yield from _unmapped(include, inner, parent)
+    yield from _unfit(include, inner, parent)
+
+
+def _unmapped(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
+    """What `with` says that cannot be."""
+    for word, given in include.with_.items():
+        place = pointer(("with", word))
+        if word in inner.blackboard:
+            yield from (Fault(place, why) for why in _key_misfits(inner.blackboard[word], given, parent))
+        elif word in inner.events:
+            if not isinstance(given, str):
+                yield Fault(place, f"'{word}' is an event; give the name of one of this mission's, not {shown(given)}")
+            elif given not in parent.events:
+                yield Fault(place, f"no event {shown(given)}{suggestion(given, parent.events)}")
+        else:
+            known = suggestion(word, (*inner.blackboard, *inner.events))
+            yield Fault(place, f"{shown(include.mission)} has no key or event '{word}'{known}")
+
+
+def _key_misfits(key: Key, given: Any, parent: Mission) -> Iterator[str]:
+    name = shared_key(given)
+    if name is None:
+        if key.source in ("robot", "answer"):
+            yield f'a key of the {key.source} takes no value; share one of this mission\'s: {{"from": key}}'
+        elif why := fits(key, given):
+            yield why
+    elif name not in parent.blackboard:
+        yield f"no key {shown(name)}{suggestion(name, parent.blackboard)}"
+    elif (theirs := parent.blackboard[name].type) != key.type and (theirs, key.type) != ("integer", "number"):
+        yield f"'{name}' is of type '{theirs}', not '{key.type}'; share a key of that type"
+
+
+def shared_key(given: Any) -> str | None:
+    """The parent's key that `{"from": key}` shares."""
+    if isinstance(given, Mapping) and len(given) == 1 and isinstance(given.get("from"), str):
+        return str(given["from"])
+    return None
+
+
+def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
+    """What the included mission says that it cannot say as a part of another."""
+    for asked in questions(inner):
+        for option in asked.options:
+            if option in parent.events:
+                yield Fault("/mission", f"its option '{option}' is also an event of this mission; rename one of them")
+    for place, row in _rows(inner):
+        if ANY_EVENT in row.on and not inner.events:
+            yield Fault("/mission", f"its row {place} is for any event, and it declares none; drop the row")
+    for invariant, guard in inner.invariants.items():
+        if any(isinstance(each, Elapsed) for each in guard.walk()):
+            why = "asks for 'elapsed_s', which would count from the start of the whole; use a row with 'after_s'"
+            yield Fault("/mission", f"its invariant '{invariant}' {why}")
+    for key, declared in inner.blackboard.items():
+        if declared.source == "answer" and shared_key(include.with_.get(key)) != key:
+            why = f'keep the name: "with": {{"{key}": {{"from": "{key}"}}}}, and declare it in this mission'
+            yield Fault("/mission", f"its key '{key}' is written by answers, which know it by that name; {why}")
+
+
+def _rows(mission: Mission) -> Iterator[tuple[str, Transition]]:
+    sources = (("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk()))
+    for place, rows in sources:
+        for index, row in enumerate(rows):
+            yield f"{place}/transitions/{index}", row
+
+
+def questions(mission: Mission) -> Iterator[DecisionSpec]:
+    """All that a mission asks, in its states and trees."""
+    for _, _, state in mission.walk():
+        if isinstance(state, Decision):
+            yield state.decision
+        elif isinstance(state, Tree):
+            yield from (node.decision for _, node in tree_paths(state.tree) if isinstance(node, DecisionLeaf))

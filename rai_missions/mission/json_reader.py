@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""JSON as authors write it, read within bounds: whatever is wrong with it is a fault with its place.
+
+Rule: any bytes give a JSON value or a `DefinitionError`; a file that is not there is a `UsageError`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from math import isinf
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rai_missions.error_text import pointer
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.file_type import irregular
+from rai_missions.redaction.cut import shown
+
+__all__ = ("MAX_BYTES", "MAX_DEPTH", "file_bytes", "parse_json", "read_json", "too_deep")
+
+MAX_BYTES = 16 * 2**20
+MAX_DEPTH = 100
+"""Objects and lists inside each other."""
+INTEGERS = range(-(2**63), 2**63)
+TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+(?:"|\Z)|[\[\]{}]', re.DOTALL)
+SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+
+
+class Odd(NamedTuple):
+    """A number as it is written that has no value here."""
+
+    written: str
+    why: str
+
+
+class Doubled(dict[str, Any]):
+    """An object in which words stand twice."""
+
+    words: tuple[str, ...] = ()
+
+
+def file_bytes(path: Path) -> bytes:
+    """What a file holds.
+
+    Raises:
+        UsageError: There is no such file, or it cannot be read.
+        DefinitionError: It is too large.
+    """
+    if not os.path.exists(path):  # pathlib's raises on a name that is too long
+        raise UsageError(f"there is no file {shown(str(path), 200)}")
+    if sort := irregular(path):
+        raise UsageError(f"{shown(str(path), 200)} is {sort}; name a .json or .py file")
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise UsageError(f"{shown(str(path), 200)} cannot be read: {error.strerror}") from error
+    if len(raw) > MAX_BYTES:
+        raise _refused(f"the file is larger than {MAX_BYTES // 2**20} MiB; split the mission", str(path))
+    return raw
+
+
+def read_json(path: Path) -> Any:
+    """The JSON value in a file; raises as `file_bytes` and `parse_json` do."""
+    return parse_json(file_bytes(path), str(path))
+
+
+def parse_json(raw: bytes, source: str = "") -> Any:
+    """The JSON value that UTF-8 text (with or without a byte order mark) stands for.
+
+    Raises:
+        DefinitionError: It is not UTF-8, not JSON or cut short, nested deeper than `MAX_DEPTH`, holds a word twice in
+            one object, or a number or text that JSON does not have.
+    """
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        sentence = f"line {line}, byte {error.start}: not UTF-8; save the file in that encoding"
+        raise _refused(sentence, source) from None
+    if (at := too_deep(text)) is not None:
+        where = _where(text, at)
+        raise _refused(f"{where}: more than {MAX_DEPTH} objects and lists inside each other; nest less", source)
+    if not text.strip():
+        raise _refused("the file is empty; write a JSON object", source)
+    suspects: list[Any] = []
+    value = _parsed(text, suspects, source)
+    if suspects or SURROGATE.search(text):
+        faults = tuple(_oddities(value, ()))
+        if faults:
+            raise DefinitionError(faults, source)
+    return value
+
+
+def too_deep(text: str) -> int | None:
+    """Where JSON text first nests deeper than `MAX_DEPTH`, if it does."""
+    depth = 0
+    for token in TOKEN.finditer(text):
+        character = token[0]
+        if character in "[{":
+            depth += 1
+            if depth > MAX_DEPTH:
+                return token.start()
+        elif character in "]}":
+            depth -= 1
+    return None
+
+
+def _parsed(text: str, suspects: list[Any], source: str) -> Any:
+    def odd(written: str, why: str) -> Odd:
+        suspects.append(written)
+        return Odd(written, why)
+
+    def integer(written: str) -> int | Odd:
+        if len(written) > 20 or int(written) not in INTEGERS:
+            return odd(written, "does not fit in 64 bits; give a smaller number")
+        return int(written)
+
+    def decimal(written: str) -> float | Odd:
+        value = float(written)
+        return odd(written, "is larger than any number here; give a smaller one") if isinf(value) else value
+
+    def words(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) == len(pairs):
+            return found
+        doubled = Doubled(found)
+        doubled.words = tuple(name for name, times in Counter(name for name, _ in pairs).items() if times > 1)
+        suspects.append(doubled)
+        return doubled
+
+    def constant(written: str) -> Odd:
+        return odd(written, "is not a number that JSON has; give a finite one")
+
+    try:
+        return json.loads(
+            text, object_pairs_hook=words, parse_int=integer, parse_float=decimal, parse_constant=constant
+        )
+    except json.JSONDecodeError as error:
+        raise _refused(f"{_where(text, error.pos)}: {_syntax(error, text)}", source) from None
+
+
+def _syntax(error: json.JSONDecodeError, text: str) -> str:
+    said = error.msg[0].lower() + error.msg[1:]
+    if error.pos >= len(text.rstrip()) or error.msg.startswith("Unterminated string"):
+        return f"the text ends in the middle ({said}); is the file cut short?"
+    if error.msg == "Extra data":
+        return "there is more after the end of the JSON value; keep one value a file"
+    return f"not JSON: {said}, at {shown(text[error.pos : error.pos + 20])}"
+
+
+def _where(text: str, at: int) -> str:
+    line = text.count("\n", 0, at) + 1
+    return f"line {line}, column {at - text.rfind(chr(10), 0, at)}"
+
+
+def _oddities(value: Any, steps: tuple[str | int, ...]) -> Iterator[Fault]:
+    """What JSON text can say and a mission cannot hold."""
+    if isinstance(value, Odd):
+        yield Fault(pointer(steps), f"{shown(value.written)} {value.why}")
+    elif isinstance(value, str):
+        if _is_broken(value):
+            yield Fault(pointer(steps), f"{shown(value)} holds half a character (a lone surrogate); write it whole")
+    elif isinstance(value, Mapping):
+        for word in getattr(value, "words", ()):
+            yield Fault(pointer((*steps, word)), f"{shown(word)} stands more than once in this object; keep one")
+        for word, item in value.items():
+            if _is_broken(word):
+                yield Fault(pointer((*steps, word)), f"the word {shown(word)} holds half a character; write it whole")
+            yield from _oddities(item, (*steps, word))
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from _oddities(item, (*steps, index))
+
+
+def _is_broken(text: str) -> bool:
+    return any("\ud800" <= character <= "\udfff" for character in text)
+
+
+def _refused(sentence: str, source: str) -> DefinitionError:
+    return DefinitionError([Fault("", sentence)], source)

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission: the graph, frozen. The run, the check, the replay and the picture all read this.
+
+Rule: whatever a mission means stands in it as data; nothing in it can be executed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from rai_missions.errors import UsageError
+from rai_missions.guards.guard import Guard
+from rai_missions.keys import Key
+from rai_missions.model import MissionModel, Name, Names, OneOf, Seconds, Text
+from rai_missions.states.state import Rows, State, States, descendants
+from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf, Tree, tree_paths
+
+__all__ = ("BUILT_IN_EVENTS", "EventSpec", "Mission")
+
+BUILT_IN_EVENTS = ("call_failed", "orphaned", "uncertain")
+"""Events that the engine raises; a mission may have rows for them without declaring them."""
+
+
+class EventSpec(MissionModel):
+    """An event that may come from outside."""
+
+    positional: ClassVar = ("about",)
+
+    about: Text = ""
+    fields: dict[Text, Literal["string", "number", "integer", "boolean", "object", "list"]] = Field(
+        default_factory=dict
+    )
+    """What its payload holds; read as `event.<field>`."""
+
+
+def _events(given: Any) -> Any:
+    listed = isinstance(given, list | tuple) and all(isinstance(name, str) for name in given)
+    return {name: {} for name in given} if listed else given
+
+
+def _keys(given: Any) -> Any:
+    return given.__keys__ if hasattr(given, "__keys__") else given
+
+
+class Mission(MissionModel):
+    """A statechart whose states run actions, trees, questions and calls; its rows own the state of the mission."""
+
+    positional: ClassVar = ("name",)
+
+    format: Literal[1] = 1
+    name: Name
+    version: Text = "0.0.0"
+    about: Text = ""
+    blackboard: Annotated[dict[Name, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
+    events: Annotated[dict[Name, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
+    initial: Names
+    states: States = Field(min_length=1)
+    transitions: Rows = ()
+    """The mission's own rows, tried after those of the states."""
+    invariants: dict[Name, OneOf[Guard]] = Field(default_factory=dict)
+    """What must never be false; a run that finds one false is killed."""
+    on_cancel: Name | None = None
+    """The state in which a cancel is carried out; without it everything is left and canceled."""
+    cancel_s: Seconds = 30.0
+    """How long a cancel may take."""
+    settle_s: Seconds = 0.0
+    """How long the facts may take to agree with a final's `requires`."""
+    ready_s: Seconds = 10.0
+    """How long the start waits for the robot keys that are not optional."""
+
+    def __init__(self, /, *given: Any, **words: Any) -> None:
+        if "keys" in words:
+            words["blackboard"] = words.pop("keys")
+        super().__init__(*given, **words)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_schema(cls, given: Any) -> Any:
+        """`$schema` is for editors."""
+        if isinstance(given, Mapping) and "$schema" in given:
+            return {word: value for word, value in given.items() if word != "$schema"}
+        return given
+
+    def walk(self) -> Iterator[tuple[str, str, State]]:
+        """Every state in document order as (JSON pointer, name, state), outer before inner."""
+        return descendants(self.states)
+
+    def behaviours(self) -> Mapping[str, BehaviourLeaf]:
+        """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""
+        trees = ((name, state.tree) for _, name, state in self.walk() if isinstance(state, Tree))
+        leaves = ((f"{name}#{path}", node) for name, tree in trees for path, node in tree_paths(tree))
+        return {place: node for place, node in leaves if isinstance(node, BehaviourLeaf)}
+
+    def state(self, name: str) -> State:
+        """The state of a name.
+
+        Raises:
+            KeyError: There is none.
+        """
+        for _, found, state in self.walk():
+            if found == name:
+                return state
+        raise KeyError(name)
+
+    def written(self) -> dict[str, Any]:
+        """As JSON has it.
+
+        Raises:
+            UsageError: A state runs a behaviour that is written in Python.
+        """
+        for _, name, state in self.walk():
+            if program := state.program():
+                raise UsageError(f"state '{name}' runs '{program}': {ONLY_IN_PYTHON}")
+        return {"format": self.format, **super().written()}

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Missions written in Python: a file loaded by path, which offers one function, `mission() -> Mission`.
+
+Rule: what goes wrong in the file is the author's to mend and comes with its line; nothing is written beside the file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.mission.json_reader import file_bytes
+from rai_missions.mission.mission import Mission
+from rai_missions.redaction.cut import shown
+
+__all__ = ("run_mission_file",)
+
+
+def run_mission_file(file: Path) -> Mission:
+    """What the file's `mission()` returns.
+
+    Raises:
+        DefinitionError: The file cannot be executed, offers no such function, or that returns something else.
+        UsageError: There is no such file.
+    """
+    source = file_bytes(file)  # first: only of a file that is there it is known where it is
+    path = file.resolve()
+    module = _executed(path, source, str(file))
+    offered = getattr(module, "mission", None)
+    if not callable(offered):
+        raise _refused("the file offers no function 'mission'; write `def mission() -> Mission:`", file)
+    try:
+        mission: Any = offered()
+    except (Exception, SystemExit) as error:
+        raise _from(error, path, str(file)) from error
+    if not isinstance(mission, Mission):
+        raise _refused(f"mission() returned {shown(repr(mission))}; return a Mission", file)
+    return mission
+
+
+def _executed(path: Path, source: bytes, name: str) -> ModuleType:
+    module = ModuleType(f"_mission_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}")
+    module.__file__ = str(path)
+    # By its name there, dataclasses and type hints of the file find their way home.
+    sys.modules[module.__name__] = module
+    try:
+        exec(compile(source, str(path), "exec"), module.__dict__)  # noqa: S102 - a Python mission is a program
+    except SyntaxError as error:
+        raise DefinitionError([Fault("", f"line {error.lineno or 1}: not Python: {error.msg}")], name) from None
+    except (Exception, SystemExit) as error:
+        raise _from(error, path, name) from error
+    return module
+
+
+def _from(error: BaseException, path: Path, name: str) -> DefinitionError:
+    """An error raised in the file, with the innermost line of the file that led to it."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    where = f"line {lines[-1]}: " if lines else ""
+    if isinstance(error, DefinitionError):
+        inside = f" in {error.source}" if error.source else ""
+        return DefinitionError((Fault(fault.place, f"{where}{fault.sentence}{inside}") for fault in error.faults), name)
+    text = str(error).strip()
+    return DefinitionError([Fault("", f"{where}{type(error).__name__}" + (f": {text}" if text else ""))], name)
+
+
+def _refused(sentence: str, file: Path) -> DefinitionError:
+    return DefinitionError([Fault("", sentence)], str(file))

@@ -1,0 +1,266 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every written thing of a mission is: a frozen model that reads and writes the words of the format.
+
+Rule: whatever an author can write stands in a `MissionModel`; unknown words are refused, nothing is coerced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    Strict,
+    ValidationError,
+    WithJsonSchema,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+from rai_missions.error_text import suggestion
+from rai_missions.errors import DefinitionError
+from rai_missions.validation_errors import faults_of
+
+__all__ = (
+    "FAMILY",
+    "Bool",
+    "Integer",
+    "Json",
+    "MissionModel",
+    "Name",
+    "Names",
+    "Number",
+    "OneOf",
+    "Path",
+    "Seconds",
+    "TaggedModel",
+    "Text",
+    "fault",
+    "kind_of",
+    "one_or_many",
+    "suggestion",
+)
+
+NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
+PATH = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
+
+
+def fault(kind: str, sentence: str) -> PydanticCustomError:
+    """A fault of the author, as pydantic wants it raised in a validator; the sentence reaches the author as it is."""
+    return PydanticCustomError(kind, "{sentence}", {"sentence": sentence})
+
+
+def _key_text(value: Any) -> Any:
+    """A reference made by `Keys` reads as the path it stands for."""
+    return getattr(value, "__path__", value) if not isinstance(value, str) else value
+
+
+def _tuple(value: Any) -> Any:
+    value = _key_text(value)
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def _shorter(value: tuple[Any, ...]) -> Any:
+    return value[0] if len(value) == 1 else list(value)
+
+
+class _OneOrManySchema:
+    """Tells a JSON Schema that a word may stand without its list."""
+
+    def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
+        listed = handler(core_schema)
+        return {"anyOf": [listed["items"], listed]}
+
+
+one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=Any), _OneOrManySchema())
+"""A word or a list of words in JSON, always a tuple here."""
+
+Text = Annotated[str, Strict()]
+Name = Annotated[str, Strict(), Field(pattern=NAME), BeforeValidator(_key_text)]
+"""Lower case, digits and underscores; `/` only in what an inclusion brought."""
+Path = Annotated[str, Strict(), Field(pattern=PATH), BeforeValidator(_key_text)]
+"""A key, or a field within one: `obstacle.height_m`; `event.…` and `answer.…` name what a row's trigger brought."""
+Names = Annotated[tuple[Name, ...], Field(min_length=1), *one_or_many]
+Bool = Annotated[bool, Strict()]
+Integer = Annotated[int, Strict()]
+Number = Annotated[int, Strict()] | Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Seconds = Annotated[
+    float,
+    Strict(),
+    Field(ge=0, allow_inf_nan=False),
+    PlainSerializer(lambda value: int(value) if isinstance(value, float) and value.is_integer() else value),
+]
+
+
+def _frozen(value: Any) -> Any:
+    """JSON values as they compare: lists as lists, finite numbers only."""
+    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+        raise fault("finite", f"{value} is not a number that JSON has; give a finite one")
+    if isinstance(value, Mapping):
+        return {str(_key_text(name)): _frozen(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_frozen(item) for item in value]
+    if value is None or isinstance(value, str | int | float):
+        return value
+    text = _key_text(value)
+    if isinstance(text, str):
+        return {"from": text}
+    raise fault("json", f"{value!r} is not JSON; give text, a number, true, false, a list or an object")
+
+
+Json = Annotated[Any, AfterValidator(_frozen)]
+"""A JSON value; in Python a reference made by `Keys` stands for `{"from": path}`."""
+
+
+if TYPE_CHECKING:
+
+    class Model:
+        """What ours use of a pydantic model.
+
+        A type checker that saw the real one would make constructors of the fields, with the fields' own types; ours
+        take the format's words, references and positions.
+        """
+
+        model_config: ClassVar[ConfigDict]
+        model_fields: ClassVar[dict[str, FieldInfo]]
+        model_fields_set: set[str]
+
+        def __init__(self, **words: Any) -> None: ...
+        @classmethod
+        def model_validate(cls, obj: Any) -> Self: ...
+        @classmethod
+        def model_json_schema(cls, *, ref_template: str = ...) -> dict[str, Any]: ...
+        def model_dump(self, *, mode: str, by_alias: bool, exclude_defaults: bool) -> dict[str, Any]: ...
+        def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self: ...
+else:
+    Model = BaseModel
+
+
+class MissionModel(Model):
+    """A frozen model with the format's words as aliases; in Python its main words may be given by position."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    positional: ClassVar[tuple[str, ...]] = ()
+    """The fields that Python authors may give by position, in this order."""
+
+    def __init__(self, /, *given: Any, **words: Any) -> None:
+        """Build in Python, by field names (`from_`) or by the format's words.
+
+        Raises:
+            DefinitionError: With every fault; places begin at this object.
+        """
+        if len(given) > len(self.positional):
+            raise TypeError(f"{type(self).__name__} takes {len(self.positional)} values by position: {self.positional}")
+        words = dict(zip(self.positional, given, strict=False)) | words
+        aliases = {name: field.alias for name, field in type(self).model_fields.items() if field.alias}
+        words = {aliases.get(name, name): value for name, value in words.items()}
+        try:
+            super().__init__(**words)
+        except ValidationError as error:
+            raise DefinitionError(faults_of(error, type(self), words), f"{type(self).__name__}(…)") from None
+
+    # Else pydantic takes whatever stands inside another model through here too, and JSON could use Python's names.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        """The texts below the fields explain them; pydantic would read them with every import."""
+        from rai_missions.field_docs import attribute_docs
+
+        schema: dict[str, Any] = handler(core_schema)
+        properties, docs = handler.resolve_ref_schema(schema).get("properties", {}), attribute_docs(cls)
+        for name, field in cls.model_fields.items():
+            place = field.alias or name
+            if name in docs and place in properties:
+                properties[place] = {"description": docs[name]} | properties[place]
+        return schema
+
+    def written(self) -> dict[str, Any]:
+        """As JSON has it: aliases, and no word that says what would be so anyway."""
+        return self.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+
+
+FAMILY = "x-family"
+"""In a JSON Schema, before `schema.py` puts the kinds in its place."""
+
+
+class TaggedModel(MissionModel):
+    """A family of written things that are told apart by a word each of them must have.
+
+    A family derives from `TaggedModel` with `family="guard"`; each kind of it derives from the family and has a word.
+    """
+
+    kinds: ClassVar[dict[str, type[Any]]]
+    word: ClassVar[str] = ""
+    family: ClassVar[str] = ""
+
+    def __init_subclass__(cls, *, family: str = "", word: str | None = None, **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        if family:
+            cls.family, cls.kinds = family, {}
+        if word is not None:
+            cls.word = word
+            cls.kinds[word] = cls
+
+    @classmethod
+    def choose(cls, data: Mapping[str, Any]) -> str:
+        """The word by which a mapping says its kind.
+
+        Raises:
+            PydanticCustomError: No word or several.
+        """
+        given = [word for word in cls.kinds if word and word in data]
+        if len(given) == 1:
+            return given[0]
+        if not given and "" in cls.kinds:
+            return ""
+        known = ", ".join(word for word in cls.kinds if word)
+        if given:
+            raise fault("kinds", f"a {cls.family} is one thing, this is {len(given)}: {', '.join(given)}; keep one")
+        unknown = next((str(word) for word in data), "")
+        raise fault(
+            "kind",
+            f"no {cls.family} is written {sorted(map(str, data))}"
+            + (suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"),
+        )
+
+    @classmethod
+    def read(cls, data: Any) -> Any:
+        """A member of the family from what stands in JSON, or as it is if it is one."""
+        if isinstance(data, cls):
+            return data
+        if not isinstance(data, Mapping):
+            raise fault("object", f"a {cls.family} is an object, not {data!r}")
+        return cls.kinds[cls.choose(data)].model_validate(data)
+
+
+def kind_of(family: type[TaggedModel]) -> Any:
+    """The field type for any member of a family."""
+    return Annotated[
+        family,
+        PlainValidator(family.read),
+        PlainSerializer(lambda item: item.written(), return_type=Any),
+        WithJsonSchema({FAMILY: family.__name__}),
+    ]
+
+
+Member = TypeVar("Member", bound=TaggedModel)
+
+if TYPE_CHECKING:
+    OneOf = Annotated[Member, "one of a family's kinds"]
+    """`OneOf[Guard]`: the field type for any member of a family."""
+else:
+
+    class OneOf:
+        """`OneOf[Guard]`: the field type for any member of a family."""
+
+        def __class_getitem__(cls, family: type[TaggedModel]) -> Any:
+            return kind_of(family)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mission as an action: a goal starts it, feedback says where it is, the result how it ended.
+
+Rule: the goal is the run's. Canceling the goal cancels the mission, and the goal ends when the mission has.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.connectors.connector import Data, Report
+from rai_missions.node.command import Command, CommandReply, mapping_in, unheard, who
+from rai_missions.node.command_server import CommandServer
+from rai_missions.node.run_session import RunSession
+from rai_missions.node.status_message import StatusMessage
+
+__all__ = ("RunServer",)
+
+
+class RunServer:
+    """Serves `~/run`; an `ActionServer`.
+
+    Args:
+        desk: Takes the orders.
+        refused: Told why a goal is rejected, which ROS has no word for.
+    """
+
+    def __init__(self, desk: CommandServer, refused: Callable[[CommandReply], None]) -> None:
+        self._desk, self._refused = desk, refused
+        self._goal_id = ""
+        self._report: Callable[[Report], None] | None = None
+        self._course: RunSession | None = None
+        self._is_unwanted = False
+        self._lock = threading.Lock()
+        self._latest: StatusMessage | None = None
+        self._fed = 0
+        """The revision that was fed back last."""
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        """Start the mission for a goal."""
+        given = mapping_in(goal.get("arguments", ""), "arguments")
+        if isinstance(given, str):
+            receipt = CommandReply(False, given, goal_id)
+        else:
+            receipt = self._desk.ask(Command("start", who(goal.get("by")), goal_id, arguments=given))
+        if not receipt.success:
+            self._refused(receipt)
+            report(Report(goal_id, "rejected", {}, receipt.why))
+            return
+        report(Report(goal_id, "accepted", {}))
+        with self._lock:
+            self._goal_id, self._report, self._course = goal_id, report, self._desk.course
+            self._is_unwanted = False
+            self._feed()  # the run may have been quicker than this thread
+        self._desk.when_idle(lambda: self._end(goal_id))
+
+    def cancel(self, goal_id: str) -> None:
+        """Cancel the mission of a goal."""
+        if goal_id == self._goal_id:
+            self._is_unwanted = True
+            self._desk.submit(Command("cancel", "operator (~/run)", goal_id), unheard)
+
+    def tell(self, bulletin: StatusMessage) -> None:
+        """What the mission is doing now."""
+        with self._lock:
+            self._latest = bulletin
+            self._feed()
+
+    def _feed(self) -> None:
+        """Feedback for the goal that runs, if there is news."""
+        report, course, latest = self._report, self._course, self._latest
+        if report is None or course is None or latest is None or latest.revision <= self._fed:
+            return
+        if course.is_over or latest.run != course.runner.run_id:
+            return
+        self._fed = latest.revision
+        fields: dict[str, Any] = latest.fields()
+        told = {word: fields[word] for word in ("revision", "mode", "questions")}
+        report(Report(self._goal_id, "feedback", told | {"state": fields["active"]}))
+
+    def _end(self, goal_id: str) -> None:
+        report, course = self._report, self._course
+        if report is None or course is None or goal_id != self._goal_id:
+            return
+        with self._lock:
+            self._report = None
+        result = course.result
+        data: dict[str, Any] = {
+            "outcome": course.mode, "why": result.why if result is not None else course.error,
+            "run": course.runner.run_id, "journal": (result.journal if result is not None else None) or "",
+            "open_goals": [goal.data() for goal in result.open_goals] if result is not None else [],
+        }  # fmt: skip
+        if course.mode == "succeeded":
+            report(Report(goal_id, "succeeded", data))
+        elif course.mode == "canceled" and self._is_unwanted:
+            report(Report(goal_id, "canceled", data))
+        else:
+            report(Report(goal_id, "failed", data, data["why"]))

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which options of an open question would be refused if they were taken now, for whoever shows them to a person.
+
+Rule: it is for show. What counts is what `judge` says once an answer has come; and what is written in Python is asked
+by the engine alone, so an option whose guard names a predicate stays open here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.engine import Chart
+from rai_missions.engine.decision import Question
+from rai_missions.guards.guard import Guard, Site, Test, Truth
+from rai_missions.keys import Blackboard
+from rai_missions.mission.mission import Mission
+from rai_missions.states import Decision, Tree
+from rai_missions.states.decision import DecisionSpec
+from rai_missions.states.tree import DecisionLeaf, tree_paths
+
+__all__ = ("Closed",)
+
+NOTHING: Mapping[str, Any] = {}
+SAYS = {False: "this does not hold", None: "this is unknown"}
+
+
+class Seen(NamedTuple):
+    """A `View` of one moment, taken from a chart that goes on meanwhile."""
+
+    at: float
+    board: Blackboard
+    active: frozenset[str]
+    entered: Mapping[str, float]
+    held: Mapping[str, float]
+    event: Mapping[str, Any] = NOTHING
+    answer: Mapping[str, Any] = NOTHING
+
+    def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
+        """Not asked: see the rule of this file."""
+        return None
+
+
+class Closed:
+    """The guards of a mission's options.
+
+    Args:
+        mission: Compiled once a decision, when its question is first looked at.
+    """
+
+    def __init__(self, mission: Mission) -> None:
+        self._mission = mission
+        self._tests: dict[str, dict[str, tuple[Test, Guard]]] = {}
+
+    def now(self, questions: Iterable[Question], chart: Chart, at: float) -> dict[int, dict[str, str]]:
+        """Question → option → why it would be refused; from any thread.
+
+        Args:
+            questions: Those that are open.
+            chart: The run's.
+            at: Now, on the run's clock.
+        """
+        view = chart.view
+        seen = Seen(at, dict(view.board), view.active, dict(view.entered), dict(view.held))
+        found: dict[int, dict[str, str]] = {}
+        for question in questions:
+            tests = self._tests_of(question.owner)
+            each = {offer.name: tests[offer.name] for offer in question.options if offer.name in tests}
+            values = {name: (test(seen), guard) for name, (test, guard) in each.items()}
+            why = {
+                name: f"{SAYS[value]}: {guard.words()}" for name, (value, guard) in values.items() if value is not True
+            }
+            if why:
+                found[question.number] = why
+        return found
+
+    def _tests_of(self, owner: str) -> dict[str, tuple[Test, Guard]]:
+        if owner not in self._tests:
+            self._tests[owner] = {}
+            for name, guard in _asked(self._mission, owner).guards():
+                site = Site(owner, self._mission.blackboard, owner.partition("#")[0])
+                test = guard.compile(site)
+                if not site.named:
+                    self._tests[owner][name] = test, guard
+        return self._tests[owner]
+
+
+def _asked(mission: Mission, owner: str) -> DecisionSpec:
+    """The decision of a state, or of a leaf of its tree."""
+    name, _, path = owner.partition("#")
+    state = mission.state(name)
+    if isinstance(state, Decision):
+        return state.decision
+    assert isinstance(state, Tree)
+    leaf = dict(tree_paths(state.tree))[path]
+    assert isinstance(leaf, DecisionLeaf)
+    return leaf.decision

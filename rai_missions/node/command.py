@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a client asks of a mission, read from JSON that anybody may have sent.
+
+Rule: what comes in is data. It is bounded, each word is known, and what is wrong is told, never raised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.error_text import suggestion
+from rai_missions.errors import DefinitionError
+from rai_missions.mission.json_reader import parse_json
+from rai_missions.redaction.cut import cut, shown
+from rai_missions.redaction.redact import Redaction, redacted
+
+__all__ = (
+    "GOOD_FOR_S",
+    "LONGEST",
+    "Command",
+    "CommandReply",
+    "ReplyCallback",
+    "lasts",
+    "mapping_in",
+    "overdue",
+    "read_order",
+    "unheard",
+    "untaken",
+    "who",
+)
+
+LONGEST = 65_536
+"""Characters of an order; longer ones are not read."""
+LONGEST_ID = 128
+GOOD_FOR_S = 5.0
+"""Seconds on the wall within which a run has to take an order: whoever gave it has gone on since."""
+LASTING = frozenset({"e_stop", "cancel", "post"})
+"""Orders that are carried out however late they are taken."""
+LONGEST_NAME = 64
+NOTHING: Mapping[str, Any] = {}
+
+
+class CommandReply(NamedTuple):
+    """What became of an order."""
+
+    success: bool
+    why: str = ""
+    """Why not; empty, or a remark, where it was carried out."""
+    id: str = ""
+    dropped: bool = False
+    """The run never heard of it."""
+
+
+class Command(NamedTuple):
+    """One thing that somebody wants of the mission."""
+
+    command: str
+    """One of `WORDS`."""
+    by: str = "operator"
+    id: str = ""
+    """The client's own; its receipt carries it."""
+    arguments: Mapping[str, Any] = NOTHING
+    to: str = ""
+    question: int = 0
+    option: str = ""
+    parameters: Mapping[str, Any] = NOTHING
+    event: str = ""
+    data: Mapping[str, Any] = NOTHING
+
+
+WORDS: Mapping[str, Mapping[str, tuple[type, bool]]] = {
+    "start": {"arguments": (dict, False)},
+    "pause": {}, "resume": {}, "cancel": {}, "e_stop": {},
+    "control": {"to": (str, True)},
+    "answer": {"question": (int, True), "option": (str, True), "parameters": (dict, False)},
+    "post": {"event": (str, True), "data": (dict, False)},
+}  # fmt: skip
+"""Command → its words, the type of each, and whether it must be there."""
+CALLED = {dict: "an object", str: "text", int: "a whole number"}
+
+
+def read_order(text: Any) -> Command | CommandReply:
+    """An order from its JSON, or why it is none; the receipt carries the order's id where that could be read."""
+    given = mapping_in(text, "an order")
+    if isinstance(given, str):
+        return CommandReply(False, given)
+    name = given.get("id", "")
+    if not isinstance(name, str | int) or isinstance(name, bool) or len(str(name)) > LONGEST_ID:
+        return CommandReply(False, f"id: {shown(name)} is no text of {LONGEST_ID} characters at the most")
+    why = _fault(given)
+    if why:
+        return CommandReply(False, why, str(name))
+    words = {word: item for word, item in given.items() if word not in ("id", "by", "command")}
+    return Command(given["command"], who(given.get("by", "")), str(name), **words)
+
+
+def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
+    """The object that a text says in JSON, or why it says none; an empty text says an empty one."""
+    if not isinstance(text, str):
+        return f"{what} is JSON text, not {shown(text)}"
+    if len(text) > LONGEST:
+        return f"{what} of {len(text)} characters is not read; {LONGEST} are the most"
+    try:
+        given = parse_json(Redaction().known(text).encode("utf-8", "replace")) if text.strip() else {}
+    except DefinitionError as error:
+        return cut(f"{what} is not understood: {error.faults[0]}", 300)
+    return given if isinstance(given, dict) else f"{what} is a JSON object, not {shown(given)}"
+
+
+def who(given: Any) -> str:
+    """The name under which somebody stands in the journal: one short line, `operator` where nothing is said."""
+    text = given if isinstance(given, str) else ""
+    line = "".join(letter if letter.isprintable() else " " for letter in redacted(text))
+    return cut(line, LONGEST_NAME).strip() or "operator"
+
+
+def lasts(order: Command) -> bool:
+    """It is carried out however late the run takes it: it ends something, or says what has happened."""
+    return order.command in LASTING or (order.command == "control" and order.to == "nobody")
+
+
+def overdue(order: Command, waited_s: float) -> CommandReply:
+    """What is told of an order that the run was too busy to take in time."""
+    why = f"the run did not get to it for {waited_s:.0f} s, and it was dropped; look again, and give it anew"
+    return CommandReply(False, why, order.id, dropped=True)
+
+
+def untaken(order: Command) -> str:
+    """What is told of an order that the run has not taken yet."""
+    then = "it will as soon as it can" if lasts(order) else f"unless it does within {GOOD_FOR_S:g} s, it is dropped"
+    return f"the run has not taken it yet; {then}, and what became of it is told then"
+
+
+def unheard(_receipt: CommandReply) -> None:
+    """Nobody asks what became of an order."""
+
+
+def _fault(given: Mapping[str, Any]) -> str:
+    command = given.get("command")
+    if not isinstance(command, str) or command not in WORDS:
+        return f"command: {shown(command)} is none{suggestion(str(command), WORDS)}"
+    if not isinstance(given.get("by", ""), str):
+        return f"by: {shown(given['by'])} is no text"
+    words = WORDS[command]
+    for word, value in given.items():
+        if word in ("id", "by", "command"):
+            continue
+        if word not in words:
+            return f"'{command}' has no word {shown(word)}{suggestion(str(word), ('id', 'by', *words))}"
+        kind = words[word][0]
+        if not isinstance(value, kind) or isinstance(value, bool):
+            return f"{word}: {shown(value)} is not {CALLED[kind]}"
+    missing = [word for word, (_, needed) in words.items() if needed and word not in given]
+    return f"'{command}' needs the word '{missing[0]}'" if missing else ""
+
+
+ReplyCallback = Callable[[CommandReply], None]
+"""Told once what became of an order; from any thread."""

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where orders arrive: one run at a time, begun when somebody asks for it and the node is active.
+
+Rule: nothing here widens what a mission allows. What the desk lets through, the engine still judges.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+
+from rai_missions.errors import MissionError
+from rai_missions.node.command import Command, CommandReply, ReplyCallback, untaken
+from rai_missions.node.run_session import RunSession
+from rai_missions.redaction.redact import Redaction
+
+__all__ = ("PATIENCE_S", "CommandServer")
+
+log = logging.getLogger(__name__)
+
+PATIENCE_S = 1.0
+"""How long a service waits for the run to take an order."""
+LOCKED = 'control is with nobody since the stop; first an operator takes it: {"command": "control", "to": "operator"}'
+ALWAYS = ("cancel", "e_stop")
+"""Taken by a node that is not active, too."""
+
+
+class CommandServer:
+    """Takes orders for the runs of a node, one after the other.
+
+    Args:
+        begin: Begins a run that an order asks for, and returns it; None where runs are begun elsewhere.
+        changed: Told of each change, on any thread.
+    """
+
+    def __init__(self, begin: Callable[[Command], RunSession] | None, changed: Callable[[], None]) -> None:
+        self._begin, self._changed = begin, changed
+        self._lock = threading.RLock()
+        self._when_idle: list[Callable[[], None]] = []
+        self.course: RunSession | None = None
+        """The run that was begun last."""
+        self.closed = "the node is unconfigured; configure and activate it first"
+        """Why nothing is begun now; empty where it is."""
+
+    @property
+    def live(self) -> RunSession | None:
+        """The run that has not ended."""
+        course = self.course
+        return course if course is not None and not course.is_over else None
+
+    def submit(self, order: Command, told: ReplyCallback) -> None:
+        """Take an order; `told` hears once what became of it, from any thread."""
+        if order.command == "start":
+            told(self._start(order))
+            return
+        course, last = self.live, self.course
+        if course is None and order.command == "control" and last is not None and last.is_locked:
+            told(last.unlock(order))
+            self._changed()
+        elif course is None:
+            told(CommandReply(False, "no mission is running; start one", order.id))
+        elif self.closed and order.command not in ALWAYS:
+            told(CommandReply(False, self.closed, order.id))
+        else:
+            course.submit(order, told)
+
+    def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
+        """Take an order and wait, for a moment, for what becomes of it."""
+        receipts: list[CommandReply] = []
+        is_told = threading.Event()
+
+        def told(receipt: CommandReply) -> None:
+            receipts.append(receipt)
+            is_told.set()
+
+        self.submit(order, told)
+        course = self.live
+        if course is None or not course.is_here:  # a run that asks its own node would wait for itself
+            is_told.wait(within_s)
+        return receipts[0] if receipts else CommandReply(False, untaken(order), order.id)
+
+    def attend(self, course: RunSession) -> None:
+        """A run is about to begin."""
+        with self._lock:
+            self.course = course
+        self._changed()
+
+    def ended(self) -> None:
+        """The run is over."""
+        self._changed()
+        with self._lock:
+            waiting, self._when_idle = self._when_idle, []
+        for work in waiting:
+            work()
+
+    def when_idle(self, work: Callable[[], None]) -> None:
+        """Do something once no run is under way; at once where none is."""
+        with self._lock:
+            if self.live is not None:
+                self._when_idle.append(work)
+                return
+        work()
+
+    def _start(self, order: Command) -> CommandReply:
+        with self._lock:
+            course = self.live
+            why = (
+                "this run is the node's only one; run it with --managed to start it again"
+                if self._begin is None
+                else f"a mission is under way, {course.mode}; cancel it first"
+                if course is not None
+                else self.closed or (LOCKED if self.course is not None and self.course.is_locked else "")
+            )
+            if why or self._begin is None:
+                return CommandReply(False, why, order.id)
+            try:
+                self.course = self._begin(order)
+            except (MissionError, OSError) as error:
+                return CommandReply(False, Redaction().text(f"{error}"), order.id)
+            except Exception as error:
+                log.exception("the mission could not be begun")
+                return CommandReply(False, Redaction().text(f"{type(error).__name__}: {error}"), order.id)
+        self._changed()
+        return CommandReply(True, f"run {self.course.runner.run_id}", order.id)

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a mission fares, as `diagnostic_msgs` has it: OK, WARN, ERROR, and why.
+
+Rule: a level is worked out from what is published anyway; nothing is remembered here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rai_missions.engine.activities.goal_ledger import may_move
+from rai_missions.node.status_message import StatusMessage
+from rai_missions.redaction.cut import cut
+from rai_missions.runtime.readings import SourceState, in_words
+
+__all__ = ("ERROR", "OK", "WARN", "array_of", "level")
+
+OK, WARN, ERROR = 0, 1, 2
+NOTHING: Mapping[str, SourceState] = {}
+
+
+def level(
+    bulletin: StatusMessage, stale: Sequence[str] = (), strangers: int = 0, sources: Mapping[str, SourceState] = NOTHING
+) -> tuple[int, str]:
+    """The level and the sentence.
+
+    Args:
+        bulletin: What the mission is doing.
+        stale: Keys of the robot that are older than they may be, while the mission runs.
+        strangers: Other nodes that have spoken under the same name.
+        sources: Robot key → what is known of the readings of its source.
+    """
+    if bulletin.fault:
+        return ERROR, bulletin.fault
+    if bulletin.mode in ("failed", "aborted"):
+        moving = f"; {may_move(bulletin.open_goals)}" if bulletin.open_goals else ""
+        return ERROR, f"{bulletin.mode}: {bulletin.why}{moving}"
+    if bulletin.open_goals:
+        return ERROR, may_move(bulletin.open_goals)
+    if strangers:
+        return WARN, f"another node is called {bulletin.node} too; give one of them another name with --node"
+    if bulletin.mode in ("paused", "canceling"):
+        return WARN, bulletin.mode
+    if bulletin.waits:
+        return WARN, bulletin.waits
+    if bulletin.questions:
+        asked = bulletin.questions[0].question
+        return WARN, cut(f"question {asked.number} waits for {asked.asked}: {asked.text}", 300)
+    if stale:
+        return WARN, f"not fresh: {', '.join(stale)}"
+    if misread := _misread(sources):
+        return WARN, cut(f"received and not understood: {misread}", 300)
+    if offsets := _offsets(sources):
+        return WARN, offsets
+    return OK, bulletin.mode
+
+
+def _misread(sources: Mapping[str, SourceState]) -> str:
+    return ", ".join(f"{key}: {state.misread}" for key, state in sources.items() if state.misread)
+
+
+def _offsets(sources: Mapping[str, SourceState]) -> str:
+    off = {key: state.offset_s for key, state in sources.items()}
+    return ", ".join(f"{key}: {in_words(offset_s)}" for key, offset_s in off.items() if offset_s is not None)
+
+
+def array_of(
+    bulletin: StatusMessage, *, at: float, stale: Sequence[str] = (), strangers: int = 0,
+    sources: Mapping[str, SourceState] = NOTHING, robot: str = "",
+) -> dict[str, Any]:  # fmt: skip
+    """The fields of a `diagnostic_msgs/msg/DiagnosticArray`.
+
+    Args:
+        bulletin: What the mission is doing.
+        at: Wall time, in seconds since 1970.
+        stale: As for `level`.
+        strangers: As for `level`.
+        sources: As for `level`.
+        robot: The robot's name.
+    """
+    found, message = level(bulletin, stale, strangers, sources)
+    values = {
+        "mission": f"{bulletin.mission} {bulletin.version}".strip(), "run": bulletin.run,
+        "lifecycle": bulletin.lifecycle, "mode": bulletin.mode, "control": bulletin.control,
+        "active": ", ".join(bulletin.active), "revision": str(bulletin.revision), "stale": ", ".join(stale),
+        "clock offsets": _offsets(sources), "not understood": cut(_misread(sources), 1000),
+        "instance": bulletin.instance,
+        "open_goals": may_move(bulletin.open_goals),
+    }  # fmt: skip
+    status = {
+        "level": found,
+        "name": f"{bulletin.node}: mission",
+        "message": message,
+        "hardware_id": robot,
+        "values": [{"key": key, "value": value} for key, value in values.items()],
+    }
+    return {"header": {"stamp": at}, "status": [status]}

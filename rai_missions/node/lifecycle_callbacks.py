@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the transitions of a node's lifecycle do to its mission.
+
+Rule: what only the connector's own thread could complete is never waited for; such a transition ends when the run has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from rai_missions.errors import UsageError
+from rai_missions.node.command import Command, unheard
+from rai_missions.node.command_server import CommandServer
+from rai_missions.node.managed_lifecycle import Finish
+
+__all__ = ("LifecycleCallbacks",)
+
+INACTIVE = "the node is inactive; activate it first"
+UNCONFIGURED = "the node is unconfigured; configure and activate it first"
+
+
+class LifecycleCallbacks:
+    """The acts of one node, by the transition's label.
+
+    Args:
+        desk: Where its mission is begun and steered.
+        ready: Reads and checks what a run is made of; raises where it is at fault.
+        finalized: Told once the node has been shut down.
+    """
+
+    def __init__(self, desk: CommandServer, *, ready: Callable[[], None], finalized: Callable[[], None]) -> None:
+        self._desk, self._ready, self._finalized = desk, ready, finalized
+        self._is_to_resume = False
+        desk.closed = UNCONFIGURED
+
+    def by_label(self) -> Mapping[str, Callable[[Finish], None]]:
+        """As `ManagedLifecycle` takes them."""
+        return {
+            "configure": self.configure, "activate": self.activate, "deactivate": self.deactivate,
+            "cleanup": self.clean_up, "shutdown": self.shut_down, "error": self.recover,
+        }  # fmt: skip
+
+    def configure(self, finish: Finish) -> None:
+        """Read and check; what is at fault leaves the node unconfigured."""
+        self._ready()
+        self._desk.closed = INACTIVE
+        finish("")
+
+    def activate(self, finish: Finish) -> None:
+        """Take orders. Nothing moves by itself, but a mission that `deactivate` has paused goes on."""
+        self._desk.closed = ""
+        course = self._desk.live
+        if self._is_to_resume and course is not None and course.mode == "paused":
+            self._desk.ask(Command("resume", "operator (activate)"))
+        self._is_to_resume = False
+        finish("")
+
+    def deactivate(self, finish: Finish) -> None:
+        """Pause the mission that runs; one that has not begun to move yet is canceled."""
+        course = self._desk.live
+        if course is not None and course.mode == "canceling":
+            raise UsageError("the mission is being canceled; deactivate the node when that has ended")
+        if course is not None and course.mode in ("ready", "running"):
+            word = "cancel" if course.mode == "ready" else "pause"
+            receipt = self._desk.ask(Command(word, "operator (deactivate)"))
+            if not receipt.success and self._desk.live is not None:
+                raise UsageError(receipt.why)
+            self._is_to_resume = word == "pause"
+        self._desk.closed = INACTIVE
+        finish("")
+
+    def clean_up(self, finish: Finish) -> None:
+        """Cancel the mission that is under way; it ends when that has ended."""
+        self._wind_up("cancel", "operator (cleanup)")
+        self._desk.when_idle(lambda: finish(""))
+
+    def shut_down(self, finish: Finish) -> None:
+        """As `clean_up`, for good."""
+
+        def end() -> None:
+            finish("")
+            self._finalized()
+
+        self._wind_up("cancel", "operator (shutdown)")
+        self._desk.when_idle(end)
+
+    def recover(self, finish: Finish) -> None:
+        """Something broke: nothing that was begun goes on."""
+        self._wind_up("e_stop", "the node, which broke off")
+        finish("")
+
+    def _wind_up(self, word: str, by: str) -> None:
+        self._desk.closed, self._is_to_resume = UNCONFIGURED, False
+        course = self._desk.live
+        if course is not None:
+            course.submit(Command(word, by), unheard)

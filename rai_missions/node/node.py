@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mission's node: the paper's Agent around runs, over a connector, with the lifecycle that ROS 2 knows."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rai_missions.agents.mission import RunConfig
+from rai_missions.connectors.connector import Close, Reply
+from rai_missions.engine.step import Step
+from rai_missions.errors import UsageError
+from rai_missions.node.action_server import RunServer
+from rai_missions.node.command import Command, CommandReply, unheard
+from rai_missions.node.command_server import PATIENCE_S, CommandServer
+from rai_missions.node.launched import parameters_of
+from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
+from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycle
+from rai_missions.node.names import NodeName
+from rai_missions.node.prerequisites import about, readied, robot_of
+from rai_missions.node.publisher import StatusPublisher
+from rai_missions.node.run_host import Host
+from rai_missions.node.run_session import RunSession
+from rai_missions.node.services import STRING, serve_orders, serve_typed_orders
+from rai_missions.node.transport import PACKAGE, Carrier, name_of, open_carrier
+from rai_missions.runtime.runner import Runner
+
+__all__ = ("MissionNode",)
+
+LOOK_S = 4.0
+"""How long another node of the same name may take to answer; longer than a connector's `discovery_s`, within which it
+is found or is not there."""
+FAREWELL_S = 2.0
+"""How much longer than its `cancel_s` a canceled run may take before it is killed."""
+
+
+class MissionNode:
+    """A node that runs a mission when it is told to, again and again; or one beside a run that somebody else begins.
+
+    Args:
+        setting: What a run is made of.
+        name: The node's; left out, the profile's or the mission's.
+        managed: Runs are begun by clients. Else by whoever made the node, with `joined` and `attend`.
+        ros_arguments: What follows `--ros-args`.
+        carrier: Used instead of what the profile says.
+        journals: Names a fresh journal for each run; else there is only the setting's.
+        operator: Clients answer as the operator, where the setting names nobody.
+        ended: Told of each run of the node's own that is over.
+
+    Raises:
+        UsageError: A name that no node can have, a connector that cannot be opened.
+        DefinitionError: The profile is at fault.
+    """
+
+    def __init__(
+        self, setting: RunConfig, name: str = "", *, managed: bool = True, ros_arguments: Sequence[str] = (),
+        carrier: Carrier | None = None, journals: Callable[[], Path] | None = None, operator: bool = True,
+        ended: Callable[[RunSession], None] = lambda _course: None,
+    ) -> None:  # fmt: skip
+        robot = robot_of(setting)
+        self._host = Host(setting, robot=robot, journals=journals, operator=operator)
+        called, self._about = about(setting.mission)
+        self.name: NodeName = name_of(name, called, robot, ros_arguments)
+        self._carrier = carrier or open_carrier(robot, self.name, now=self._host.now, ros_arguments=ros_arguments)
+        self._is_managed, self._on_end = managed, ended
+        self._press = StatusPublisher(
+            self._carrier, self.name, lifecycle=lambda: (self._lifecycle.state.label, self._lifecycle.fault),
+            course=lambda: self._host.course, about=lambda: self._about,
+            robot=lambda: self._host.robot.name if self._host.robot is not None else "",
+        )  # fmt: skip
+        self._finalized = threading.Event()
+        self._desk = CommandServer(self._begin if managed else None, self._press.changed)
+        acts = LifecycleCallbacks(self._desk, ready=self._ready, finalized=self._finalized.set)
+        self._lifecycle = ManagedLifecycle(acts.by_label(), self._press.moved)
+        self._closes: list[Close] = []
+        self._is_open = self._is_ours = False
+
+    # -- the agent ------------------------------------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Open the node; beside a run it is active at once, else unconfigured.
+
+        Raises:
+            UsageError: Another node has its name, or a parameter is no argument of the mission.
+            ConnectorError: The graph cannot be reached.
+        """
+        if self._is_open:
+            return
+        self._is_open = True
+        self._is_ours = not self._carrier.connector.running
+        try:
+            self._carrier.connector.start()
+            self._host.take_parameters(parameters_of(self._carrier.connector))
+            self._look_for_others()
+            self._serve()
+        except BaseException:
+            self.stop()
+            raise
+        self._press.outlet.run()
+        self._press.lines.open()
+        self._press.changed()
+        if not self._is_managed:
+            self._lifecycle.change("configure")
+            self._lifecycle.change("activate")
+
+    def stop(self) -> None:
+        """Cancel what runs, and close the node."""
+        course = self._desk.live
+        if course is not None and self._is_managed:
+            course.submit(Command("cancel", "stop"), unheard)
+            self._host.join(course.runner.mission.cancel_s + FAREWELL_S)
+            course.submit(Command("e_stop", "stop"), unheard)
+            self._host.join(FAREWELL_S)
+        while self._closes:
+            self._closes.pop()()
+        self._press.lines.close()
+        self._press.outlet.stop()
+        if self._is_open and self._is_ours:
+            self._carrier.connector.stop()
+        self._is_open = False
+
+    @property
+    def fault(self) -> str:
+        """Why the last transition of its lifecycle failed; empty once one has succeeded."""
+        return self._lifecycle.fault
+
+    @property
+    def course(self) -> RunSession | None:
+        """The run that was begun last."""
+        return self._host.course
+
+    def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
+        """Give an order from this program, and wait for a moment for what becomes of it."""
+        return self._desk.ask(order, within_s)
+
+    def wait(self, within_s: float | None = None) -> bool:
+        """Until the node was shut down; whether it was."""
+        return self._finalized.wait(within_s)
+
+    def shut_down(self, *, at_once: bool = False) -> None:
+        """Cancel what runs and finalize the node, as its lifecycle has it.
+
+        Args:
+            at_once: The run is not canceled but killed.
+        """
+        course = self._desk.live
+        if at_once and course is not None:
+            course.submit(Command("e_stop", "operator (interrupt)"), unheard)
+        if not self._lifecycle.change("shutdown"):  # another transition is under way: after it
+            self._desk.when_idle(self._shut_down_now)
+
+    def _shut_down_now(self) -> None:
+        self._lifecycle.change("shutdown")
+
+    # -- beside a run ---------------------------------------------------------------------------------------------
+
+    def joined(self, setting: RunConfig) -> RunConfig:
+        """A setting whose run travels over the node's connector, is told of by it and can be answered through it."""
+        return self._host.joined(setting, self._carrier, on_step=self._followed)
+
+    def attend(self, runner: Runner) -> RunSession:
+        """Follow a run that is about to begin, by `RunSession.run`."""
+        course = self._host.course = RunSession(runner, self._host.robot)
+        self._desk.attend(course)
+        return course
+
+    def conclude(self) -> None:
+        """The run that was attended is over."""
+        self._desk.ended()
+        self._lifecycle.change("shutdown")
+
+    def _followed(self, step: Step) -> None:
+        course = self._host.course
+        if course is not None:
+            if course.step(step):
+                self._press.changed()
+            self._press.step(step, course.runner.run_id)
+            course.receive(step)
+
+    # -- runs of its own ------------------------------------------------------------------------------------------
+
+    def _begin(self, order: Command) -> RunSession:
+        return self._host.begin(order, self.joined, self._ended)
+
+    def _ended(self, course: RunSession) -> None:
+        self._desk.ended()
+        self._on_end(course)
+
+    def _ready(self) -> None:
+        if self._is_managed:
+            mission, self._host.robot = readied(self._host.setting)
+            self._host.mission = mission
+            self._host.arguments()
+            self._about = (mission.name, mission.version)
+
+    # -- the graph ------------------------------------------------------------------------------------------------
+
+    def _look_for_others(self) -> None:
+        replies: list[Reply] = []
+        is_answered = threading.Event()
+
+        def answered(reply: Reply) -> None:
+            replies.append(reply)
+            is_answered.set()
+
+        service, kind = self.name.below("get_state"), "lifecycle_msgs/srv/GetState"
+        self._carrier.connector.call(service, kind, {}, answered=answered, timeout_s=LOOK_S)
+        is_answered.wait(LOOK_S + 1.0)
+        if replies and replies[0].outcome == "succeeded":
+            raise UsageError(f"another node is called {self.name.path} already; give this one a name with --node NAME")
+
+    def _serve(self) -> None:
+        connector, name = self._carrier.connector, self.name
+        self._closes += serve_lifecycle(connector, name, self._lifecycle)
+        self._closes += serve_orders(connector, name, self._desk, self._press.reply)
+        self._closes.append(connector.subscribe(name.below("status"), STRING, self._press.heard))
+        if self._carrier.robots and self._host.follows:
+            self._closes.append(connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", self._host.hear_time))
+        if self._carrier.typed:
+            self._closes += serve_typed_orders(connector, name, self._desk)
+            if "actions" in connector.modes and self._is_managed:
+                server = RunServer(self._desk, self._press.reply)
+                self._press.also = server.tell
+                self._closes.append(connector.offer(name.below("run"), f"{PACKAGE}/action/RunMission", server))

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the node publishes: status, control, steps, transitions, replies, diagnostics.
+
+Rule: what is said is numbered here, under one lock, so that revisions rise in the order in which they are published.
+The run's thread only hands over; messages are made on the outlet's.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+import uuid
+from collections.abc import Callable
+
+from rai_missions.connectors.connector import Message
+from rai_missions.engine.step import Step
+from rai_missions.errors import DefinitionError
+from rai_missions.mission.json_reader import parse_json
+from rai_missions.node.command import CommandReply
+from rai_missions.node.diagnostics import array_of
+from rai_missions.node.lifecycle_table import Transition
+from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
+from rai_missions.node.names import NodeName
+from rai_missions.node.publish_queue import PublishQueue
+from rai_missions.node.rosout import LOG, LogLines, lines_of
+from rai_missions.node.run_session import RunSession
+from rai_missions.node.services import STRING
+from rai_missions.node.status_message import StatusMessage, step_fields, step_text, text_of
+from rai_missions.node.transport import LOG_TOPIC, PACKAGE, Carrier
+from rai_missions.redaction.cut import cut
+
+__all__ = ("StatusPublisher",)
+
+log = logging.getLogger(__name__)
+
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+IDLE = StatusMessage(0, "", "", "", "", "", "", "idle", "autonomy")
+
+
+class StatusPublisher:
+    """Publishes for one node.
+
+    Args:
+        carrier: What carries it; started by the time that anything is said.
+        name: The node's.
+        lifecycle: The label of the node's state, and why its last transition failed.
+        course: The run that was begun last, if any.
+        about: The mission's name and version, as far as they are known.
+        robot: The robot's name; empty where there is none.
+    """
+
+    def __init__(
+        self, carrier: Carrier, name: NodeName, *, lifecycle: Callable[[], tuple[str, str]],
+        course: Callable[[], RunSession | None], about: Callable[[], tuple[str, str]],
+        robot: Callable[[], str] = str,
+    ) -> None:  # fmt: skip
+        self._carrier, self._name, self._lifecycle, self._course, self._about = carrier, name, lifecycle, course, about
+        self._robot = robot
+        self._lock = threading.Lock()
+        self._last = IDLE
+        self._holder = ""
+        self._instance = uuid.uuid4().hex[:12]
+        self._strangers: set[str] = set()
+        self.outlet = PublishQueue(self._diagnose)
+        self.lines = LogLines(self._logger, self.log)
+        self.also: Callable[[StatusMessage], None] = lambda _bulletin: None
+        """Told of each bulletin, on the outlet's thread."""
+
+    @property
+    def _logger(self) -> str:
+        """The node's name as ROS writes that of its logger."""
+        return self._name.path.strip("/").replace("/", ".")
+
+    def log(self, line: dict[str, object]) -> None:
+        """Publish a line of the log."""
+        self.outlet.put(lambda: self._carrier.connector.publish(LOG_TOPIC, LOG, line))
+
+    def changed(self) -> None:
+        """Something may have changed: say so, if it has."""
+        with self._lock:
+            now = self._now()
+            if now._replace(questions=()) == self._last._replace(at=0.0, questions=()) and _numbers(now) == _numbers(
+                self._last
+            ):
+                return
+            self._last = said = now._replace(revision=self._last.revision + 1, at=time.time())
+            self.outlet.put(lambda: self._say(said))
+
+    def _now(self) -> StatusMessage:
+        """How things are, under the revision of the last bulletin."""
+        course, (mission, version), (label, fault) = self._course(), self._about(), self._lifecycle()
+        last = self._last
+        bulletin = IDLE._replace(
+            revision=last.revision, node=self._name.path, instance=self._instance, mission=mission, version=version,
+            lifecycle=label, fault=fault,
+        )  # fmt: skip
+        if course is None:
+            return bulletin
+        status, result = course.status, course.result
+        return bulletin._replace(
+            run=course.runner.run_id, mode=course.mode, questions=course.questions(),
+            control=status.control if status is not None else last.control,
+            active=status.active if status is not None else (),
+            outcome=course.mode if course.is_over else "",
+            waits=status.waits if status is not None and not course.is_over else "",
+            held_by=status.held_by if status is not None and not course.is_over else "",
+            held_since=status.held_since or 0.0 if status is not None and not course.is_over else 0.0,
+            open_goals=result.open_goals if result is not None else status.open_goals if status is not None else (),
+            why=course.error or (result.why if result is not None else status.why if status is not None else ""),
+        )  # fmt: skip
+
+    def step(self, step: Step, run: str) -> None:
+        """A step was made; one that changed nothing is left out."""
+        if not (step.ignored and step.event.kind in ("write", "tick", "feedback")):
+            self.outlet.put(lambda: self._say_step(step, run))
+        for line in lines_of(step, self._logger) if step.effects else ():
+            self.log(line)
+
+    def moved(self, way: Transition) -> None:
+        """The node's lifecycle has moved."""
+        fields = event_fields(way)
+        self.outlet.put(lambda: self._publish("transition_event", EVENT_TYPE, fields))
+        self.changed()
+
+    def reply(self, receipt: CommandReply) -> None:
+        """Tell whoever has ordered something what became of it."""
+        said = text_of({"id": receipt.id, "success": receipt.success, "why": receipt.why})
+        self.outlet.put(lambda: self._publish("reply", STRING, {"data": said}))
+
+    def heard(self, message: Message) -> None:
+        """A status was published under the node's name; by another, if it is none of ours."""
+        try:
+            said = parse_json(str(message.data.get("data", "")).encode("utf-8", "replace"))
+        except DefinitionError:
+            said = {}
+        stranger = cut(said.get("instance", ""), 64) if isinstance(said, dict) else ""
+        if stranger != self._instance and stranger not in self._strangers and len(self._strangers) < 16:
+            self._strangers.add(stranger)
+            log.warning("another node is called %s too; give one of them another name with --node", self._name.path)
+
+    # -- on the outlet's thread -----------------------------------------------------------------------------------
+
+    def _say(self, bulletin: StatusMessage) -> None:
+        self._publish("status", STRING, {"data": text_of(bulletin.data())})
+        if self._carrier.typed:
+            self._publish("mission_status", f"{PACKAGE}/msg/MissionStatus", bulletin.fields())
+        if bulletin.control != self._holder:
+            self._holder = bulletin.control
+            self._publish("control", STRING, {"data": bulletin.control})
+        self.also(bulletin)
+        self._diagnose()
+
+    def _say_step(self, step: Step, run: str) -> None:
+        text = step_text(step, run)
+        self._publish("step", STRING, {"data": text})
+        if self._carrier.typed:
+            self._publish("mission_step", f"{PACKAGE}/msg/Step", step_fields(step, run, text))
+
+    def _diagnose(self) -> None:
+        with self._lock:
+            bulletin = self._last
+        course = self._course()
+        stale, sources = (course.stale(), course.sources()) if course is not None else ((), {})
+        fields = array_of(
+            bulletin, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources, robot=self._robot()
+        )
+        self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, fields)
+
+    def _publish(self, name: str, type_name: str, fields: dict[str, object]) -> None:
+        self._carrier.connector.publish(self._name.below(name), type_name, fields)
+
+
+def _numbers(bulletin: StatusMessage) -> tuple[int, ...]:
+    return tuple(each.question.number for each in bulletin.questions)

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs on a node: over its connector, told of by it, answered through it; begun by an order, or by somebody else."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
+from rai_missions.connectors.connector import Message
+from rai_missions.engine.step import Step
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
+from rai_missions.node.command import Command
+from rai_missions.node.launched import arguments_of
+from rai_missions.node.prerequisites import Clients
+from rai_missions.node.run_session import RunSession
+from rai_missions.node.transport import Carrier
+from rai_missions.profile import Robot
+from rai_missions.runtime.clock import Clock, HeardClock, WallClock
+from rai_missions.runtime.lifecycle import Status
+
+__all__ = ("Host",)
+
+log = logging.getLogger(__name__)
+
+
+class Host:
+    """Where the runs of a node live.
+
+    Args:
+        setting: What a run is made of.
+        journals: Names a fresh journal for each run; else there is only the setting's.
+        operator: Clients answer as the operator, where the setting names nobody.
+    """
+
+    def __init__(
+        self, setting: RunConfig, *, robot: Robot | None, journals: Callable[[], Path] | None, operator: bool
+    ) -> None:
+        self.setting, self.robot, self._journals, self._is_operator = setting, robot, journals, operator
+        self._heard = HeardClock() if robot is not None and robot.connector.get("sim_time") is True else None
+        self._clock: Clock = self._heard or WallClock()
+        self._threads: list[threading.Thread] = []
+        self.mission: Mission | None = None
+        """As it was read last; the setting's until then."""
+        self.course: RunSession | None = None
+        """The run that was begun last."""
+        self._parameters: Mapping[str, Any] = {}
+
+    def take_parameters(self, parameters: Mapping[str, Any]) -> None:
+        """Take what the node was started with; each is an argument of the mission.
+
+        Raises:
+            UsageError: One is none; where the mission cannot be read yet, `arguments` raises it later.
+        """
+        self._parameters = parameters
+        if parameters and self.setting.resume is not None:
+            names = ", ".join(sorted(parameters))
+            raise UsageError(f"parameters ({names}) cannot be given with --resume: the run goes on as it began")
+        with suppress(DefinitionError):
+            self.arguments()
+
+    def arguments(self) -> dict[str, Any]:
+        """The mission's arguments: those of the setting, and the node's parameters.
+
+        Raises:
+            UsageError: A parameter is no argument of the mission, or is given twice.
+            DefinitionError: The mission is at fault.
+        """
+        given = self.setting.arguments
+        if not self._parameters:
+            return dict(given)
+        mission = self.mission or self.setting.mission
+        read = mission if isinstance(mission, Mission) or mission is None else load(mission)
+        return {**given, **(arguments_of(self._parameters, read, given) if read is not None else {})}
+
+    def now(self) -> float:
+        """Seconds on the clock of the run that is under way."""
+        return self._clock.now()
+
+    @property
+    def follows(self) -> bool:
+        """Time is what a simulation says."""
+        return self._heard is not None
+
+    def hear_time(self, message: Message) -> None:
+        """The simulation has told the time."""
+        if self._heard is not None:
+            said = message.data["clock"]
+            self._heard.hear(said["sec"] + said["nanosec"] / 1e9)
+
+    def joined(self, setting: RunConfig, carrier: Carrier, *, on_step: Callable[[Step], None]) -> RunConfig:
+        """A setting whose run the node carries, tells of and answers for."""
+        if carrier.robots:
+            self._clock = self._heard or WallClock()
+            setting = replace(setting, connector=carrier.connector, clock=self._clock)
+        setting = replace(setting, arguments={**self.arguments(), **setting.arguments})
+        if setting.operator is None and self._is_operator:
+            setting = replace(setting, operator=Clients())
+        tell_step, tell_status = setting.on_step, setting.on_status
+
+        def step(made: Step) -> None:
+            on_step(made)
+            if tell_step is not None:
+                tell_step(made)
+
+        def status(now: Status) -> None:
+            if self.course is not None:
+                self.course.follow(now)  # what it changes is said with its step, which follows at once
+            if tell_status is not None:
+                tell_status(now)
+
+        return replace(setting, on_step=step, on_status=status)
+
+    def begin(
+        self, order: Command, join: Callable[[RunConfig], RunConfig], ended: Callable[[RunSession], None]
+    ) -> RunSession:
+        """Begin a run on a thread of its own.
+
+        Args:
+            order: Who wants it, with which arguments.
+            join: Makes the setting one of the node's.
+            ended: Told when it is over.
+
+        Raises:
+            MissionError: It cannot be begun.
+        """
+        mission, arguments = self.mission or self.setting.mission, {**self.arguments(), **order.arguments}
+        journal = self._journals() if self._journals is not None else self.setting.journal
+        prepared = prepare(join(replace(self.setting, mission=mission, arguments=arguments, journal=journal)))
+        try:
+            if prepared.journal is not None:
+                prepared.journal.note(f"started by {order.by}")
+        except BaseException:
+            prepared.close()
+            raise
+        course = self.course = RunSession(prepared.runner, prepared.robot)
+        thread = threading.Thread(target=_conduct, args=(prepared, course, ended), name="mission", daemon=True)
+        self._threads = [each for each in self._threads if each.is_alive()] + [thread]
+        thread.start()
+        return course
+
+    def join(self, within_s: float) -> None:
+        """Wait for the runs to end."""
+        for thread in self._threads:
+            if thread is not threading.current_thread():
+                thread.join(within_s)
+
+
+def _conduct(prepared: PreparedRun, course: RunSession, ended: Callable[[RunSession], None]) -> None:
+    try:
+        course.run()
+    except Exception:
+        log.exception("the run breaks off")
+    finally:
+        prepared.close()
+        ended(course)

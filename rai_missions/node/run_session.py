@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run, the orders that it was given, and what became of each.
+
+Rule: an order is an event in the run's mailbox like any other, and its receipt is what the Step says that took it.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.engine.decision import Question
+from rai_missions.engine.step import Ask, Step
+from rai_missions.error_text import suggestion
+from rai_missions.event import Event
+from rai_missions.keys import stale_at
+from rai_missions.node.command import GOOD_FOR_S, Command, CommandReply, ReplyCallback, lasts, overdue
+from rai_missions.node.status_message import Open
+from rai_missions.profile import Robot
+from rai_missions.redaction.cut import cut
+from rai_missions.redaction.redact import Redaction
+from rai_missions.runtime.lifecycle import CONTROLLERS, Status, is_operator
+from rai_missions.runtime.readings import SourceState
+from rai_missions.runtime.runner import Result, Runner
+
+__all__ = ("RunSession",)
+
+MOST_WAITING = 256
+log = logging.getLogger(__name__)
+
+COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": "kill"}
+"""Order → the engine's command."""
+OVER = "the mission has ended"
+
+
+class Waiting(NamedTuple):
+    """An order that the run has yet to take."""
+
+    order: Command
+    told: ReplyCallback
+    until: float
+    """By `time.monotonic`: when it is too late for it."""
+
+    def drops(self) -> bool:
+        """Whether it is too late now; then that is told."""
+        late_s = time.monotonic() - self.until
+        if late_s > 0:
+            self.told(overdue(self.order, late_s + GOOD_FOR_S))
+        return late_s > 0
+
+
+class RunSession:
+    """A run from its beginning to its end, as those outside see it.
+
+    Args:
+        runner: The run; not begun yet.
+        robot: The profile, which says which events may be posted.
+    """
+
+    def __init__(self, runner: Runner, robot: Robot | None) -> None:
+        self.runner, self._robot = runner, robot
+        self.status: Status | None = None
+        """The run's latest."""
+        self.result: Result | None = None
+        self.error = ""
+        """Why it broke off, if it did."""
+        self._lock = threading.Lock()
+        self._waiting: dict[str, Waiting] = {}
+        self._others = runner.mailbox.overdue
+        runner.mailbox.overdue = lambda event: self._is_overdue(event) or bool(self._others and self._others(event))
+        self._asked = {each.number: each for each in runner.chart.questions}
+        self._thread: threading.Thread | None = None
+        self._is_news = False
+        self.is_over = False
+
+    @property
+    def mode(self) -> str:
+        """The run's mode; one that broke off has failed."""
+        if self.is_over:
+            return self.result.outcome if self.result is not None else "failed"
+        chart = self.runner.chart  # of a run that goes on, which says its status only once it does
+        return self.status.mode if self.status is not None else chart.outcome or chart.mode
+
+    @property
+    def is_here(self) -> bool:
+        """The caller is the run's own thread."""
+        return threading.current_thread() is self._thread
+
+    def questions(self) -> tuple[Open, ...]:
+        """What is asked now, the oldest first, with the time left; it stands still in a pause, and while it is held."""
+        with self._lock:
+            asked = () if self.is_over else tuple(self._asked.values())
+        return tuple(Open(question, max(0.0, question.until - self._now_for(question))) for question in asked)
+
+    def _now_for(self, question: Question) -> float:
+        """Now, or when the time of its state was stopped: by a pause, or by the operator who took control."""
+        since = self.runner.chart.still_since(question.owner.partition("#")[0])
+        return self.runner.clock.now() if since is None else since
+
+    def stale(self) -> tuple[str, ...]:
+        """The robot's keys that are older than they may be."""
+        if self.is_over or self.mode not in ("running", "paused", "canceling"):
+            return ()
+        now, board = self.runner.clock.now(), self.runner.chart.view.board
+        keys = [(name, key) for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
+        heard = [(name, key, board.get(name)) for name, key in keys]
+        return tuple(name for name, key, entry in heard if entry is not None and stale_at(key, entry) <= now)
+
+    def sources(self) -> Mapping[str, SourceState]:
+        """The robot's keys → what is known of the readings of their sources."""
+        keys = [name for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
+        return {} if self.is_over else {name: self.runner.performer.source(name) for name in keys}
+
+    # -- after it -------------------------------------------------------------------------------------------------
+
+    @property
+    def is_locked(self) -> bool:
+        """It is over and left control with nobody: the next may begin once an operator has taken it.
+
+        Where the robot says who holds control, it says so to the next run as well, and nothing is kept here.
+        """
+        is_told = self._robot is not None and self._robot.holder is not None
+        return self.is_over and not is_told and self.status is not None and self.status.control == "nobody"
+
+    def unlock(self, order: Command) -> CommandReply:
+        """An operator takes the control that the run has left with nobody."""
+        if order.to != "operator" or not is_operator(_controller(order.by)):
+            return CommandReply(False, "control is with nobody since the stop; an operator takes it first", order.id)
+        if self.status is not None:
+            self.status = self.status._replace(control="operator")
+        return CommandReply(True, "", order.id)
+
+    # -- orders ---------------------------------------------------------------------------------------------------
+
+    def submit(self, order: Command, told: ReplyCallback) -> None:
+        """Give the run an order; `told` hears once what became of it, from any thread."""
+        why, told = self._refuses(order), _harmless(told)
+        if why:
+            told(CommandReply(False, why, order.id))
+        else:
+            self._post(order, told)
+
+    def _post(self, order: Command, told: ReplyCallback) -> None:
+        request = uuid.uuid4().hex[:12]
+        with self._lock:
+            is_over, is_full = self.is_over, len(self._waiting) >= MOST_WAITING and order.command != "e_stop"
+            if not is_over and not is_full:
+                until = math.inf if lasts(order) else time.monotonic() + GOOD_FOR_S
+                self._waiting[request] = Waiting(order, told, until)
+        if is_over or is_full:
+            told(CommandReply(False, OVER if is_over else "too many orders wait already; ask again", order.id))
+        elif order.command == "e_stop":
+            self.runner.mailbox.post_urgent(self._event(order, request))
+        elif order.command == "control":
+            self.runner.soon(lambda: self._hand_over(request))
+        else:
+            self.runner.post(self._event(order, request))
+
+    def _hand_over(self, request: str) -> None:
+        """Ask for control as somebody has ordered, on the run's thread."""
+        waiting = self._waiting.pop(request, None)
+        if waiting is not None and not waiting.drops():
+            why = self.runner.control(waiting.order.to, _controller(waiting.order.by))
+            waiting.told(CommandReply(not why, why, waiting.order.id))
+
+    def _is_overdue(self, event: Event) -> bool:
+        """An order that the run takes too late is dropped, and that is told."""
+        request = _request(event) if self._waiting else ""
+        waiting = self._waiting.get(request)
+        if waiting is None or not waiting.drops():
+            return False
+        self._waiting.pop(request, None)
+        return True
+
+    def _event(self, order: Command, request: str) -> Event:
+        at, said = self.runner.clock.now(), {"by": order.by, "request": request}
+        if order.command == "answer":
+            answer = {"option": order.option, "parameters": dict(order.parameters)}
+            return Event("operator", at, answer | said, "proposal", order.question)
+        if order.command == "post":
+            return Event(order.event, at, dict(order.data) | said)
+        return Event(COMMANDS[order.command], at, said, "command")
+
+    def _refuses(self, order: Command) -> str:
+        """Why an order is not put to the engine at all."""
+        if order.command == "control" and order.to not in CONTROLLERS:
+            return f"nobody called '{cut(order.to, 60)}' can hold control{suggestion(order.to, CONTROLLERS)}"
+        if order.command == "control":
+            return self.runner.lifecycle.control.refuses(order.to, _controller(order.by))
+        if order.command == "post":
+            events = self._robot.events if self._robot is not None else {}
+            posted = [name for name, event in events.items() if event.posted]
+            if order.event not in posted:
+                near = suggestion(order.event, posted)
+                return f"the robot profile lists no posted event '{cut(order.event, 60)}'{near}"
+        if order.command == "answer":
+            return self._refuses_answer(order.question)
+        return ""
+
+    def _refuses_answer(self, number: int) -> str:
+        with self._lock:
+            question, still = self._asked.get(number), ", ".join(map(str, self._asked))
+        if question is None:
+            return f"question {number} is not open; open: {still or 'none'}"
+        state = self.runner.mission.state(question.state)
+        if question.asked != "operator" and not any("operator" in ask for ask in _asks(state.written())):
+            return f"question {number} is not for the operator; it is asked of {question.asked}"
+        return ""
+
+    # -- the run --------------------------------------------------------------------------------------------------
+
+    def run(self, by: Callable[[], Result] | None = None) -> Result:
+        """Run to the end on this thread, by whoever else has the run in hand; what is raised is raised on."""
+        self._thread = threading.current_thread()
+        try:
+            self.result = by() if by is not None else self.runner.run()
+        except BaseException as error:
+            self.error = Redaction().text(f"{error}") or type(error).__name__
+            raise
+        else:
+            return self.result
+        finally:
+            self._end()
+
+    def follow(self, status: Status) -> None:
+        """The run's status has changed."""
+        self.status, self._is_news = status, True
+
+    def step(self, step: Step) -> bool:
+        """Follow a step, on the run's thread; whether the status or what is asked has changed with it."""
+        is_news, self._is_news = self._is_news, False
+        return self._follow_questions(step) or is_news
+
+    def receive(self, step: Step) -> None:
+        """Tell whoever has ordered what this step did."""
+        waiting = self._waiting.pop(_request(step.event), None) if self._waiting else None
+        if waiting is not None:
+            waiting.told(_receipt(waiting.order, step))
+
+    def _follow_questions(self, step: Step) -> bool:
+        if not self._asked and not any(isinstance(effect, Ask) for effect in step.effects):
+            return False
+        before = tuple(self._asked)
+        with self._lock:
+            self._asked = {each.number: each for each in self.runner.chart.questions}
+        return before != tuple(self._asked)
+
+    def _end(self) -> None:
+        with self._lock:
+            self.is_over = True
+            left, self._waiting = tuple(self._waiting.values()), {}
+        for each in left:
+            each.told(CommandReply(False, OVER, each.order.id))
+
+
+def _harmless(told: ReplyCallback) -> ReplyCallback:
+    """Whoever cannot be told any more, by a connection that is gone, does no harm to the run."""
+
+    def tell(receipt: CommandReply) -> None:
+        try:
+            told(receipt)
+        except Exception:
+            log.exception("what became of order '%s' could not be told", receipt.id)
+
+    return tell
+
+
+def _request(event: Event) -> str:
+    """Which order an event comes of; a robot, too, may call something so, and mean anything by it."""
+    request = event.data.get("request")
+    return request if isinstance(request, str) else ""
+
+
+def _controller(by: str) -> str:
+    """As whom somebody asks for control: one of those who can hold it, else as the operator."""
+    return by if by in CONTROLLERS or is_operator(by) else f"operator ({by})"
+
+
+def _receipt(order: Command, step: Step) -> CommandReply:
+    if order.command == "answer":
+        note = next((each for each in step.notes if each.startswith(f"question {order.question}:")), "")
+        is_good = note.endswith(": accepted")
+        return CommandReply(is_good, "" if is_good else note or step.why or "its time was over", order.id)
+    if step.ignored and step.why:
+        return CommandReply(False, step.why, order.id)
+    remark = "nothing in the mission reacts to it now" if order.command == "post" and step.ignored else ""
+    return CommandReply(True, remark, order.id)
+
+
+def _asks(written: Any) -> Iterator[Any]:
+    """Whom the decisions in a state ask, wherever in it they stand."""
+    if isinstance(written, Mapping):
+        if "question" in written:
+            yield written.get("ask", ("agent", "operator", "rules"))
+        for each in written.values():
+            yield from _asks(each)
+    elif isinstance(written, list | tuple):
+        for each in written:
+            yield from _asks(each)

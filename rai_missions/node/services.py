@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How any client steers the mission: `std_srvs` and JSON, and, where the package is built, types of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rai_missions.connectors.connector import Close, Connector, Data, Message
+from rai_missions.node.command import Command, CommandReply, mapping_in, read_order, who
+from rai_missions.node.command_server import CommandServer
+from rai_missions.node.names import NodeName
+from rai_missions.node.transport import PACKAGE
+
+__all__ = ("STRING", "serve_orders", "serve_typed_orders")
+
+STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
+PLAIN = ("start", "pause", "resume", "cancel", "e_stop")
+"""Orders that need no more words: each is a service of its own."""
+
+
+def serve_orders(
+    connector: Connector, name: NodeName, desk: CommandServer, reply: Callable[[CommandReply], None]
+) -> list[Close]:
+    """Serve `~/start`, `~/pause`, `~/resume`, `~/cancel` and `~/e_stop`, and listen to `~/command`.
+
+    Args:
+        connector: Started.
+        name: The node's.
+        desk: Takes the orders.
+        reply: Publishes what became of a command.
+    """
+
+    def heard(message: Message) -> None:
+        order = read_order(message.data.get("data"))
+        if isinstance(order, CommandReply):
+            reply(order)
+        else:
+            desk.submit(order, reply)
+
+    triggers = [connector.serve(name.below(word), TRIGGER, _trigger(desk, word)) for word in PLAIN]
+    return [*triggers, connector.subscribe(name.below("command"), STRING, heard)]
+
+
+def _trigger(desk: CommandServer, word: str) -> Callable[[Data], Data]:
+    return lambda _request: _answered(desk.ask(Command(word, by=f"operator (~/{word})")))
+
+
+def serve_typed_orders(connector: Connector, name: NodeName, desk: CommandServer) -> list[Close]:
+    """Serve `~/set_control`, `~/answer` and `~/post`, in the types of `rai_missions_msgs`."""
+
+    def control(request: Data) -> Data:
+        return _answered(desk.ask(Command("control", who(request.get("by")), to=str(request.get("to", "")))))
+
+    def answer(request: Data) -> Data:
+        given = mapping_in(request.get("parameters", ""), "parameters")
+        if isinstance(given, str):
+            return _answered(CommandReply(False, given))
+        number, option = int(request.get("number", 0)), str(request.get("option", ""))
+        order = Command("answer", who(request.get("by")), question=number, option=option, parameters=given)
+        return _answered(desk.ask(order))
+
+    def post(request: Data) -> Data:
+        given = mapping_in(request.get("data", ""), "data")
+        if isinstance(given, str):
+            return _answered(CommandReply(False, given))
+        return _answered(
+            desk.ask(Command("post", who(request.get("by")), event=str(request.get("event", "")), data=given))
+        )
+
+    served: list[tuple[str, str, Callable[[Data], Data]]] = [
+        ("set_control", "Control", control), ("answer", "Answer", answer), ("post", "Post", post),
+    ]  # fmt: skip
+    return [connector.serve(name.below(word), f"{PACKAGE}/srv/{kind}", act) for word, kind, act in served]
+
+
+def _answered(receipt: CommandReply) -> dict[str, Any]:
+    return {"success": receipt.success, "message": receipt.why}

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the node says of its mission: one value with a revision, as JSON and as the fields of `MissionStatus`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine.decision import Question
+from rai_missions.engine.step import Step
+from rai_missions.journal.codec import encode
+from rai_missions.redaction.cut import cut
+
+__all__ = ("Open", "StatusMessage", "step_fields", "step_text", "text_of")
+
+CUT = 2_000
+"""Characters of a text that a bulletin quotes."""
+
+
+class Open(NamedTuple):
+    """A question that waits for its answer."""
+
+    question: Question
+    left_s: float
+    """Seconds until its time is over, when the bulletin was written."""
+
+    def fields(self) -> dict[str, Any]:
+        """As `rai_missions_msgs/msg/Question`."""
+        question = self.question
+        options = [
+            {
+                "name": option.name,
+                "about": option.about,
+                "parameters": text_of(option.parameters) if option.parameters is not None else "",
+            }
+            for option in question.options
+        ]
+        return {
+            "number": question.number, "state": question.state, "asked": question.asked, "text": question.text,
+            "options": options, "left_s": self.left_s,
+        }  # fmt: skip
+
+    def data(self) -> dict[str, Any]:
+        """As JSON has it."""
+        options = [
+            {"name": option.name, "about": option.about, "parameters": option.parameters}
+            for option in self.question.options
+        ]
+        return self.fields() | {"options": options, "left_s": round(self.left_s, 3)}
+
+
+class StatusMessage(NamedTuple):
+    """What a node's mission is doing."""
+
+    revision: int
+    node: str
+    instance: str
+    """Which process says so; another one under the same name is a stranger."""
+    lifecycle: str
+    mission: str
+    version: str
+    run: str
+    mode: str
+    """`idle` before the first run; then one of `lifecycle.MODES`."""
+    control: str
+    active: tuple[str, ...] = ()
+    questions: tuple[Open, ...] = ()
+    outcome: str = ""
+    """Said once the run is over, every goal's end included: another may be begun."""
+    why: str = ""
+    waits: str = ""
+    """Which states wait for somebody to have control."""
+    open_goals: tuple[OpenGoal, ...] = ()
+    """The goals that may still be executing although nothing waits for them: the robot may still move."""
+    held_by: str = ""
+    """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
+    held_since: float = 0.0
+    """Since when, in seconds on the run's clock; 0 while it is not held."""
+    fault: str = ""
+    """Why the node's last transition failed."""
+    at: float = 0.0
+    """Wall time, in seconds since 1970."""
+
+    def data(self) -> dict[str, Any]:
+        """As JSON has it."""
+        questions = [each.data() for each in self.questions]
+        open_goals = [goal.data() for goal in self.open_goals]
+        written = self._asdict() | {"active": list(self.active), "questions": questions, "open_goals": open_goals}
+        return written | {"question": questions[0] if questions else None, "why": cut(self.why, CUT)}
+
+    def fields(self) -> dict[str, Any]:
+        """As `rai_missions_msgs/msg/MissionStatus`."""
+        words = ("revision", "node", "lifecycle", "mission", "version", "run", "mode", "control", "outcome",
+                 "held_by", "held_since")  # fmt: skip
+        return {word: getattr(self, word) for word in words} | {
+            "stamp": self.at,
+            "active": list(self.active),
+            "questions": [each.fields() for each in self.questions],
+            "why": cut(self.why, CUT),
+            "open_goals": [goal.data() for goal in self.open_goals],
+        }
+
+
+def step_text(step: Step, run: str) -> str:
+    """A step as one line of JSON, with the run that it belongs to."""
+    return text_of({"run": run, **encode(step)})
+
+
+def step_fields(step: Step, run: str, text: str) -> dict[str, Any]:
+    """A step as `rai_missions_msgs/msg/Step`."""
+    return {
+        "run": run, "seq": step.seq, "at": step.at, "event": step.event.name, "kind": step.event.kind,
+        "exited": list(step.exited), "entered": list(step.entered), "outcome": step.outcome or "", "why": step.why,
+        "notes": list(step.notes), "json": text,
+    }  # fmt: skip
+
+
+def text_of(data: Mapping[str, Any]) -> str:
+    """Data as JSON in one line."""
+    return json.dumps(data, ensure_ascii=False, separators=(",", ":"), default=str)

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The operator at a page: takes the orders that it sends, and holds questions open for it.
+
+Rule: a page may do what an operator may, and nothing else; what is refused before the run hears of it is noted as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from rai_missions.engine.decision import Answerer, Question
+from rai_missions.node.command import Command, CommandReply, read_order
+from rai_missions.node.run_session import RunSession
+from rai_missions.redaction.cut import cut
+
+__all__ = ("PageDesk", "PageOperator")
+
+ACTS = ("pause", "resume", "cancel", "e_stop", "control", "answer")
+PAGE = "operator (page)"
+
+
+class ReplyCallback(Protocol):
+    """Hears once, from any thread, what became of an order."""
+
+    def __call__(self, success: bool, why: str) -> None: ...
+
+
+class PageDesk:
+    """Carries a page's orders to a run.
+
+    Args:
+        course: The run.
+        answers: Whether the page may answer as the operator.
+        note: Writes into the run's journal.
+    """
+
+    def __init__(self, course: RunSession, *, answers: bool, note: Callable[[str], object]) -> None:
+        self._course, self._answers, self._note = course, answers, note
+
+    def submit(self, text: str, told: ReplyCallback) -> None:
+        """Take an order, as JSON that anybody may have written; never waits."""
+        order = read_order(text)
+        if isinstance(order, CommandReply):
+            told(False, order.why)
+            return
+        order = replace_by(order)
+        why = self._refuses(order)
+        if why:
+            self._tell(order, told, CommandReply(False, why), heard=False)
+        else:
+            self._course.submit(
+                order, lambda receipt: self._tell(order, told, receipt, heard=_is_heard(order, receipt))
+            )
+
+    def _refuses(self, order: Command) -> str:
+        if order.command not in ACTS:
+            return f"a page cannot '{order.command}'; it can {', '.join(ACTS)}"
+        if order.command != "answer":
+            return ""
+        if not self._answers:
+            return "nobody answers as the operator in this run; it was begun with --no-operator"
+        open_ = {each.question.number: each.question for each in self._course.questions()}
+        question = open_.get(order.question)
+        if question is None:
+            return f"question {order.question} is not open; open: {', '.join(map(str, open_)) or 'none'}"
+        if question.asked != "operator":
+            return f"question {order.question} is not for the operator; {question.asked} is asked"
+        return ""
+
+    def _tell(self, order: Command, told: ReplyCallback, receipt: CommandReply, *, heard: bool) -> None:
+        """What the engine has heard is in the journal with what it said; the rest is noted here."""
+        if not receipt.success and not heard:
+            what = f"{order.command} {order.to or order.option}".strip()
+            try:
+                self._note(f"refused: {cut(what, 100)} by {order.by}: {cut(receipt.why, 300)}")
+            except Exception:  # noqa: BLE001 - the engine itself finds out that the journal is lost
+                pass
+        told(receipt.success, receipt.why)
+
+
+def _is_heard(order: Command, receipt: CommandReply) -> bool:
+    """The engine has taken it as an event."""
+    return order.command != "control" and not receipt.dropped
+
+
+def replace_by(order: Command) -> Command:
+    """Whoever comes by the page is the operator, whatever else is said."""
+    is_fine = order.by == "operator" or order.by.startswith("operator ")
+    return order._replace(by=PAGE if order.by == "operator" else order.by if is_fine else f"operator {order.by} (page)")
+
+
+class PageOperator:
+    """Holds a question open for the page, and for the terminal too where there is one; whoever answers first counts.
+
+    Args:
+        terminal: The person there.
+        watched: Whether somebody looks at the page now.
+    """
+
+    def __init__(self, terminal: Answerer | None, watched: Callable[[], bool]) -> None:
+        self._terminal, self._watched = terminal, watched
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        """Ask on the terminal too; who passes there leaves it to the page, if somebody is at it."""
+        if self._terminal is None:
+            return
+
+        def said(data: Mapping[str, Any]) -> None:
+            if "option" in data or not self._watched():
+                answer(data)
+
+        self._terminal.ask(question, said)
+
+    def withdraw(self, number: int) -> None:
+        """It was answered here or there, or is no longer asked."""
+        if self._terminal is not None:
+            self._terminal.withdraw(number)

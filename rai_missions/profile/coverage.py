@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a robot has all that a mission uses, told before anything moves.
+
+Rule: a place is where the profile's author mends it; the sentence says where the mission wants it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rai_missions.check.index import MissionIndex
+from rai_missions.error_text import pointer, suggestion
+from rai_missions.errors import Fault
+from rai_missions.guards.guard import Guard, Site
+from rai_missions.keys import Key
+from rai_missions.mission.mission import Mission
+from rai_missions.profile.entries import references
+from rai_missions.profile.profile import Robot
+from rai_missions.states import Action
+from rai_missions.states.effects import Call, Publish, Raise
+from rai_missions.states.tree import ActionLeaf, PublishLeaf
+
+__all__ = ("actions_of", "missing")
+
+FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
+"""What a source gives → the types of the keys that can take it, where that is more than its own."""
+
+
+def missing(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
+    """What a profile lacks, or has wrongly, for a mission; nothing if the mission can run on the robot."""
+    survey = MissionIndex(mission)
+    return (
+        *_keys(mission, robot), *_events(survey, robot), *_actions(survey, robot), *_services(survey, robot),
+        *_topics(survey, robot), *_rules(survey, robot),
+    )  # fmt: skip
+
+
+def actions_of(mission: Mission) -> frozenset[str]:
+    """The names of the actions that a mission uses."""
+    works = (work for work, *_ in MissionIndex(mission).works)
+    return frozenset(work.action for work in works if isinstance(work, Action | ActionLeaf))
+
+
+def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str) -> Fault:
+    near = suggestion(name, known) if known else ""
+    sentence = f"missing; the mission uses it at {place}{near or '; say what stands behind it'}"
+    return Fault(pointer([sort, name]), sentence)
+
+
+def _keys(mission: Mission, robot: Robot) -> Iterator[Fault]:
+    for name, key in mission.blackboard.items():
+        source = robot.blackboard.get(name)
+        if key.source == "robot" and source is None:
+            yield _lacks("blackboard", name, robot.blackboard, pointer(["blackboard", name]))
+        elif key.source != "robot" and source is not None:
+            sentence = f"the mission's '{name}' is of source '{key.source}' and not the robot's to write; drop it here"
+            yield Fault(pointer(["blackboard", name]), sentence)
+        elif source is not None and source.gives is not None and not _takes(key, source.gives):
+            sentence = f"its messages give '{source.gives}', and the mission's '{name}' is of type '{key.type}'"
+            yield Fault(pointer(["blackboard", name]), f"{sentence}; name the 'field' that is meant")
+
+
+def _takes(key: Key, given: str) -> bool:
+    return key.type == given or key.type in FITTING.get(given, ())
+
+
+def _events(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    raised = {done.effect.event for done in survey.effects if isinstance(done.effect, Raise)}
+    for name, declared in survey.mission.events.items():
+        source = robot.events.get(name)
+        if source is None:
+            if name not in raised:
+                yield _lacks("events", name, robot.events, pointer(["events", name]))
+        elif source.fields:
+            for field in sorted(declared.fields.keys() - source.fields.keys()):
+                place = pointer(["events", name, "fields", field])
+                yield Fault(place, f"missing; the mission's '{name}' has it{suggestion(field, source.fields)}")
+
+
+def _actions(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    told: set[str] = set()
+    for work, place, *_ in survey.works:
+        if not isinstance(work, Action | ActionLeaf):
+            continue
+        entry = robot.actions.get(work.action)
+        if entry is None:
+            if work.action not in told:
+                told.add(work.action)
+                yield _lacks("actions", work.action, robot.actions, f"{place}/action")
+            continue
+        for field in {path.partition(".")[0] for path in references(entry.goal)} - work.goal.keys():
+            where = pointer(["actions", work.action, "goal"])
+            yield Fault(where, f"it takes '{field}' from the mission, which gives no such field at {place}/goal")
+        for word, guard in (("succeeded", entry.succeeded), ("failed", entry.failed)):
+            if guard is not None and work.action not in told:
+                yield from _unknown_keys(survey, guard, pointer(["actions", work.action, word]))
+        told.add(work.action)
+
+
+def _services(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    calls = [
+        (work.call, f"{place}/call") for work, place, *_ in survey.works if not isinstance(work, Action | ActionLeaf)
+    ]
+    calls += [(done.effect.call, f"{done.place}/call") for done in survey.effects if isinstance(done.effect, Call)]
+    for name, place in dict(reversed(calls)).items():
+        if name not in robot.services:
+            yield _lacks("services", name, robot.services, place)
+
+
+def _topics(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    said = [
+        (done.effect.publish, f"{done.place}/publish") for done in survey.effects if isinstance(done.effect, Publish)
+    ]
+    for _, planted in survey.planted:
+        if isinstance(planted.node, PublishLeaf):
+            said.append((planted.node.publish, f"{planted.place}/publish"))
+    for name, place in dict(reversed(said)).items():
+        if name not in robot.topics:
+            yield _lacks("topics", name, robot.topics, place)
+
+
+def _rules(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    options: dict[str, set[str]] = {}
+    for asked, _, spot in survey.asked:
+        options.setdefault(spot.name, set()).update(asked.options)
+    for state, rows in robot.rules.items():
+        if state not in options:
+            known = suggestion(state, options) if options else "; drop it"
+            yield Fault(pointer(["rules", state]), f"the mission asks nothing in a state '{state}'{known}")
+            continue
+        for index, row in enumerate(rows):
+            here = pointer(["rules", state, index])
+            if row.answer not in options[state]:
+                near = suggestion(row.answer, options[state])
+                yield Fault(f"{here}/answer", f"'{state}' has no option '{row.answer}'{near}")
+            if row.when is not None:
+                yield from _unknown_keys(survey, row.when, f"{here}/when")
+
+
+def _unknown_keys(survey: MissionIndex, guard: Guard, place: str) -> Iterator[Fault]:
+    """The keys and states of a guard in the profile that the mission does not have."""
+    keys = survey.mission.blackboard
+    site = Site(place, keys)
+    guard.compile(site)
+    for key in sorted(site.reads - keys.keys() - {"*"}):
+        yield Fault(place, f"the mission has no key '{key}'{suggestion(key, keys)}")
+    for state in sorted(site.states - survey.by_name.keys()):
+        yield Fault(place, f"the mission has no state '{state}'{suggestion(state, survey.by_name)}")

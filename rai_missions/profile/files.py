@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Robot profiles in files and texts.
+
+Rule: whatever a file holds, it becomes a `Robot` or a `DefinitionError` with every fault and its place.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.mission.json_reader import parse_json, read_json
+from rai_missions.profile.profile import Robot
+from rai_missions.redaction.cut import shown
+from rai_missions.validation_errors import faults_of
+
+__all__ = ("dump_profile", "identity_folder", "load_profile", "parse_profile")
+
+
+def load_profile(path: str | os.PathLike[str]) -> Robot:
+    """The robot profile in a JSON file.
+
+    Raises:
+        DefinitionError: The profile is at fault, or names a folder that is not beside it; every fault with its pointer.
+        UsageError: There is no such file.
+    """
+    file = Path(path)
+    robot = _robot(read_json(file), str(file))
+    identity_folder(robot, file)
+    return robot
+
+
+def parse_profile(text: str, source: str = "") -> Robot:
+    """The robot profile in JSON text; the folder that it names is not looked for.
+
+    Raises:
+        DefinitionError: The profile is at fault.
+    """
+    return _robot(parse_json(text.encode("utf-8", "surrogatepass"), source), source)
+
+
+def dump_profile(robot: Robot) -> str:
+    """A profile as JSON text: `parse_profile` gives an equal one."""
+    return json.dumps(robot.written(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def identity_folder(robot: Robot, file: str | os.PathLike[str]) -> Path | None:
+    """Where the identity of a profile is that was read from a file; None for one without.
+
+    Raises:
+        DefinitionError: It is no folder, or outside the file's own.
+    """
+    if not robot.identity:
+        return None
+    beside = Path(file).resolve().parent
+    try:
+        folder = (beside / robot.identity).resolve()
+        if not folder.is_relative_to(beside):
+            sentence = f"{shown(robot.identity)} lies outside the profile's own folder; move it beside the profile"
+        elif not folder.is_dir():
+            sentence = f"there is no folder {shown(robot.identity)} beside the profile; add it or drop 'identity'"
+        else:
+            return folder
+    except (OSError, ValueError, RuntimeError) as error:
+        sentence = f"{shown(robot.identity)} is no folder's name: {error}"
+    raise DefinitionError([Fault("/identity", sentence)], str(file))
+
+
+def _robot(data: Any, source: str) -> Robot:
+    if not isinstance(data, Mapping):
+        raise DefinitionError([Fault("", f"a robot profile is a JSON object, not {shown(data)}")], source)
+    try:
+        return Robot.model_validate(data)
+    except ValidationError as error:
+        raise DefinitionError(faults_of(error, Robot, data), source) from None

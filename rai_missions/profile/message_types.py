@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which types of messages a mission meets on a robot, so that one that is not here is told before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Literal, NamedTuple
+
+from rai_missions.check.index import MissionIndex
+from rai_missions.error_text import pointer
+from rai_missions.errors import Fault
+from rai_missions.mission.mission import Mission
+from rai_missions.profile.profile import Robot
+from rai_missions.profile.sources import EventSource, Source
+from rai_missions.states import Action
+from rai_missions.states.effects import Call, Publish
+from rai_missions.states.tree import ActionLeaf, PublishLeaf
+
+__all__ = ("Kind", "Typed", "heard", "lacking", "typed")
+
+Kind = Literal["msg", "srv", "action"]
+
+
+class Typed(NamedTuple):
+    """A type that a profile names, and where."""
+
+    place: str
+    kind: Kind
+    type: str
+
+
+def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
+    """The types of what the mission uses, of everything without one; a type not written is left out."""
+    used = _used(mission) if mission is not None else _all(robot)
+    for sort, name, source in heard(mission, robot):
+        yield from _one(source.type, "srv" if source.service is not None else "msg", sort, name, "type")
+    for name, action in robot.actions.items():
+        if name in used["actions"]:
+            yield from _one(action.type, "action", "actions", name, "type")
+            for word, service in (("start", action.start), ("cancel", action.cancel)):
+                if service is not None:
+                    yield from _one(service.type, "srv", "actions", name, word)
+    for name, service in robot.services.items():
+        if name in used["services"]:
+            yield from _one(service.type, "srv", "services", name, "type")
+    for name, topic in robot.topics.items():
+        if name in used["topics"]:
+            yield from _one(topic.type, "msg", "topics", name, "type")
+    for name, service in robot.control.items():
+        yield from _one(service.type, "srv", "control", name)
+
+
+def heard(mission: Mission | None, robot: Robot) -> Iterator[tuple[str, str, Source | EventSource]]:
+    """What the mission hears, everything without one: `blackboard` or `events`, the name there, and the source."""
+    for name, source in robot.blackboard.items():
+        if mission is None or name in mission.blackboard:
+            yield "blackboard", name, source
+    for name, event in robot.events.items():
+        if mission is None or name in mission.events:
+            yield "events", name, event
+
+
+def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> tuple[Fault, ...]:
+    """What cannot be understood here.
+
+    Args:
+        mission: What is to run.
+        robot: On which robot.
+        why: Says of a type and its kind why it is not here; empty if it is.
+    """
+    told = {each: why(each.type, each.kind) for each in typed(mission, robot)}
+    return tuple(Fault(each.place, sentence) for each, sentence in told.items() if sentence)
+
+
+def _one(type_name: str, kind: Kind, *place: str) -> Iterator[Typed]:
+    if type_name:
+        yield Typed(pointer(list(place)), kind, type_name)
+
+
+def _all(robot: Robot) -> dict[str, set[str]]:
+    sorts = ("blackboard", "events", "actions", "services", "topics")
+    return {sort: set(getattr(robot, sort)) for sort in sorts}
+
+
+def _used(mission: Mission) -> dict[str, set[str]]:
+    survey = MissionIndex(mission)
+    used: dict[str, set[str]] = {"actions": set(), "services": set(), "topics": set()}
+    used |= {"blackboard": set(mission.blackboard), "events": set(mission.events)}
+    for work, *_ in survey.works:
+        if isinstance(work, Action | ActionLeaf):
+            used["actions"].add(work.action)
+        else:
+            used["services"].add(work.call)
+    for done in survey.effects:
+        if isinstance(done.effect, Call):
+            used["services"].add(done.effect.call)
+        elif isinstance(done.effect, Publish):
+            used["topics"].add(done.effect.publish)
+    used["topics"].update(spot.node.publish for _, spot in survey.planted if isinstance(spot.node, PublishLeaf))
+    return used

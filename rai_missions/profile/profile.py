@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot profile: what stands behind the names that a mission uses.
+
+Rule: a profile says where things are heard and done, never what they mean for a mission.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.error_text import suggestion
+from rai_missions.guards.guard import Guard
+from rai_missions.model import Json, MissionModel, Name, OneOf, Text, fault
+from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
+from rai_missions.profile.sources import EventSource, Source
+from rai_missions.states.state import Controller
+
+__all__ = ("Robot", "Rule", "ToolPolicy", "terms")
+
+
+CONTROLLERS: tuple[str, ...] = (*get_args(Controller), "nobody")
+
+
+class Rule(MissionModel):
+    """One row of a policy: the option to answer with, and when."""
+
+    when: OneOf[Guard] | None = None
+    """Over the mission's blackboard; left out, always."""
+    answer: Name
+
+
+Rules = Annotated[tuple[Rule, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+
+
+Patterns = Annotated[
+    tuple[Text, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
+]
+
+
+class ToolPolicy(MissionModel):
+    """What a model's tools may touch: patterns over names, `*` for any characters; never goes before the others."""
+
+    read: Patterns = ("*",)
+    """What may be looked at."""
+    write: Patterns = ()
+    """What may be published on, called and started, by tools that act; and looked at."""
+    never: Patterns = ()
+    """What is not touched, nor anything below it."""
+
+    @model_validator(mode="after")
+    def _has_no_empty_pattern(self) -> Self:
+        for word in ("read", "write", "never"):
+            if "" in getattr(self, word):
+                raise fault(word, f"an empty pattern in '{word}' is no name; drop it")
+        return self
+
+
+class Robot(MissionModel):
+    """One robot, real or simulated, in the words of the missions that it can run."""
+
+    positional: ClassVar = ("name",)
+
+    format: Literal[1] = 1
+    name: Text
+    about: Text = ""
+    connector: dict[Text, Json] = Field(default_factory=lambda: {"kind": "local"})
+    """How it is reached: `kind`, and what that kind of connector takes."""
+    blackboard: dict[Name, Source] = Field(default_factory=dict)
+    """Key → where its values are heard."""
+    events: dict[Name, EventSource] = Field(default_factory=dict)
+    actions: dict[Name, ActionEntry] = Field(default_factory=dict)
+    services: dict[Name, ServiceEntry] = Field(default_factory=dict)
+    topics: dict[Name, TopicEntry] = Field(default_factory=dict)
+    """What the mission can publish on."""
+    rules: dict[Name, Rules] = Field(default_factory=dict)
+    """State → who answers as `rules` there, row by row."""
+    control: dict[Text, OneService] = Field(default_factory=dict)
+    """Who shall hold control → the service that hands it over; one that is not here has it at once.
+
+    `{by}` in the service's name becomes `operator` where an operator asks, else `agent`: the mission asks as the agent.
+    """
+    holder: Source | None = None
+    """Where it is heard who holds control, by name; what is heard there counts, whatever a handover's service says."""
+    alive: AliveEntry | None = None
+    """Where the run says again and again that it goes on, so that control can be taken from one that hangs."""
+    identity: Text = ""
+    """The folder with the robot's identity, beside this file."""
+    tools: ToolPolicy | None = None
+    """What the tools of a model may touch; left out, it has none."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_schema(cls, data: Any) -> Any:
+        return {word: item for word, item in data.items() if word != "$schema"} if isinstance(data, dict) else data
+
+    @field_validator("control")
+    @classmethod
+    def _knows_its_controllers(cls, control: dict[str, ServiceEntry]) -> dict[str, ServiceEntry]:
+        for holder in control.keys() - set(CONTROLLERS):
+            raise fault("control", f"nobody called '{holder}' can hold control{suggestion(holder, CONTROLLERS)}")
+        return control
+
+    @model_validator(mode="after")
+    def _has_a_connector(self) -> Self:
+        if not isinstance(self.connector.get("kind"), str):
+            raise fault("connector", 'a connector has a \'kind\': "local", "ros2", …')
+        return self
+
+    @model_validator(mode="after")
+    def _knows_its_actions(self) -> Self:
+        for name, event in self.events.items():
+            if event.during is not None and event.during not in self.actions:
+                near = suggestion(event.during, self.actions)
+                raise fault("events", f"'{name}' is heard during '{event.during}', which is no action here{near}")
+        return self
+
+    def written(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return {"format": self.format, **super().written()}
+
+
+def terms(robot: Robot) -> RobotFacts:
+    """What the pure engine needs to know of a robot."""
+    actions = robot.actions
+    return RobotFacts(
+        uses={name: frozenset(action.uses) or None for name, action in actions.items()},
+        keep=frozenset(name for name, action in actions.items() if action.keep),
+        succeeded={name: action.succeeded for name, action in actions.items() if action.succeeded is not None},
+        failed={name: action.failed for name, action in actions.items() if action.failed is not None},
+        repeat=frozenset(
+            [name for name, action in actions.items() if action.repeat]
+            + [name for name, service in robot.services.items() if service.repeat]
+        ),
+    )

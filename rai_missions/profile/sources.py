@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where a key's values or an event come from: a topic, or a service that is asked again and again.
+
+Rule: a source says how a message is understood; who listens, and when, is the performer's affair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any, Literal, Self, cast
+
+from pydantic import Field, model_validator
+
+from rai_missions.errors import ConnectorError
+from rai_missions.event import Image
+from rai_missions.guards.guard import Guard, Site, Truth, View
+from rai_missions.keys import Key, Stamped
+from rai_missions.model import Bool, Json, MissionModel, Name, OneOf, Seconds, Text, fault
+from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
+from rai_missions.redaction.cut import cut_repr
+
+__all__ = ("EventSource", "Source", "check_heard", "truth_of")
+
+Read = Literal["plain", "pose", "image"]
+READ_AS: Mapping[str, Read] = {
+    "PoseStamped": "pose",
+    "PoseWithCovarianceStamped": "pose",
+    "Pose": "pose",
+    "Odometry": "pose",
+    "Image": "image",
+    "CompressedImage": "image",
+}
+"""The last word of a message's type → how it is read where nothing else is said."""
+NUMBERS = ("Byte", "Int8", "Int16", "Int32", "Int64", "UInt8", "UInt16", "UInt32", "UInt64")
+GIVES: Mapping[str, str] = {
+    "Bool": "boolean",
+    "String": "string",
+    "Float32": "number",
+    "Float64": "number",
+    **dict.fromkeys(NUMBERS, "integer"),
+}
+"""Messages of std_msgs that hold one value in `data`, and its type."""
+WORDS_OF_GUARDS = {word: Key(type="object") for word in ("event", "answer")}
+"""In the guard of a message `event` and `answer` are fields like any other."""
+
+
+class Source(MissionModel):
+    """A topic, or a service polled `every_s`, and the part of its messages that counts."""
+
+    topic: Text | None = None
+    service: Text | None = None
+    type: Text = ""
+    """The message's or service's type, `std_msgs/msg/String`."""
+    every_s: Seconds | None = Field(default=None, gt=0)
+    """How often the service is asked."""
+    request: dict[Text, Json] = Field(default_factory=dict)
+    """What the service is asked with."""
+    field: Text = ""
+    """The field that counts, `pose.pose` or `ranges.0`; empty for the whole message, and for `data` of the simple
+    messages of std_msgs."""
+    json_: Bool = Field(default=False, alias="json")
+    """The field, or `data` where none is named, is JSON text; what it says is the value."""
+    read: Read | None = Field(default=None, alias="as")
+    """`pose` or `image`; left out, the type of the message says it."""
+
+    @model_validator(mode="after")
+    def _heard_somewhere(self) -> Self:
+        check_heard(self.topic, self.service, self.every_s)
+        if self.topic is not None and self.request:
+            raise fault("request", "a topic is not asked; 'request' belongs to a 'service'")
+        if self.json_ and self.read is not None:
+            raise fault("as", "'json' and 'as' are two ways to read one field; keep one")
+        return self
+
+    @property
+    def reads(self) -> Read:
+        """How its messages are read."""
+        if self.read is not None:
+            return self.read
+        return "plain" if self.json_ or self.field else READ_AS.get(self._kind, "plain")
+
+    @property
+    def gives(self) -> str | None:
+        """The blackboard's type of its values, where the message's type says it."""
+        if self.reads != "plain":
+            return self.reads
+        return GIVES.get(self._kind) if not self.json_ and self.path == "data" and self._is_simple else None
+
+    @property
+    def path(self) -> str:
+        """The field that is read."""
+        return self.field or ("data" if self.json_ or self._is_simple else "")
+
+    def value(self, message: Mapping[str, Any], at: float = 0.0) -> Any:
+        """What a message, or a service's reply, says.
+
+        Args:
+            message: As a connector brings it.
+            at: When it was heard, seconds; it names a picture that has no name of its own.
+
+        Returns:
+            A value of the blackboard; None where the message leaves it open, which is as if nothing was heard.
+
+        Raises:
+            ConnectorError: The message is not what the profile says it is.
+        """
+        part = at_path(message, self.path)
+        if self.json_:
+            return json_of(part)
+        if self.reads == "image":
+            return image_of(part, f"{self.topic or self.service}@{at:.3f}")
+        if self.reads == "pose":
+            pose = pose_of(part)
+            frame = at_path(message, "header.frame_id")
+            return pose if pose is None or pose["frame"] or not isinstance(frame, str) else {**pose, "frame": frame}
+        return plain(part)
+
+    @property
+    def _kind(self) -> str:
+        return self.type.rpartition("/")[2]
+
+    @property
+    def _is_simple(self) -> bool:
+        return self.type.startswith("std_msgs/") and self._kind in GIVES
+
+
+class EventSource(MissionModel):
+    """What is heard when an event happens: every message, or the first for which `when` becomes true."""
+
+    topic: Text | None = None
+    service: Text | None = None
+    type: Text = ""
+    every_s: Seconds | None = Field(default=None, gt=0)
+    request: dict[Text, Json] = Field(default_factory=dict)
+    json_: Bool = Field(default=False, alias="json")
+    """`data` is JSON text; `when` and `fields` name fields of what it says."""
+    when: OneOf[Guard] | None = None
+    """Over the fields of the message: `{"key": "message", "==": "WAITING"}`."""
+    fields: dict[Name, Text] = Field(default_factory=dict)
+    """The payload's fields → where they stand in the message; left out, the whole message."""
+    during: Name | None = None
+    """An action of the profile: heard only from its start until the mission asks for its end. What was so before it
+    began is no news."""
+    posted: Bool = False
+    """Nothing of the robot says it: another program or a person posts it to the runner."""
+
+    @model_validator(mode="after")
+    def _heard_somewhere(self) -> Self:
+        if not self.posted:
+            check_heard(self.topic, self.service, self.every_s)
+        elif self.topic is not None or self.service is not None:
+            raise fault("posted", "an event is 'posted' or heard on a topic or service, not both; drop one")
+        elif self.during is not None:
+            raise fault("during", "an event that is 'posted' is not listened for; drop 'during'")
+        return self
+
+    def fires(self, message: Mapping[str, Any]) -> Truth:
+        """What `when` says of a message; true without one.
+
+        Raises:
+            ConnectorError: The message is not what the profile says it is.
+        """
+        return True if self.when is None else truth_of(self.when, self._said(message))
+
+    def happens(self, before: Truth, now: Truth) -> bool:
+        """Whether it happens with a message for which `fires` says `now`, after one for which it said `before`."""
+        return now is True and (self.when is None or before is not True)
+
+    def payload(self, message: Mapping[str, Any]) -> dict[str, Any]:
+        """The event's data.
+
+        Raises:
+            ConnectorError: The message is not what the profile says it is.
+        """
+        said = self._said(message)
+        if self.fields:
+            return {name: plain(at_path(said, path)) for name, path in self.fields.items()}
+        return cast("dict[str, Any]", plain({name: item for name, item in said.items() if not isinstance(item, bytes)}))
+
+    def _said(self, message: Mapping[str, Any]) -> Mapping[str, Any]:
+        said = json_of(message.get("data")) if self.json_ else message
+        if not isinstance(said, Mapping):
+            raise ConnectorError(f"{cut_repr(said, 60)} stands where an object with fields belongs")
+        return said
+
+
+def truth_of(guard: Guard, message: Mapping[str, Any]) -> Truth:
+    """What a guard says whose keys are the fields of a message."""
+    board = {name: Stamped(item, 0.0) for name, item in message.items() if not isinstance(item, Image | bytes)}
+    view = SimpleNamespace(at=0.0, board=board, active=frozenset(), entered={}, held={}, event={}, answer={})
+    return guard.compile(Site("", WORDS_OF_GUARDS))(cast(View, view))
+
+
+def check_heard(topic: str | None, service: str | None, every_s: float | None) -> None:
+    """Whether a source is one thing.
+
+    Raises:
+        PydanticCustomError: It is not.
+    """
+    if (topic is None) == (service is None):
+        raise fault("source", f"a source is a 'topic' or a 'service', this is {'neither' if topic is None else 'both'}")
+    if service is not None and every_s is None:
+        raise fault("every_s", f"'{service}' is a service and is asked again and again: say how often with 'every_s'")
+    if topic is not None and every_s is not None:
+        raise fault("every_s", f"'{topic}' is a topic and speaks by itself: drop 'every_s'")

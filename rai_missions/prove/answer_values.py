@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an answer may bring along: the values that an option's schema allows, as far as guards tell them apart.
+
+Rule: a schema asks for more than values can be made for (patterns, formats); what nobody can make is not judged by it
+here. That gives more answers, never fewer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
+from typing import Any, TypeGuard
+
+from rai_missions.keys import Key
+from rai_missions.mission.option_parameters import misfits
+from rai_missions.prove.representatives import OTHER, Values
+
+__all__ = ("AnswerValues",)
+
+KINDS = {"array": "list"}
+"""JSON Schema's word → ours, where they differ."""
+DEEPEST = 16
+"""References inside each other, at the most."""
+Schema = Mapping[str, Any]
+
+
+class AnswerValues:
+    """The parameters that an answer can have.
+
+    Args:
+        keys: The blackboard; a parameter that is called as a key of the source `answer` is written there.
+        values: What guards tell apart.
+    """
+
+    def __init__(self, keys: Mapping[str, Key], values: Values) -> None:
+        self._keys, self._values = keys, values
+        self._made: dict[tuple[int, str], list[Any]] = {}
+        self._kept: list[Schema] = []
+
+    def names(self, schema: Schema) -> dict[str, bool]:
+        """Parameter → whether it may be left out; those that the schema does not name count if anybody looks."""
+        required = set(schema.get("required", ()))
+        named = dict.fromkeys([*(schema.get("properties") or {}), *schema.get("required", ())])
+        if schema.get("additionalProperties", True) is not False:
+            named |= dict.fromkeys(sorted(self._looked() - named.keys()))
+        return {name: name not in required for name in named}
+
+    def _looked(self) -> set[str]:
+        learned = self._values.learned
+        written = {name for name, key in self._keys.items() if key.source == "answer"}
+        return {*self._values.fields("answer"), *(written & (learned.compared | learned.gone_over))}
+
+    def is_looked_at(self, name: str) -> bool:
+        """Whether it makes a difference that it is left out."""
+        return name in self._keys or name in self._values.fields("answer")
+
+    def of(self, schema: Schema, name: str) -> list[Any]:
+        """The values of a parameter, one at the least."""
+        place = (id(schema), name)
+        if place not in self._made:
+            self._kept.append(schema)  # lest its id becomes another's
+            self._made[place] = list(self._all(schema, name))
+        return self._made[place]
+
+    def _all(self, schema: Schema, name: str) -> Iterator[Any]:
+        own = (schema.get("properties") or {}).get(name, schema.get("additionalProperties", {}))
+        made = list(_once(self._of(own if isinstance(own, Mapping) else {}, schema, name, 0)))
+        judged = {**schema, "type": "object", "properties": {name: own}, "required": [], "minProperties": 0}
+        fitting = [each for each in made if _is_opaque(each) or not misfits(judged, {name: each})]
+        yield from fitting or made
+
+    def _of(self, part: Schema, whole: Schema, name: str, depth: int) -> Iterator[Any]:
+        if isinstance(way := part.get("$ref"), str) and depth < DEEPEST:
+            yield from self._of(_at(whole, way), whole, name, depth + 1)
+            return
+        if "enum" in part or "const" in part:
+            yield from (each for each in part.get("enum", [part.get("const")]) if each is not None)
+            return
+        branches = [each for word in ("anyOf", "oneOf", "allOf") for each in part.get(word, ())]
+        for each in branches if depth < DEEPEST else ():
+            if isinstance(each, Mapping):
+                yield from self._of(each, whole, name, depth + 1)
+        kinds = part.get("type", [] if branches else "")
+        for kind in [kinds] if isinstance(kinds, str) else kinds:
+            yield from self._of_kind(part, KINDS.get(kind, kind), name)
+
+    def _of_kind(self, part: Schema, kind: str, name: str) -> Iterator[Any]:
+        values = self._values
+        is_key = name in self._keys and name in values.learned.compared | values.learned.gone_over
+        path = name if is_key else f"answer.{name}"
+        found = [each for each in values.field(path, kind) if each is not None]
+        if not any(map(_is_number, found)):
+            yield from found
+            return
+        marks = [*found, *filter(_is_number, values.learned.operands(path))]
+        yield from _numbers(part, marks, whole=kind == "integer")
+
+
+def _is_number(value: Any) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_opaque(value: Any) -> bool:
+    """It stands for many others, of which some may fit."""
+    return isinstance(value, Mapping | list) or (isinstance(value, str) and value.startswith(OTHER))
+
+
+def _numbers(part: Schema, found: Iterable[float], *, whole: bool) -> Iterator[float]:
+    """These and the bounds of the schema, and what lies between, where it leaves bounds out or asks for multiples."""
+    words = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
+    bounds = [each for word in words if _is_number(each := part.get(word))]
+    made = sorted({*found, *(each + step for each in bounds for step in ((-1, 0, 1) if whole else (0,)))})
+    if not whole and bounds:
+        made += [(low + high) / 2 for low, high in pairwise(made)]
+    many = part.get("multipleOf")
+    if _is_number(many) and many > 0:
+        made += [many * round_(each / many) for each in made for round_ in (math.floor, math.ceil)]
+    yield from sorted(set(made))
+
+
+def _at(schema: Schema, way: str) -> Schema:
+    """The part of a schema that a reference into it names; anything, where it leads nowhere."""
+    part: Any = schema
+    for word in way.lstrip("#").strip("/").split("/"):
+        part = part.get(word.replace("~1", "/").replace("~0", "~")) if isinstance(part, Mapping) else None
+    return part if isinstance(part, Mapping) else {}
+
+
+def _once(values: Iterable[Any]) -> Iterator[Any]:
+    """Each but once: true is not 1 here."""
+    seen: list[tuple[str, Any]] = []
+    for value in values:
+        kind = "boolean" if isinstance(value, bool) else type(value).__name__
+        if (kind, value) not in seen:
+            seen.append((kind, value))
+            yield value

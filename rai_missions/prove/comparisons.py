@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission compares with what: all that its guards can tell apart.
+
+Rule: where a few values cannot stand for all, `sampled` says so, and nothing is called proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.guards.compare import Compare
+from rai_missions.guards.fresh import Fresh
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.near import Near
+from rai_missions.keys import Key
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.parts import guards_in, parts, writes_in
+from rai_missions.states.compound import Each
+from rai_missions.states.effects import Raise, Set, references
+
+__all__ = ("Comparisons",)
+
+NUMBERS = ("number", "integer")
+ORDER = ("<", "<=", ">", ">=")
+WHOLES = ("object", "list", "pose", "image")
+
+
+class Comparisons:
+    """Paths (`key`, `key.field`, `event.field`, `answer.name`) and what each is compared with.
+
+    Args:
+        mission: Whose guards tell values apart.
+        terms: The guards of a robot's composed actions count too.
+    """
+
+    def __init__(self, mission: Mission, terms: RobotFacts) -> None:
+        self.keys: Mapping[str, Key] = mission.blackboard
+        self.declared: dict[str, list[str]] = {}
+        """Field of events → its types; each event may have another."""
+        for event in mission.events.values():
+            for name, kind in event.fields.items():
+                self.declared.setdefault(name, []).append(kind)
+        self.atoms: dict[str, list[tuple[str, Any]]] = {}
+        """Path → operator and constant of each comparison."""
+        self.kin: dict[str, set[str]] = {}
+        """Path → those that it is compared with or copied to, itself among them."""
+        self.near: dict[str, set[float]] = {}
+        """Path of a pose → the distances that guards ask for."""
+        self.fresh: set[str] = set()
+        """Paths that guards ask for, whatever stands there."""
+        self.items: dict[str, list[str]] = {}
+        """Path of a list → the keys that hold its current item, one for each state that goes over it."""
+        for each in parts(mission, Each):
+            self.items.setdefault(each.each, []).append(each.item)
+            if "." in each.each:
+                self.atoms.setdefault(each.each, [])
+        self.steps: dict[str, set[float]] = {}
+        """Key → what is added to it."""
+        self._copied: set[str] = set()
+        self._met: set[str] = set()
+        self._odd: set[str] = set()
+        for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
+            self._learn(guard)
+        for effect in writes_in(mission):
+            self._learn_write(effect)
+        self._learn_raises(mission)
+        for name, key in self.keys.items():
+            if key.initial is not None and key.source == "mission":
+                self._constant(name, key.initial)
+        self._learn_results(mission)
+        self._spread()
+
+    def _learn(self, guard: Guard) -> None:
+        if isinstance(guard, Near):
+            for path in guard.near:
+                self.near.setdefault(path, set()).add(guard.within_m)
+            self._join(*guard.near)
+            return
+        if isinstance(guard, Fresh):
+            self.fresh.add(guard.fresh)
+        if not isinstance(guard, Compare):
+            return
+        atoms = self.atoms.setdefault(guard.key, [])
+        if guard.other is not None:
+            self.atoms.setdefault(guard.other, [])
+            self._join(guard.key, guard.other)
+            self._met |= {guard.key, guard.other}
+            self._odd |= {guard.key} if guard.op == "in" else set()
+        elif guard.op == "in":
+            atoms += [("==", item) for item in guard.operand]
+        else:
+            atoms.append((guard.op, guard.operand))
+            text = isinstance(guard.operand, str) and guard.op in ORDER
+            self._odd |= {guard.key} if text or isinstance(guard.operand, dict | list) else set()
+
+    def _learn_write(self, effect: Set) -> None:
+        if effect.add is not None:
+            self.steps.setdefault(effect.set, set()).add(effect.add)
+        elif effect.source is not None:
+            self._join(effect.set, effect.source)
+            self._copied.add(effect.set)
+        else:
+            self._constant(effect.set, effect.value)
+
+    def _constant(self, path: str, value: Any) -> None:
+        """It can be this by the mission's own doing; what it is compared with can be so too."""
+        if path in self.kin:
+            self.atoms.setdefault(path, []).append(("==", value))
+
+    def _learn_raises(self, mission: Mission) -> None:
+        """What a raised event brings is compared for the key that it was taken from."""
+        for raised in parts(mission, Raise):
+            for field, value in raised.data.items():
+                for path in references(value) if f"event.{field}" in self.atoms else ():
+                    self._join(f"event.{field}", path)
+
+    def _learn_results(self, mission: Mission) -> None:
+        """A result's field may be read as `event.field` and kept under a key as well."""
+        for _, _, state in mission.walk():
+            for key, field in getattr(state, "result", {}).items():
+                if f"event.{field}" in self.atoms and key in self.atoms:
+                    self._join(key, f"event.{field}")
+        for name, key in self.keys.items():
+            if key.source == "answer" and f"answer.{name}" in self.atoms and name in self.atoms:
+                self._join(name, f"answer.{name}")
+
+    def _join(self, one: str, other: str) -> None:
+        kin = self.kin.get(one, {one}) | self.kin.get(other, {other})
+        for each in kin:
+            self.kin[each] = kin
+
+    def _spread(self) -> None:
+        """Objects that are copied are kin field by field."""
+        for one in list(self.kin):
+            inner = {p[len(one) :] for p in (*self.atoms, *self.near, *self.fresh) if p.startswith(f"{one}.")}
+            for other in self.kin[one] - {one}:
+                for path in inner:
+                    self.atoms.setdefault(one + path, [])
+                    self.atoms.setdefault(other + path, [])
+                    self._join(one + path, other + path)
+
+    # -- what came of it ------------------------------------------------------------------------------------------
+
+    @property
+    def compared(self) -> frozenset[str]:
+        """The keys that any guard looks into."""
+        return frozenset(path.split(".")[0] for path in (*self.atoms, *self.near, *self.kin, *self.fresh))
+
+    @property
+    def gone_over(self) -> frozenset[str]:
+        """The keys of lists that some state goes over."""
+        return frozenset(path.split(".")[0] for path in self.items)
+
+    @property
+    def sampled(self) -> tuple[str, ...]:
+        """The paths that a few values are tried of, though guards can tell more apart."""
+        return tuple(sorted({*self._odd, *self._reckoned(), *self._far()}))
+
+    def _reckoned(self) -> Iterator[str]:
+        """Numbers that are compared with a key that is counted or copied, and poses with several distances."""
+        for path in self._met:
+            kin = self.kin.get(path, {path})
+            if kin & (self.steps.keys() | self._copied) and self.kind_of(path) not in ("boolean", "string"):
+                yield path
+
+    def _far(self) -> Iterator[str]:
+        for path, radii in self.near.items():
+            kin = self.kin.get(path, {path})
+            if len(kin) > 2 or (len(radii) > 1 and kin & self._copied):
+                yield path
+
+    def is_sampled(self, path: str) -> bool:
+        """Whether it or its kin are."""
+        return not self.kin.get(path, {path}).isdisjoint(self.sampled)
+
+    def kind_of(self, path: str) -> str:
+        """The type of what stands there: as written, or by what it is compared with, or goes into."""
+        root, _, rest = path.partition(".")
+        for kin in (path, *sorted(self.kin.get(path, {path}))):
+            if kin in self.keys:
+                return self.keys[kin].type
+        if root in self.keys and (kind := (self.keys[root].fields or {}).get(rest)):
+            return kind
+        if path in self.items:
+            return "list"
+        if root == "event" and rest in self.declared:
+            return self.declared[rest][0]
+        operands = self.operands(path)
+        if operands and all(isinstance(each, bool) for each in operands):
+            return "boolean"
+        return "number" if any(isinstance(each, int | float) for each in operands) else "string"
+
+    def kinds_of(self, path: str) -> list[str]:
+        """Its types, where events of several bring it."""
+        root, _, rest = path.partition(".")
+        several = self.declared.get(rest, []) if root == "event" else []
+        return list(dict.fromkeys([self.kind_of(path), *several]))
+
+    def operands(self, path: str) -> list[Any]:
+        """The constants that it or its kin is compared with."""
+        return [operand for kin in sorted(self.kin.get(path, {path})) for _, operand in self.atoms.get(kin, ())]
+
+    def within(self, path: str) -> list[str]:
+        """The next names below a path that anybody looks at."""
+        start = f"{path}."
+        found = (*self.atoms, *self.near, *self.kin, *self.fresh)
+        return sorted({each[len(start) :].split(".")[0] for each in found if each.startswith(start)})

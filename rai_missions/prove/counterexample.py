@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shortest run to a flaw, told step by step and, where it can be had, done by the chart itself into a journal.
+
+Rule: a journal is written by a chart that keeps time; whether the flaw is in it too is found out, not claimed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.step import Ask, CallService, StartBehaviour, StartGoal, Step
+from rai_missions.event import Event, Tick
+from rai_missions.guards.guard import Truth
+from rai_missions.journal import Header, Journal
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.explorer import CANCEL, KILL, START, Edge, Space
+from rai_missions.prove.nondeterminism import OpenFields
+from rai_missions.prove.properties import Property
+
+__all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")
+
+SLICE = 0.4
+"""Facts are said again after this part of the time for which they can be believed."""
+MOST_INSTANTS = 20_000
+"""So many instants are waited through for a thing that takes time."""
+
+
+class TraceStep(NamedTuple):
+    """One thing that happens on the way to a flaw."""
+
+    words: str
+    event: Event | None
+    """What the mission is told; None where time passes or something goes stale."""
+    owner: str
+    """Whose goal, call, question or behaviour it is about; empty for others."""
+    stale: str
+    """The key that goes stale."""
+    facts: Mapping[str, Any]
+    """What is known when it happens: robot and argument keys, None for unknown."""
+    control: Event | None
+    """Who is found to have control when it happens, and by whom; None where nobody looks or it is known."""
+    predicates: Mapping[str, Truth]
+    """What the user's predicates say."""
+    active: frozenset[str]
+    """The states that are active afterwards."""
+    outcome: str | None
+    why: str
+
+
+def ways_to(space: Space, claim: Property) -> list[Edge]:
+    """The shortest way to where a claim is refuted."""
+    return [*space.path(claim.state), *([claim.way] if claim.way is not None else [])]
+
+
+def scenes(space: Space, claim: Property) -> list[TraceStep]:
+    """What happens on the shortest way to where a claim is refuted."""
+    chart, way = space.chart, ways_to(space, claim)
+    chart.load(*space.fresh)
+    told = []
+    for each in way:
+        told.append(_scene(chart, each))
+        chart.settle()
+        chart.load(chart.save(), chart.own())
+    return told
+
+
+def go(chart: Environment, way: Edge) -> tuple[str, str]:
+    """Let happen again what led one way.
+
+    Returns:
+        Whose goal, call, question or behaviour it is about, and the key that goes stale; empty for none.
+
+    Raises:
+        LookupError: That cannot happen here.
+    """
+    state, own = chart.save(), chart.own()
+    happening = list(chart.happenings())[way.at] if way.at >= 0 else None
+    if happening is not None and happening.words != way.words:
+        raise LookupError(way.words)
+    chart.load(state, own)
+    chart.choices.begin(way.trail)
+    chart.said, chart.found = None, None
+    commands = {START: chart.begin, CANCEL: chart.ordering("cancel"), KILL: chart.ordering("kill")}
+    if happening is None:
+        chart.make(commands[way.words])
+        return "", ""
+    owner = chart.owner_of(happening.number)
+    chart.make(happening.do)
+    return owner, happening.stale
+
+
+def _scene(chart: Environment, way: Edge) -> TraceStep:
+    owner, stale = go(chart, way)
+    said = {place[6:]: value for place, value in chart.looked if place.startswith("named:")}
+    possible = chart.is_possible  # it may look at more
+    assert possible
+    facts = {name: _plain(entry) for name, entry in chart.board.entries() if name in chart.open_keys}
+    said_event: Event | None = chart.said
+    event = said_event._replace(data=dict(said_event.data)) if said_event is not None else None
+    return TraceStep(way.words, event, owner, stale, facts, chart.found, said, chart.active, chart.outcome, chart.why)
+
+
+def _plain(entry: Any) -> Any:
+    value = None if entry is None else entry.value
+    if isinstance(value, OpenFields):
+        return {field: each for field, each in value.items() if each is not None}
+    return value
+
+
+class TraceReplayer:
+    """Has a chart that keeps time do what scenes tell, into a new journal.
+
+    Args:
+        mission: The mission.
+        ticker: Who ticks trees.
+        terms: What is known of the robot.
+    """
+
+    def __init__(self, mission: Mission, ticker: Trees | None, terms: RobotFacts | None) -> None:
+        self._said: Mapping[str, Truth] = {}
+        names = Environment(mission, ticker, terms=terms).predicates
+        self._chart = Chart(mission, ticker, terms=terms, named={name: self._predicate(name) for name in names})
+        self._keys = mission.blackboard
+        self._facts: dict[str, Any] = {}
+        self._again: dict[str, float] = {}
+        """Key → when it is said again, lest it goes stale."""
+        self._started: dict[str, list[int]] = {}
+        """Owner → the numbers of what it has started."""
+        self._quiet: dict[str, tuple[str, Any, float]] = {}
+        self._journal: Journal | None = None
+
+    def record(self, path: Path, header: Header, told: list[TraceStep]) -> bool:
+        """Do what the scenes tell.
+
+        Returns:
+            Whether the run comes to the same states, and the same outcome, as was told.
+
+        Raises:
+            UsageError: The file is there already, or none can be written there.
+        """
+        with Journal.create(path, header) as journal:
+            self._journal = journal
+            for scene in told:
+                self._play(scene)
+        last = told[-1]
+        return self._is_as_told(last)
+
+    def _is_as_told(self, scene: TraceStep) -> bool:
+        if scene.outcome is None:
+            return self._chart.outcome is None and self._chart.active == scene.active
+        return (self._chart.outcome, self._chart.why) == (scene.outcome, scene.why)
+
+    def _predicate(self, name: str) -> Callable[..., Truth]:
+        return lambda known, **arguments: self._said.get(name)
+
+    # -- one scene ------------------------------------------------------------------------------------------------
+
+    def _play(self, scene: TraceStep) -> None:
+        self._said = scene.predicates
+        named = scene.stale or (scene.event.name if scene.event is not None and scene.event.kind == "write" else "")
+        gone = [name for name, value in scene.facts.items() if value is None and name != named and name in self._facts]
+        self._grow_old(gone)
+        for name, value in scene.facts.items():
+            if value is not None and name != named and (name not in self._facts or self._facts[name] != value):
+                self._write(name, value)
+        found = scene.control
+        if found is not None and (found.name, found.data["by"] == "operator") != (
+            self._chart.holder,
+            self._chart.taken,
+        ):
+            self._take(lambda: self._chart.send(found._replace(at=self._chart.at)))
+        self._happen(scene)
+
+    def _happen(self, scene: TraceStep) -> None:
+        chart, event = self._chart, scene.event
+        if scene.words == START:
+            self._take(lambda: chart.start(chart.at))
+        elif scene.stale:
+            self._grow_old([scene.stale])
+        elif event is None:
+            self._wait(scene)
+        elif event.kind == "write":
+            self._write(event.name, scene.facts.get(event.name))
+        else:
+            number = self._number(scene.owner, event.number)
+            self._take(lambda: chart.send(event._replace(at=chart.at, number=number)))
+
+    def _number(self, owner: str, number: int) -> int:
+        """The number that this chart has given to what the other numbered otherwise."""
+        started = self._started.get(owner, [])
+        return number if number in started or not started else started[-1]
+
+    def _take(self, make: Callable[[], Step]) -> Step:
+        chart, since = self._chart, self._chart.at
+        step = make()
+        for effect in step.effects:
+            if isinstance(effect, StartGoal | CallService | StartBehaviour):
+                owner = effect.owner or getattr(effect, "service", "")
+                self._started.setdefault(owner, []).append(effect.number)
+            elif isinstance(effect, Ask):
+                self._started.setdefault(effect.question.owner, []).append(effect.question.number)
+        assert self._journal is not None
+        if chart.quiet and step.event.kind in ("write", "tick"):
+            self._quiet |= {key: (key, value, step.at) for key, value in step.writes}
+        else:
+            self._journal.write(step, since=since, quiet=tuple(self._quiet.values()))
+            self._quiet.clear()
+        return step
+
+    def _write(self, name: str, value: Any) -> Step | None:
+        if value is None or self._chart.outcome is not None:
+            return None
+        self._facts[name] = value
+        age = self._keys[name].max_age_s
+        self._again[name] = self._chart.at + SLICE * age if age is not None else math.inf
+        return self._take(lambda: self._chart.write(name, value, self._chart.at))
+
+    # -- time -----------------------------------------------------------------------------------------------------
+
+    def _wait(self, scene: TraceStep) -> None:
+        """Let time pass until what was told has happened; what is known stays known."""
+        for _ in range(MOST_INSTANTS):
+            wake = self._chart.wake_at
+            if wake is None or self._chart.outcome is not None:
+                return
+            for step in self._pass(wake, at_most=1):
+                if (step.moves or step.effects or step.notes or step.outcome) and self._is_as_told(scene):
+                    return
+
+    def _grow_old(self, names: list[str]) -> None:
+        """Say nothing more of these until they are stale; of the others, what was said."""
+        until = self._chart.at
+        for name in names:
+            self._facts.pop(name, None)
+            self._again.pop(name, None)
+            age = self._keys[name].max_age_s
+            entry = self._chart.view.board.get(name)
+            if age is not None and entry is not None:
+                until = max(until, entry.at + age)
+        if until > self._chart.at:
+            self._pass(until, at_most=MOST_INSTANTS)
+
+    def _pass(self, until: float, *, at_most: int) -> list[Step]:
+        """Time passes, in so many instants at most."""
+        steps: list[Step] = []
+        for _ in range(at_most):
+            if self._chart.at >= until or self._chart.outcome is not None:
+                break
+            at = min([until, *self._again.values()])
+            steps.append(self._take(lambda at=at: self._chart.send(Tick(at))))  # type: ignore[misc]
+            due = [name for name, again in self._again.items() if again <= at]
+            written = [self._write(name, self._facts[name]) for name in due]
+            steps += [step for step in written if step is not None]
+        return steps

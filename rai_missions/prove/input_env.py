@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What robot, model, person and other programs can tell a mission in a state.
+
+Rule: whoever is asked can say anything or nothing, and a server ends a goal in any way at any time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from rai_missions.engine.activities.behaviour import BehaviourActivity
+from rai_missions.engine.activities.call import CallActivity
+from rai_missions.engine.activities.decision import DecisionActivity
+from rai_missions.engine.activities.goal_ledger import Goal
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.activities.tree import TreeActivity
+from rai_missions.engine.decision import Offer, Question
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.event import Event
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.answer_values import AnswerValues
+from rai_missions.prove.instrumented_chart import NOW
+from rai_missions.prove.nondeterminism import Payload
+from rai_missions.prove.rounded import Rounded
+from rai_missions.prove.stimulus import Stimulus
+
+__all__ = ("InputEnvironment",)
+
+ENDS = ("succeeded", "failed", "canceled", "rejected")
+REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
+
+
+class InputEnvironment(Rounded):
+    """A chart that can be told anything."""
+
+    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None) -> None:
+        super().__init__(mission, ticker, terms=terms)
+        self._brought = AnswerValues(mission.blackboard, self.values)
+        self.said: Event | None = None
+        """What it was last told."""
+
+    def _handle(self, event: Event) -> None:
+        self.said = event
+        super()._handle(event)
+
+    def owner_of(self, number: int) -> str:
+        """Whose goal, call, question or behaviour has a number; empty for none."""
+        if number in self._ledger.goals:
+            return self._ledger.goals[number].owner
+        for name, path, state in self.inner(held=True):
+            asked = state.question.number if isinstance(state, DecisionActivity) else getattr(state, "number", 0)
+            if number and asked == number:
+                return owned(name, path)
+        return self._calls.get(number, "")
+
+    def _hear(self, event: Event) -> Callable[[], None]:
+        return lambda: self._handle(event)
+
+    def events(self) -> Iterator[Stimulus]:
+        """What the mission declares, and what nobody can tell whether it was done, where some row is about it."""
+        if self._final is not None:
+            return
+        fields = self.values.fields("event")
+        for name in self.mission.events:
+            plan = self._config.plans.get(name)
+            if plan is None:
+                plan = self._config.plan(name, declared=True)
+            if self._free(plan) if self._frozen else plan:  # what held states name can come right after the hand-back
+                yield Stimulus(f"event '{name}'", "event", self._bringing(name, "event", fields))
+        if self.hears_of_doubt and not self._frozen:
+            yield Stimulus("nobody can tell whether it was done", "event", self._bringing("uncertain", "doubt", fields))
+
+    def _bringing(self, name: str, kind: str, fields: Sequence[str]) -> Callable[[], None]:
+        """An event whose payload is chosen anew each time it happens."""
+        return lambda: self._handle(Event(name, NOW, Payload(fields, self._field), kind))
+
+    def _field(self, field: str) -> Any:
+        return self.choices.pick(self.values.field(f"event.{field}"))
+
+    # -- reports --------------------------------------------------------------------------------------------------
+
+    def reports(self) -> Iterator[Stimulus]:
+        """Everything that servers, services and behaviours can say."""
+        for goal in self.pursued:
+            if not self._is_held(self._graph.nodes[goal.owner.partition("#")[0]]):
+                yield from self._goal(goal)
+        for number, owner in self._of(CallActivity):
+            yield from self._call(number, owner)
+        for number, owner in self._of(BehaviourActivity):
+            for status in ("success", "failure"):
+                event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
+                words = f"the behaviour of '{owner}': {status}"
+                yield Stimulus(words, "robot", self._hear(event), number)
+        yield from self.leftovers()
+
+    def leftovers(self) -> Iterator[Stimulus]:
+        """What can be said of what no state waits for."""
+        for goal in self.remaining:
+            words = f"'{goal.action}' of '{goal.owner}' has ended"  # how it ended makes no difference
+            yield Stimulus(words, "robot", self._result("canceled", goal.number, goal.owner), goal.number)
+        for number, service in self._calls.items():
+            yield from self._call(number, service)
+
+    def _call(self, number: int, owner: str) -> Iterator[Stimulus]:
+        for reply in REPLIES:
+            do = self._result(reply, number, owner)
+            yield Stimulus(f"the call of '{owner}': {reply}", "robot", do, number)
+
+    def _goal(self, goal: Goal) -> Iterator[Stimulus]:
+        named, number = f"'{goal.action}' of '{goal.owner}'", goal.number
+        if goal.phase == "sent":
+            event = Event("accepted", NOW, {}, "accepted", number)
+            yield Stimulus(f"{named} is accepted", "robot", self._hear(event), number)
+        composed = goal.action in self.terms.succeeded
+        for end in ENDS:
+            if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):
+                continue  # its guards say so, and no server
+            do = self._result(end, number, goal.owner)
+            yield Stimulus(f"{named} ended: {end}", "robot", do, number)
+
+    def _result(self, name: str, number: int, owner: str) -> Callable[[], None]:
+        """A report with those of its fields that the mission looks at."""
+
+        def happen() -> None:
+            data: dict[str, Any] = {}
+            for key, field in self._wanted(owner).items() if name == "succeeded" else ():
+                data[field] = self._given_result(key)
+            for field in self.values.fields("event"):
+                if field not in data:
+                    data[field] = self._field(field)
+            data = {field: value for field, value in data.items() if value is not None}
+            self._handle(Event(name, NOW, data, "result", number))
+
+        return happen
+
+    def _given_result(self, key: str) -> Any:
+        """What a result has for a key; it may lack it."""
+        known = [value for value in self.values.of(key) if value is not None]
+        learned = self.values.learned
+        return self.choices.pick((None, *(known if key in learned.compared | learned.gone_over else known[:1])))
+
+    def _wanted(self, owner: str) -> Mapping[str, str]:
+        """Key → the field of the result that goes there."""
+        name, is_leaf, path = owner.partition("#")
+        machine: Any = self._machines.get(name)
+        if is_leaf and machine is not None:
+            machine = machine.limbs[path].machine
+        wanted: Mapping[str, str] = getattr(getattr(machine, "definition", None), "result", {})
+        return wanted
+
+    def inner(self, *, held: bool = False) -> Iterator[tuple[str, str | None, Any]]:
+        """Every activity that runs: its state, its path in a tree or None, its machine's state.
+
+        Args:
+            held: Those of held states, too.
+        """
+        for name, state in self._running.items():
+            if self._is_held(self._graph.nodes[name]) and not held:
+                continue
+            if isinstance(state, TreeActivity):
+                for path, tended in state.leaves.items():
+                    yield name, path, tended.state
+            else:
+                yield name, None, state
+
+    def _of(self, kind: type[CallActivity | BehaviourActivity]) -> list[tuple[int, str]]:
+        return [(state.number, owned(name, path)) for name, path, state in self.inner() if isinstance(state, kind)]
+
+    # -- answers --------------------------------------------------------------------------------------------------
+
+    def answers(self) -> Iterator[Stimulus]:
+        """Each option, one that there is not, and nobody there; silence is the time that runs out."""
+        for name, path, state in list(self.inner()):
+            if isinstance(state, DecisionActivity):
+                yield from self._replies(state.question, owned(name, path), is_bounded=state.deadline != math.inf)
+
+    def _replies(self, question: Question, owner: str, *, is_bounded: bool) -> Iterator[Stimulus]:
+        who, number = question.asked, question.number
+        for offer in question.options:
+            words = f"{who} answers '{owner}': {offer.name}"
+            yield Stimulus(words, "answer", self._option(number, who, owner, offer), number)
+        empty: tuple[tuple[str, dict[str, Any]], ...] = (("nonsense", {"option": "?"}),)
+        if not is_bounded:  # else nonsense, absence and silence all have it asked again; see `remembered.rested`
+            empty += (("nothing, being absent", {"absent": "not here"}),)
+        for said, data in empty:
+            event = Event(who, NOW, data, "proposal", number)
+            yield Stimulus(f"{who} answers '{owner}': {said}", "answer", self._hear(event), number)
+
+    def _option(self, number: int, who: str, owner: str, offer: Offer) -> Callable[[], None]:
+        schema = self.schemas.get((owner, offer.name))
+
+        def happen() -> None:
+            parameters = self._parameters(schema) if schema is not None else {}
+            data = {"option": offer.name, **({"parameters": parameters} if parameters else {})}
+            self._handle(Event(who, NOW, data, "proposal", number))
+
+        return happen
+
+    def _parameters(self, schema: Mapping[str, Any]) -> dict[str, Any]:
+        """What a schema allows, in each way that guards can tell apart."""
+        made: dict[str, Any] = {}
+        for name, can_lack in self._brought.names(schema).items():
+            choices = self._brought.of(schema, name)
+            value = self.choices.pick((None, *choices) if can_lack and self._brought.is_looked_at(name) else choices)
+            if value is not None:
+                made[name] = value
+        return made
+
+
+def owned(name: str, path: str | None) -> str:
+    """Who asks, calls or pursues: a state, or a leaf of its tree."""
+    return name if path is None else f"{name}#{path}"

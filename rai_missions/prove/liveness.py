@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run may still look at: a key that is written before anybody reads it again tells no two states apart.
+
+Rule: only what no way on reads first is left out; where that is not known, it is kept.
+Source: live variables, A. V. Aho et al., Compilers (2nd ed.), section 9.2.5, on the rows of a chart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel
+
+from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.nodes import CompiledTransition, Node
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.transitions import Graph
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.parts import parts
+from rai_missions.states.effects import Effect, Set
+from rai_missions.states.tree.leaves import ActionLeaf
+
+__all__ = ("Later", "Live")
+
+REMEMBERED = 4096
+"""Of so many configurations it is remembered what makes a difference."""
+START, RECALL = "start ", "recall "
+"""Stand before the name of an action that may be started, and of a history state that may be looked up."""
+
+
+class Later(NamedTuple):
+    """What makes a difference from a configuration on."""
+
+    keys: frozenset[str]
+    """Those that somebody may read before they are written anew."""
+    starts: frozenset[str]
+    """The actions that may be started."""
+    recalls: frozenset[int]
+    """The history states whose memory may be looked up before it is written anew."""
+
+
+class Live:
+    """What may be read, and which actions may be started, from a configuration on.
+
+    Args:
+        mission: The mission.
+        graph: It compiled.
+        terms: The guards of a robot's composed actions are read at any time.
+    """
+
+    def __init__(self, mission: Mission, graph: Graph, terms: RobotFacts) -> None:
+        self._keys = frozenset(mission.blackboard)
+        given = [mission.invariants, terms.succeeded, terms.failed]
+        self._always = frozenset(self._mentions(given))
+        self._graph = graph
+        self._entered: dict[Node, frozenset[Node]] = {}
+        self._live = {node: self._of_state(node) for node in graph.order}
+        self._rewritten = {node for node in graph.order if node.is_history and self._is_rewritten(node)}
+        self._flee = graph.nodes[mission.on_cancel] if mission.on_cancel is not None else None
+        while self._spread():
+            pass
+        self._found: dict[tuple[int, ...], Later] = {}
+
+    def after(self, config: Configuration) -> Later:
+        """What makes a difference from a configuration on."""
+        found = self._found.get(config.key)
+        if found is None:
+            if len(self._found) >= REMEMBERED:
+                self._found.clear()
+            found = self._found[config.key] = self._after(config)
+        return found
+
+    def _after(self, config: Configuration) -> Later:
+        words = self._always.union(*(self._live[node] for node in config.nodes), self._live[self._graph.root])
+        starts = frozenset(word[len(START) :] for word in words if word.startswith(START))
+        looked_up = {self._graph.nodes[word[len(RECALL) :]] for word in words if word.startswith(RECALL)}
+        if self._graph.recalls:  # an entry by default looks them up
+            looked_up = {node for node in self._graph.order if node.is_history}
+        recalls = {node for node in looked_up if not (node in self._rewritten and node.parent in config.nodes)}
+        return Later(words & self._keys, starts, frozenset(node.index for node in recalls))
+
+    def _is_rewritten(self, history: Node) -> bool:
+        """Whether leaving its parent always comes before looking it up again."""
+        parent = history.parent
+        inside = [row for node in self._graph.order if node is parent or (parent is not None and node.inside(parent))
+                  for row in node.rows]  # fmt: skip
+        return not (self._graph.recalls or any(history in row.targets for row in inside))
+
+    # -- what each state reads ------------------------------------------------------------------------------------
+
+    def _of_state(self, node: Node) -> frozenset[str]:
+        """What a state itself looks at while it is active, on entry and on exit; not its rows."""
+        if node.state is None:
+            return frozenset()
+        fields = {*type(node.state).model_fields} - {"states", "parallel", "transitions", "entry", "exit"}
+        own = [getattr(node.state, field) for field in sorted(fields)]
+        actions = {getattr(node.state, "action", ""), *(leaf.action for leaf in parts(own, ActionLeaf))} - {""}
+        done = self._reads_of((*node.state.entry, *node.state.exit))
+        return frozenset({*self._mentions(own), *done, *(START + action for action in actions)})
+
+    def _reads_of(self, effects: Iterable[Effect]) -> Iterator[str]:
+        for effect in effects:
+            if isinstance(effect, Set) and effect.add is None:
+                yield from self._mentions(effect.source)
+            else:
+                yield from self._mentions(effect)
+
+    def _mentions(self, value: Any) -> Iterator[str]:
+        """Every key whose name, or a path into it, stands anywhere in a part of a mission."""
+        if isinstance(value, str):
+            root = value.partition(".")[0]
+            if root in self._keys:
+                yield root
+        elif isinstance(value, BaseModel):
+            yield from self._mentions(list(vars(value).values()))
+        elif isinstance(value, Mapping):
+            yield from self._mentions([*value, *value.values()])
+        elif isinstance(value, list | tuple | set | frozenset):
+            for part in value:
+                yield from self._mentions(part)
+
+    # -- where it leads -------------------------------------------------------------------------------------------
+
+    def _spread(self) -> bool:
+        """One round; whether anything was learned."""
+        before = sum(len(words) for words in self._live.values())
+        for node in self._graph.order:
+            found = self._live[node].union(*(self._of_row(row) for row in node.rows))
+            if node.is_each:
+                found = found.union(*(self._live[each] for each in self._into(node.initial)))
+            if node.state is None and self._flee is not None:
+                found = found.union(*(self._live[each] for each in self._into((self._flee,))))
+            self._live[node] = found - {
+                RECALL + each.name for each in self._rewritten if each.parent is node or each.parent in node.ancestors
+            }
+        return sum(len(words) for words in self._live.values()) > before
+
+    def _of_row(self, row: CompiledTransition) -> frozenset[str]:
+        transition = row.transition
+        reads = {*self._mentions(transition.when), *self._reads_of(transition.do)}
+        written = {effect.set for effect in transition.do
+                   if isinstance(effect, Set) and effect.add is None and effect.source is None}  # fmt: skip
+        later = frozenset[str]().union(*(self._live[node] for node in self._into(row.targets)))
+        recalled = {RECALL + target.name for target in row.targets if target.is_history}
+        return frozenset(reads | recalled) | (later - written)
+
+    def _into(self, targets: Iterable[Node]) -> set[Node]:
+        """All that may be active once these are entered, beside what was active before."""
+        return {node for target in targets for node in self._around(target)}
+
+    def _around(self, target: Node) -> frozenset[Node]:
+        """A target, what is entered inside it, its ancestors, and the regions beside it."""
+        if target not in self._entered:
+            found = {target, *target.ancestors}
+            found |= set(self._inside(target))
+            for ancestor in target.ancestors:
+                if ancestor.is_parallel:
+                    found |= {node for node in self._graph.order if node.inside(ancestor)}
+            self._entered[target] = frozenset(found)
+        return self._entered[target]
+
+    def _inside(self, node: Node) -> Iterator[Node]:
+        """What may be entered with a state by default; of a history, all that it can lead back to."""
+        if node.is_history or node.is_parallel or node.is_each:
+            top = node.parent if node.is_history else node
+            yield from (each for each in self._graph.order if top is not None and each.inside(top))
+            return
+        for initial in node.initial:
+            yield from (initial, *(each for each in initial.ancestors if each.inside(node)))
+            yield from self._inside(initial)
+            for between in initial.ancestors:
+                if between.is_parallel and between.inside(node):
+                    yield from (each for each in self._graph.order if each.inside(between))

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is not decided by rules, chosen when it is first looked at, and chosen otherwise the next time.
+
+Rule: a step that is made again with the same choices is the same step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from rai_missions.keys import Stamped
+
+__all__ = ("MISSING", "Choices", "OpenBoard", "OpenFields", "Payload")
+
+MISSING: Any = object()
+NOTHING: Mapping[str, Any] = {}
+_get = dict.get
+
+
+class Choices:
+    """Goes through every way in which a step can be chosen, the first alternatives first."""
+
+    def __init__(self) -> None:
+        self._trail: list[int] = []
+        self._sizes: list[int] = []
+        self._at = 0
+
+    def begin(self, trail: Sequence[int] = ()) -> None:
+        """Start with the first way, or along a given one."""
+        self._trail, self._sizes, self._at = list(trail), [0] * len(trail), 0
+
+    def choose(self, many: int) -> int:
+        """One of so many alternatives."""
+        if self._at == len(self._trail):
+            self._trail.append(0)
+            self._sizes.append(many)
+        self._sizes[self._at] = many
+        self._at += 1
+        return self._trail[self._at - 1]
+
+    def pick(self, alternatives: Sequence[Any]) -> Any:
+        """One of these."""
+        return alternatives[0] if len(alternatives) == 1 else alternatives[self.choose(len(alternatives))]
+
+    @property
+    def trail(self) -> tuple[int, ...]:
+        """What was chosen since `begin`."""
+        return tuple(self._trail[: self._at])
+
+    def next(self) -> tuple[int, ...] | None:
+        """What to `begin` with to go the next way; None where each was gone."""
+        for at in range(self._at - 1, -1, -1):
+            if self._trail[at] + 1 < self._sizes[at]:
+                return (*self._trail[:at], self._trail[at] + 1)
+        return None
+
+
+class OpenFields(dict[str, Any]):
+    """An object whose fields have any of their values until somebody looks; None stands for unknown.
+
+    Args:
+        fields: The fields that anybody looks at.
+        choose: A field's value; None for unknown.
+    """
+
+    def __init__(self, fields: Sequence[str], choose: Callable[[str], Any]) -> None:
+        super().__init__()
+        self.fields, self._choose = fields, choose
+        self.looked: set[str] = set()
+        """The fields that were looked at since this was last emptied."""
+
+    def get(self, field: str, default: Any = None) -> Any:
+        self.looked.add(field)
+        if not dict.__contains__(self, field) and field in self.fields:
+            self[field] = self._choose(field)
+        found = dict.get(self, field)
+        return default if found is None else found
+
+    def fresh(self, known: Mapping[str, Any] | None = None) -> OpenFields:
+        """Another of its kind, of which this much is known."""
+        made = OpenFields(self.fields, self._choose)
+        made.update(self if known is None else known)
+        return made
+
+    def whole(self) -> dict[str, Any]:
+        """All that anybody can find out of it, as it is from now on."""
+        found = ((field, self.get(field)) for field in self.fields)
+        return {field: value for field, value in found if value is not None}
+
+
+class Payload(dict[str, Any]):
+    """What an event brings, chosen field by field when somebody looks.
+
+    Args:
+        fields: Those that anybody looks at.
+        choose: A field's value; None where it is left out.
+    """
+
+    def __init__(self, fields: Sequence[str], choose: Callable[[str], Any]) -> None:
+        super().__init__()
+        self._fields, self._choose = fields, choose
+
+    def get(self, field: str, default: Any = None) -> Any:
+        if field not in self and field in self._fields:
+            self[field] = self._choose(field)
+        return dict.get(self, field, default)
+
+
+class OpenBoard(dict[str, Any]):
+    """A blackboard on which a key has any of its values until somebody looks; None stands for unknown.
+
+    Args:
+        open_keys: The keys that are to be chosen where they do not stand here.
+        choose: A key's value; None for unknown.
+        at: The stamp of what is chosen.
+    """
+
+    def __init__(self, open_keys: Iterable[str], choose: Callable[[str], Any], at: float) -> None:
+        super().__init__()
+        self.open_keys, self._choose, self._at = frozenset(open_keys), choose, at
+        self.looked: set[str] = set()
+        """The keys that were looked at since this was last emptied."""
+
+    def get(self, key: str, default: Any = None) -> Any:
+        self.looked.add(key)
+        found = _get(self, key, MISSING)
+        if found is MISSING:
+            if key not in self.open_keys:
+                return default
+            value = self._choose(key)
+            found = None if value is None else Stamped(value, self._at)
+            dict.__setitem__(self, key, found)
+        return default if found is None else found
+
+    def known(self, key: str) -> Any:
+        """Its entry as far as somebody looked; `MISSING` before, None for unknown."""
+        return dict.get(self, key)
+
+    def is_known(self, key: str) -> bool:
+        """Whether somebody has looked, or the mission wrote it."""
+        return dict.__contains__(self, key)
+
+    def entries(self) -> Iterable[tuple[str, Any]]:
+        """What is known; None stands for unknown."""
+        return dict.items(self)
+
+    def put(self, key: str, entry: Stamped | None) -> None:
+        """Have it so, None for unknown."""
+        dict.__setitem__(self, key, entry)
+
+    def refill(self, entries: Mapping[str, Any], others: Mapping[str, Any] = NOTHING) -> None:
+        """Have these and no others; objects become its own."""
+        dict.clear(self)
+        dict.update(self, others)
+        dict.update(self, entries)
+        for key, entry in entries.items():
+            if entry is not None and entry.__class__ is Stamped and entry[0].__class__ is OpenFields:
+                dict.__setitem__(self, key, Stamped(entry[0].fresh(), self._at))
+
+    def __setitem__(self, key: str, entry: Any) -> None:
+        value = entry[0]
+        if value.__class__ is OpenFields and key not in self.open_keys:  # a copy keeps what the original changes
+            entry = Stamped(value.whole(), self._at)
+        dict.__setitem__(self, key, entry)
+
+    def __getitem__(self, key: str) -> Any:
+        found = self.get(key)
+        if found is None:
+            raise KeyError(key)
+        return found
+
+    def __contains__(self, key: object) -> bool:
+        return self.get(str(key)) is not None

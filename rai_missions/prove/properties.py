@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is claimed of a mission, and what its states say of it: proved, refuted, or as far as was looked.
+
+Rule: proved is said only of what was explored whole; a refutation stands wherever the exploration ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
+
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.circles import circling
+from rai_missions.prove.explorer import Edge, Space
+from rai_missions.states.decision import Decision
+from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
+
+__all__ = ("CLAIMS", "Property", "Verdict", "claims", "lost", "stuck")
+
+Verdict = Literal["proved", "refuted", "explored"]
+CLAIMS = {
+    "ends": "from every state the mission can still end",
+    "comes to rest": "no run goes round for ever by itself",
+    "invariants": "every invariant holds in every state, without the run-time backstop",
+    "answers": "no answer alone makes the mission succeed",
+    "options": "every option and every fallback can be taken",
+    "rules": "every requires, achieved and option guard can be true, and every option can be out of the question",
+    "stop": "an emergency stop ends the mission in every state",
+    "cancel": "a cancel ends the mission from every state",
+    "stopped": "every action that was started is ended with the mission",
+}
+
+
+class Property(NamedTuple):
+    """One claim and its verdict."""
+
+    name: str
+    verdict: Verdict
+    sentence: str = ""
+    """What refutes it."""
+    state: int = -1
+    """The state in which it is refuted; -1 is before the start."""
+    way: Edge | None = None
+    """What happens there to refute it."""
+
+    @property
+    def words(self) -> str:
+        """What is claimed."""
+        return CLAIMS[self.name]
+
+    @property
+    def has_run(self) -> bool:
+        """A single run shows that it is refuted."""
+        return self.verdict == "refuted" and (self.state >= 0 or self.way is not None)
+
+
+def claims(mission: Mission, space: Space, *, is_sampled: bool = False) -> list[Property]:
+    """What the states that were explored say of each claim.
+
+    Args:
+        mission: The mission.
+        space: What was explored of it.
+        is_sampled: Not every value that guards tell apart was tried.
+    """
+    found = {each.promise: Property(each.promise, "refuted", each.sentence, each.state, each.way)
+             for each in space.flaws.values()}  # fmt: skip
+    is_whole = space.is_whole and not is_sampled
+    for claim in (*_ends(space), *_rests(space), *(_options(mission, space) if is_whole else ()),
+                  *(_rules(space) if is_whole else ())):  # fmt: skip
+        found.setdefault(claim.name, claim)
+    rest: Verdict = "proved" if is_whole else "explored"
+    return [found.get(name) or Property(name, rest) for name in CLAIMS]
+
+
+def stuck(space: Space) -> list[int]:
+    """The states from which nothing leads to an end."""
+    far = space.distances([*space.ends, *space.unfinished])
+    return [number for number in range(space.states) if far[number] < 0]
+
+
+def lost(space: Space) -> list[int]:
+    """The states from which time alone never leads to an end, or to a state in which the mission waits."""
+    moving = {source for source, _ in space.edges(time_only=True)}
+    resting = [number for number in range(space.states) if number not in moving]
+    far = space.distances([*resting, *space.unfinished], time_only=True)
+    return [number for number in range(space.states) if far[number] < 0]
+
+
+def _ends(space: Space) -> Iterator[Property]:
+    found = stuck(space)
+    if found:
+        yield Property("ends", "refuted", "nothing that can happen from here on ends the mission", found[0])
+    canceling = [number for number in found if number in space.canceling]
+    if canceling:
+        yield Property("cancel", "refuted", "the cancel never ends from here on", canceling[0])
+
+
+def _rests(space: Space) -> Iterator[Property]:
+    """By time alone a run comes to an end, or to a state in which it waits for somebody."""
+    found = lost(space) or circling(space)
+    if found:
+        yield Property("comes to rest", "refuted", "while nobody says anything, timers lead round for ever", found[0])
+
+
+def _options(mission: Mission, space: Space) -> Iterator[Property]:
+    for owner, options in _asked(mission):
+        for option in options:
+            if (owner, option) not in space.chart.answered:
+                yield Property("options", "refuted", f"'{option}' of '{owner}' can never be taken")
+
+
+def _asked(mission: Mission) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Who asks, and what is offered."""
+    for _, name, state in mission.walk():
+        if isinstance(state, Decision):
+            yield name, tuple(state.decision.options)
+        elif isinstance(state, Tree):
+            for path, node in tree_paths(state.tree):
+                if isinstance(node, DecisionLeaf):
+                    yield f"{name}#{path}", tuple(node.decision.options)
+
+
+def _rules(space: Space) -> Iterator[Property]:
+    for place, said in sorted(space.chart.seen.items()):
+        if not place.endswith(("/requires", "/achieved", "/when")):
+            continue
+        if True not in said:
+            yield Property("rules", "refuted", f"{place} can never be true")
+        elif said == {True} and place.endswith("/when"):  # the others are nets, which may never be needed
+            yield Property("rules", "refuted", f"{place} is always true where it is asked")

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The values of each key that a mission's guards can tell apart, a few for all.
+
+Rule: two values that every guard treats alike stand for one another; unknown is a value wherever it can come about.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise, product
+from typing import Any
+
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.event import Image
+from rai_missions.guards.compare import OPERATORS, truth
+from rai_missions.keys import Key
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.comparisons import NUMBERS, Comparisons
+
+__all__ = ("Values",)
+
+OTHER = "something else"
+FAR_M = 1e6
+PICTURE = Image("any", 1, 1, "rgb8", b"\0\0\0")
+SAMPLES = range(4)
+
+
+class Values:
+    """What may stand under a key, in an event's payload, in an answer.
+
+    Args:
+        mission: Whose guards tell values apart.
+        terms: The guards of a robot's composed actions count too.
+    """
+
+    def __init__(self, mission: Mission, terms: RobotFacts) -> None:
+        self._keys = mission.blackboard
+        self.learned = Comparisons(mission, terms)
+        self._known: dict[str, tuple[Any, ...]] = {}
+
+    # -- what is asked --------------------------------------------------------------------------------------------
+
+    def of(self, key: str) -> tuple[Any, ...]:
+        """The values that stand for all that a key can hold; None, unknown, comes first where it can be."""
+        if key not in self._known:
+            written = self._keys[key]
+            robot = written.source == "robot" and not written.optional
+            given = written.source == "argument" and (written.initial is not None or not written.optional)
+            known = tuple(self._made(key, written.type))
+            self._known[key] = known if written.max_age_s is None and (robot or given) else (None, *known)
+        return self._known[key]
+
+    def narrow(self, key: str, is_possible: Callable[[Any], bool]) -> None:
+        """Leave values of a key out."""
+        self._known[key] = tuple(value for value in self.of(key) if is_possible(value)) or self.of(key)
+
+    def field(self, path: str, kind: str = "") -> tuple[Any, ...]:
+        """The values of an event's field or an answer's parameter: `event.kind`, `answer.speed`; None first."""
+        place = f"?{kind}{path}"
+        if place not in self._known:
+            deep = "object" if self.learned.within(path) else ""
+            kinds = [deep or kind] if deep or kind else self.learned.kinds_of(path)
+            self._known[place] = (None, *(value for each in kinds for value in self._made(path, each)))
+        return self._known[place]
+
+    def fields(self, root: str) -> tuple[str, ...]:
+        """The fields of events (`event`) or answers (`answer`) that guards and effects look at."""
+        return tuple(self.learned.within(root))
+
+    def shape(self, key: str) -> tuple[str, ...]:
+        """The fields of an object that guards look at, one by one; none for what is looked at as a whole."""
+        learned = self.learned
+        if self._keys[key].type != "object" or learned.atoms.get(key):
+            return ()
+        fields = learned.within(key)
+        return () if any(learned.within(f"{key}.{field}") for field in fields) else tuple(fields)
+
+    def part(self, key: str, field: str) -> tuple[Any, ...]:
+        """The values of an object's field; None first: it may be left out."""
+        return self.field(f"{key}.{field}", (self._keys[key].fields or {}).get(field, ""))
+
+    def item(self, path: str) -> tuple[Any, ...]:
+        """The values of an item of a list, for all who go over it or a copy of it."""
+        learned, found = self.learned, list[Any]()
+        for kin in sorted(learned.kin.get(path, {path})):
+            for item in learned.items.get(kin, ()):
+                found += [value for value in self._made(item, self._keys[item].type) if value not in found]
+        return tuple(found) or (0,)
+
+    def saturating(self) -> Mapping[str, tuple[float, float]]:
+        """Counters that only grow, or only shrink → the bounds past which no guard tells their values apart."""
+        learned, found = self.learned, {}
+        for key, steps in learned.steps.items():
+            if key not in learned.atoms:
+                continue
+            linked = len(learned.kin.get(key, {key})) > 1
+            high = [_past(op, each, 1) for op, each in learned.atoms[key] if isinstance(each, int | float)]
+            low = [_past(op, each, -1) for op, each in learned.atoms[key] if isinstance(each, int | float)]
+            if linked:
+                tried = {*SAMPLES, *_next_to([each for each in learned.operands(key) if isinstance(each, int | float)])}
+                high, low = [*high, max(tried) + 1], [*low, min(tried) - 1]
+            if high and min(steps) > 0:
+                found[key] = (-math.inf, max(high))
+            elif low and max(steps) < 0:
+                found[key] = (min(low), math.inf)
+        return found
+
+    # -- how they are made ----------------------------------------------------------------------------------------
+
+    def _made(self, path: str, kind: str) -> Iterator[Any]:
+        key = self._keys.get(path)
+        if kind == "image":
+            yield PICTURE
+        elif kind == "pose":
+            yield from self._poses(path, key)
+        elif kind == "list":
+            yield from self._lists(path)
+        elif kind == "object":
+            yield from self._objects(path, key)
+        else:
+            yield from self._scalars(path, kind)
+
+    def _lists(self, path: str) -> Iterator[list[Any]]:
+        """Of no, one or two items; of one that nobody goes over, two for all."""
+        learned = self.learned
+        most = 2 if any(kin in learned.items for kin in learned.kin.get(path, {path})) else 1
+        for many in range(most + 1):
+            yield from (list(mixture) for mixture in product(self.item(path), repeat=many))
+
+    def _poses(self, path: str, key: Key | None) -> Iterator[Any]:
+        """One in each ring that guards tell apart around what it may be compared with, and one far from all."""
+        learned = self.learned
+        fixed = [each for each in learned.operands(path) if isinstance(each, Mapping)]
+        frame = {"frame": key.frame} if key is not None and key.frame else {}
+        bases = fixed or [{"x": 0.0, "y": 0.0, **frame}]
+        radii = sorted({radius for kin in learned.kin.get(path, {path}) for radius in learned.near.get(kin, ())})
+        offsets = [0.0, *((low + high) / 2 for low, high in pairwise(radii))]
+        offsets += [FAR_M] if radii else []
+        if self._is_met(path):
+            offsets = [0.0]
+        for base, offset in product(bases, offsets):
+            yield {**base, "x": base.get("x", 0.0) + offset} if offset else dict(base)
+
+    def _is_met(self, path: str) -> bool:
+        """It is compared with one pose, which the robot says: that one can be near it or far, wherever it is."""
+        others = self.learned.kin.get(path, {path}) - {path}
+        sources = {self._keys[each].source for each in others if each in self._keys}
+        robots = path in self._keys and self._keys[path].source == "robot"
+        return len(others) == 1 and sources == {"robot"} and not robots
+
+    def _objects(self, path: str, key: Key | None) -> Iterator[Any]:
+        """Each mixture of what its fields can be, as far as anybody looks into them."""
+        looked = self.learned.within(path)
+        kinds = (key.fields or {}) if key is not None else {}
+        choices = [self.field(f"{path}.{name}", kinds.get(name, "")) for name in looked]
+        for mixture in product(*choices):
+            yield {name: value for name, value in zip(looked, mixture, strict=True) if value is not None}
+
+    def _scalars(self, path: str, kind: str) -> Iterator[Any]:
+        learned = self.learned
+        if not learned.atoms.get(path) and path not in learned.kin:
+            yield {"boolean": True, "string": OTHER, "number": 0.0, "integer": 0}.get(kind, OTHER)
+        elif kind == "boolean":
+            yield from (False, True)
+        elif kind in NUMBERS:
+            yield from self._numbers(path, whole=kind == "integer")
+        else:
+            yield from sorted({each for each in learned.operands(path) if isinstance(each, str)})
+            others = len(learned.kin.get(path, {path}))
+            yield from (f"{OTHER} {number}" if number else OTHER for number in range(others))
+
+    def _numbers(self, path: str, *, whole: bool) -> Iterator[float]:
+        """Every constant that it or its kin is compared with, and enough numbers between them to order the kin."""
+        learned = self.learned
+        kin = learned.kin.get(path, {path})
+        numbers = {e for e in learned.operands(path) if isinstance(e, int | float) and not isinstance(e, bool)}
+        constants, many = sorted(numbers), len(kin)
+        if learned.is_sampled(path):
+            yield from sorted({*SAMPLES, *_next_to(constants)})
+        elif many > 1 and not constants:
+            yield from self._among(path, kin)
+        elif many > 1:
+            yield from _regions(constants, many, whole=whole)
+        else:
+            yield from self._apart(path, _regions(constants, 1, whole=whole))
+
+    def _among(self, path: str, kin: set[str]) -> Iterator[float]:
+        """Numbers that are compared with each other alone."""
+        many = len(kin)
+        if self._is_fixed(path, kin):
+            yield many
+        elif any(self._is_fixed(each, kin) for each in kin):
+            yield from range(2 * many) if many > 2 else (many - 1, many, many + 1)
+        else:
+            yield from range(many)
+
+    def _apart(self, path: str, candidates: Iterator[float]) -> Iterator[float]:
+        """Those that some guard treats otherwise than all before."""
+        seen: set[tuple[Any, ...]] = set()
+        for value in candidates:
+            says = tuple(
+                truth(OPERATORS[op], value, operand, equality=op in ("==", "!="))
+                for op, operand in self.learned.atoms[path]
+            )
+            if says not in seen:
+                seen.add(says)
+                yield value
+
+    def _is_fixed(self, path: str, kin: set[str]) -> bool:
+        """One argument among facts: where it lies makes no difference, as long as they can lie on either side."""
+        sources = {each: self._keys[each].source for each in kin if each in self._keys}
+        others = {source for each, source in sources.items() if each != path}
+        return len(sources) == len(kin) and sources.get(path) == "argument" and others == {"robot"}
+
+
+def _past(op: str, operand: float, step: int) -> float:
+    """The first number, going up or down by ones, from which on a comparison says the same of all."""
+    at_once = ("<", ">=") if step > 0 else (">", "<=")
+    return operand if op in at_once else operand + step
+
+
+def _next_to(constants: list[Any]) -> set[float]:
+    return {each + step for each in constants for step in (-1, 0, 1)}
+
+
+def _regions(constants: list[float], many: int, *, whole: bool) -> Iterator[float]:
+    """Each constant, and some numbers on each side of it, ascending."""
+    for low, high in zip((-math.inf, *constants), (*constants, math.inf), strict=True):
+        yield from _between(low, high, many, whole=whole)
+        if high != math.inf and not (whole and high != int(high)):
+            yield int(high) if whole else high
+
+
+def _between(low: float, high: float, many: int, *, whole: bool) -> list[float]:
+    """Some numbers strictly between two, ascending."""
+    if low == -math.inf and high == math.inf:
+        return list(range(many))
+    if low == -math.inf:
+        first = math.ceil(high) if whole else high
+        return [first - step for step in range(many, 0, -1)]
+    if high == math.inf:
+        first = math.floor(low) if whole else low
+        return [first + step for step in range(1, many + 1)]
+    if not whole:
+        return [low + (high - low) * step / (many + 1) for step in range(1, many + 1)]
+    first = math.floor(low) + 1
+    return [each for each in range(first, first + many) if each < high]

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One thing that can happen to a mission, whoever brings it about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
+
+__all__ = ("KINDS", "HappeningKind", "Stimulus")
+
+HappeningKind = Literal["start", "event", "robot", "answer", "write", "time", "command"]
+KINDS: tuple[HappeningKind, ...] = ("start", "event", "robot", "answer", "write", "time", "command")
+"""`robot`: a goal's, call's or behaviour's report, or a handover. `write`: something known changes."""
+
+
+class Stimulus(NamedTuple):
+    """One thing that can happen."""
+
+    words: str
+    """As a person would say it."""
+    kind: HappeningKind
+    do: Callable[[], None]
+    number: int = 0
+    """Of the goal, call, question or behaviour that it is about."""
+    stale: str = ""
+    """The key that goes stale."""
+    owner: str = ""
+    """The state in which this waits for time: entered again, or its tree gone round, it waits from the beginning."""
+    timer: tuple[tuple[str, Any], int] | None = None
+    """The timer that runs out: its key, and the order in which it was set; `goal` and a number for a goal's end."""

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The journal out of a recording, so that whatever reads journals reads recordings.
+
+Rule: what is missing or altered is said; a recording that was cut off is read as far as it goes, and says so.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.recording.recording import ENDING, check_name
+
+__all__ = ("Replayed", "is_mcap", "journal_of")
+
+MAGIC = b"\x89MCAP0\r\n"
+"""How a file begins; the MCAP specification."""
+
+
+class Replayed(NamedTuple):
+    """A journal, wherever it came from."""
+
+    path: Path
+    """A journal; it goes with the context if it came out of a recording."""
+    warning: str = ""
+    """What a reader should know: the recording was cut off."""
+
+
+def is_mcap(path: Path) -> bool:
+    """Whether a file is an MCAP file, by how it begins."""
+    if not path.is_file():  # a pipe would keep whoever opens it
+        return False
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MAGIC)) == MAGIC
+    except OSError:
+        return False
+
+
+@contextmanager
+def journal_of(given: Path | str) -> Iterator[Replayed]:
+    """The journal that a file is, or that a recording holds; for as long as the context lasts.
+
+    Raises:
+        DefinitionError: It is no recording of a run, or it is damaged; also from inside the context.
+        UsageError: The library that reads recordings is missing.
+    """
+    path = Path(given)
+    if not is_mcap(path) and (path.suffix != ENDING or not path.is_file()):
+        yield Replayed(path)
+        return
+    check_name(path if path.suffix == ENDING else path.with_suffix(ENDING))
+    from rai_missions.recording.mcap_reader import restore  # loads mcap
+
+    with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
+        journal = Path(folder) / "journal"
+        try:
+            yield Replayed(journal, restore(path, journal))
+        except DefinitionError as error:
+            raise DefinitionError(error.faults, error.source.replace(str(journal), str(path))) from None
+        except UsageError as error:
+            raise UsageError(str(error).replace(str(journal), str(path))) from None

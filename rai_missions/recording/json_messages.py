@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a recording says, as JSON: messages of the robot, pictures, steps, writes and lines for a log.
+
+Rule: pure. Whatever comes becomes JSON; what JSON has not, becomes the text that says it.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rai_missions.event import Image
+from rai_missions.mission.mission import Mission
+from rai_missions.recording.schemas import COMPRESSED_IMAGE, RAW_IMAGE, Schema
+from rai_missions.runtime.lifecycle import Status
+
+__all__ = ("image_in", "log_of", "picture_of", "plain", "stamp", "state_of", "status_of", "step_of", "write_of")
+
+Json = dict[str, Any]
+INFO, WARNING, ERROR = 2, 3, 4
+VERDICTS = ("question ", "fallback ")
+TRUTHS = {True: "true", False: "false", None: "unknown"}
+SHORT = 200
+
+
+def stamp(at_ns: int) -> Json:
+    """A time as Foxglove has it."""
+    sec, nsec = divmod(max(0, at_ns), 10**9)
+    return {"sec": sec, "nsec": nsec}
+
+
+def plain(value: Any) -> Any:
+    """Any value as JSON has it: bytes in base64, a picture by its reference, NaN and infinity as text."""
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, Mapping):
+        return {str(name): plain(item) for name, item in value.items()}
+    if isinstance(value, bytes | bytearray | memoryview):
+        return base64.b64encode(value).decode()
+    if isinstance(value, Image):
+        return {"picture": value.ref, "width": value.width, "height": value.height, "encoding": value.encoding}
+    if isinstance(value, Sequence):
+        return [plain(item) for item in value]
+    return str(value)
+
+
+def short(value: Any) -> str:
+    """A value in a line of bounded length."""
+    if isinstance(value, Image):
+        return value.ref
+    text = value if isinstance(value, str) else json.dumps(plain(value), ensure_ascii=False)
+    return text if len(text) <= SHORT else f"{text[: SHORT - 1]}…"
+
+
+def image_in(data: Any) -> Image | None:
+    """The picture that a message carries, if it carries one."""
+    if isinstance(data, Image):
+        return data
+    values = data.values() if isinstance(data, Mapping) else ()
+    return next((item for item in values if isinstance(item, Image)), None)
+
+
+def picture_of(image: Image, data: Any, at_ns: int) -> tuple[Schema, Json]:
+    """A picture as Foxglove shows it; its bytes are made here if nobody has asked for them before."""
+    header = data.get("header") if isinstance(data, Mapping) else None
+    frame = header.get("frame_id") if isinstance(header, Mapping) else None
+    said: Json = {"timestamp": stamp(at_ns), "frame_id": str(frame or "")}
+    pixels = base64.b64encode(image.data).decode()
+    if image.encoding != "rgb8":
+        return COMPRESSED_IMAGE, said | {"data": pixels, "format": image.encoding}
+    size = {"width": image.width, "height": image.height, "encoding": "rgb8", "step": image.width * 3}
+    return RAW_IMAGE, said | size | {"data": pixels}
+
+
+def write_of(key: str, value: Any, at: float) -> Json:
+    """A write of the blackboard."""
+    said: Json = {"key": key, "value": plain(value), "at": at, "text": short(value)}
+    if isinstance(value, bool | int) or (isinstance(value, float) and math.isfinite(value)):
+        said["number"] = float(value)
+    return said
+
+
+def status_of(status: Status, mission: Mission) -> Json:
+    """A status, with the innermost states as one text."""
+    return {
+        "revision": status.revision, "mode": status.mode, "control": status.control,
+        "state": state_of(status.active, mission), "active": list(status.active), "outcome": status.outcome or "",
+        "why": status.why,
+    }  # fmt: skip
+
+
+def state_of(active: Sequence[str], mission: Mission) -> str:
+    """The innermost of the active states, in one text."""
+    all_of_them = set(active)
+    return ", ".join(name for name in active if all_of_them.isdisjoint(mission.state(name).children()))
+
+
+def step_of(written: Json) -> Json:
+    """A step, out of its row in the journal (`journal.codec` says how it is written there)."""
+    event, moves, notes = written.get("event", {}), written.get("moves", []), written.get("notes", [])
+    return {
+        "seq": written["seq"], "at": written["at"],
+        "event": {
+            "name": event.get("name", ""), "kind": event.get("kind", "event"), "at": event.get("at", 0.0),
+            "number": event.get("number", 0), "data": event.get("data", {}),
+        },
+        "exited": [name for move in moves for name in move.get("exited", [])],
+        "entered": [name for move in moves for name in move.get("entered", [])],
+        "taken": [row for move in moves for row in move.get("taken", [])],
+        "guards": [{"place": place, "value": TRUTHS[truth]} for place, truth in written.get("guards", [])],
+        "verdicts": [note for note in notes if note.startswith(VERDICTS)],
+        "notes": [note for note in notes if not note.startswith(VERDICTS)],
+        "effects": [
+            {"name": name, "about": short(about)}
+            for effect in written.get("effects", [])
+            for name, about in effect.items()
+        ],
+        "outcome": written.get("outcome") or "", "why": written.get("why", ""),
+    }  # fmt: skip
+
+
+def log_of(step: Json, mission: str, at_ns: int) -> Json:
+    """A step in one line."""
+    left = [name for name in reversed(step["exited"]) if name not in step["entered"]]
+    way = f"{', '.join(left)} → {', '.join(step['entered'])}" if step["entered"] else ""
+    ended = f"{step['outcome']}: {step['why']}" if step["outcome"] else step["why"]
+    parts = [way.strip(), *step["verdicts"], *step["notes"], ended]
+    level = INFO
+    if step["outcome"] in ("failed", "aborted"):
+        level = ERROR
+    elif step["outcome"] == "canceled" or step["notes"]:
+        level = WARNING
+    message = " · ".join([f"{step['at']:.2f} s  {step['event']['name']}", *filter(None, parts)])
+    return {
+        "timestamp": stamp(at_ns), "level": level, "message": message, "name": "rai_missions", "file": mission,
+        "line": step["seq"],
+    }  # fmt: skip

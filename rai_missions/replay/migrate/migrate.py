@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes of the journal of a run that was cut short the beginning of another, in the mission as it is now.
+
+Rule: the new journal appears whole or not at all, and nothing is done before the old one says where the run went.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rai_missions.engine import Chart
+from rai_missions.engine.snapshot_json import packed
+from rai_missions.engine.step import StartGoal, Step
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.event import Event
+from rai_missions.guards.guard import Truth
+from rai_missions.journal import MIGRATED, Header, Journal, Record, opened, read
+from rai_missions.journal.sqlite import log_of
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot, dump_profile, missing, terms
+from rai_missions.replay.migrate.activities import carry
+from rai_missions.replay.migrate.blackboard import board
+from rai_missions.replay.migrate.configuration import stand
+from rai_missions.replay.migrate.map import Map
+from rai_missions.replay.migrate.names import Naming
+from rai_missions.replay.rebuild import default_ticker, mission_of, robot_of
+from rai_missions.replay.resume import Resumption, resumption
+
+__all__ = ("Migrated", "follow", "migrate")
+
+Predicates = Mapping[str, Callable[..., Truth]]
+
+
+class Migrated(NamedTuple):
+    """A run that has another mission now."""
+
+    journal: Path
+    mission: Mission
+    notes: tuple[str, ...]
+    """What begins anew there, is canceled or forgotten."""
+
+
+def migrate(
+    journal: str | Path, mission: Mission, map_: Map, *, to: str | Path, robot: Robot | None = None,
+    named: Predicates | None = None, source: str = "",
+) -> Migrated:  # fmt: skip
+    """Have a run that was cut short go on in a mission that has changed; nothing is started by this.
+
+    Args:
+        journal: Of the run.
+        mission: The mission as it is now, in which `check` finds no fault.
+        map_: What has become of what.
+        to: The new journal, which must not be there; `take_up` goes on with it.
+        robot: The profile as it is now; by default the journal's.
+        named: The predicates that guards name.
+        source: Where the map comes from, for what is said of its faults.
+
+    Raises:
+        DefinitionError: The map does not say enough, or what is not so.
+        UsageError: The run has ended, has not begun, or goes on elsewhere; or the new journal cannot be where it is to.
+    """
+    if Path(to).parent.resolve() != Path(journal).parent.resolve():  # `follow` looks nowhere else
+        sentence = (
+            f"{to} is in another folder than {journal}, and a run's journals know each other by their names alone"
+        )
+        raise UsageError(f"{sentence}: name a file beside it, and move both together afterwards")
+    with opened(journal) as record:
+        was = mission_of(record)
+        resumed = resumption(record, was, named=named)
+        if resumed.chart.mode in ("ready", "ended"):
+            said = "has not begun" if resumed.chart.mode == "ready" else f"has ended, {resumed.chart.outcome}"
+            raise UsageError(f"the run of {journal} {said}: there is nothing to go on with; start a new one")
+        profile = robot or robot_of(record)
+        naming = Naming(was, mission, map_)
+        chart = Chart(
+            mission, default_ticker(mission), terms=terms(profile) if profile is not None else None, named=named
+        )
+        data, at = _data(naming, resumed, chart, source), resumed.at
+        if profile is not None and (faults := [*missing(mission, profile), *_other(record, profile, resumed)]):
+            raise DefinitionError(faults, profile.name)
+        chart.absorb((), at=at, seq=resumed.chart.seq)
+        step = chart.send(Event("migrate", at, data, "command"))
+        if faults := _broken(chart):
+            raise DefinitionError(faults, source or mission.name)
+        with Journal.open(journal, seal=record.seal) as old:
+            _write(Path(to), _header(record, naming, profile, Path(to)), step)
+            with read(to) as new:
+                _leave(old, new)
+    return Migrated(Path(to), mission, tuple(data["notes"]))
+
+
+def follow(record: Record) -> None:
+    """Have the journal that a run comes from say where it went, if whoever migrated it died before that.
+
+    It is looked for beside this one only: no journal makes anybody read or write elsewhere.
+
+    Raises:
+        UsageError: That run went on meanwhile, or in another journal: this one counts no more.
+    """
+    name = record.header.migrated.get("journal", "")
+    origin = record.path.parent / name
+    if not name or Path(name).name != name or not origin.is_file():
+        return
+    with read(origin) as before:
+        went = [note.data for note in before.notes() if note.text == MIGRATED]
+        if went and isinstance(went[-1], Mapping) and went[-1].get("seal") == _birth(record):
+            return
+        if went or before.seal != record.header.migrated["seal"]:
+            sentence = f"the run of {origin} went on otherwise after {record.path} was made of it"
+            raise UsageError(f"{sentence}; this journal counts no more")
+        with Journal.open(origin, seal=before.seal) as old:
+            _leave(old, record)
+
+
+def _leave(old: Journal, new: Record) -> None:
+    """Say in a journal where its run has gone."""
+    data = {"journal": os.path.relpath(new.path, old.path.parent), "seal": _birth(new)}
+    old.note(MIGRATED, data)
+
+
+def _birth(record: Record) -> str:
+    """The hash of a journal's row 0, by which it is known wherever it is."""
+    return str(next(record.raw())[3])
+
+
+def _other(record: Record, now: Robot, resumed: Resumption) -> list[Fault]:
+    """What stands behind an action whose goal is under way must be what it was."""
+    was = robot_of(record)
+    started = {each.action for each in resumed.under.open.values() if isinstance(each, StartGoal)}
+    return [
+        Fault(f"/actions/{name}", "a goal of it is under way, and the profile has another action there now; leave it")
+        for name in sorted(started) if was is not None and was.actions.get(name) != now.actions.get(name)
+    ]  # fmt: skip
+
+
+def _data(naming: Naming, resumed: Resumption, chart: Chart, source: str) -> dict[str, Any]:
+    """What the step of the migration tells the chart.
+
+    Raises:
+        DefinitionError: The map does not say enough, or what is not so; every fault at once.
+    """
+    resumed.chart.settle_holds()
+    was = resumed.chart.snapshot()
+    found, lost = stand(naming, was, resumed.chart.active, chart)
+    known, unknown = board(naming, was["board"], resumed.at)
+    if faults := [*naming.faults(), *lost, *unknown]:
+        raise DefinitionError(faults, source)
+    carried = carry(naming, was, found, resumed.under)
+    if carried.faults:
+        raise DefinitionError(carried.faults, source)
+    return {
+        "stands": packed({**carried.stands, "board": known}),
+        "begins": [list(each) for each in carried.begins],
+        "under_way": packed(carried.under_way),
+        "accepted": sorted(resumed.under.accepted),
+        "notes": list(carried.notes),
+    }
+
+
+def _broken(chart: Chart) -> list[Fault]:
+    """The invariants of the other mission that are false where the run stands."""
+    return [
+        Fault(f"/invariants/{name}", f"it is false where the run would go on: {words}; give other values or states")
+        for name, words in chart.broken()
+    ]  # fmt: skip
+
+
+def _header(record: Record, naming: Naming, robot: Robot | None, to: Path) -> Header:
+    """Row 0 of the new journal: the same run, in the mission as it is now."""
+    header, keys = record.header, naming.now.blackboard
+    renamed = {naming.key(name): value for name, value in header.arguments.items()} | dict(naming.map.values)
+    arguments = {name: value for name, value in renamed.items() if name in keys and keys[name].source == "argument"}
+    origin = {
+        "journal": os.path.relpath(record.path, to.parent), "seal": record.seal, "mission": naming.was.name,
+        "version": naming.was.version, "map": json.dumps(naming.map.written()),
+    }  # fmt: skip
+    text = "" if naming.now.behaviours() else dump(naming.now)
+    profile = dump_profile(robot) if robot is not None else ""
+    return Header(text, profile, arguments, run=header.run, started=header.started, migrated=origin)
+
+
+def _write(path: Path, header: Header, step: Step) -> None:
+    """A journal with its first rows, or none."""
+    if path.exists():
+        raise UsageError(f"{path} is there already, and a journal is never overwritten; name another file")
+    part = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for left in (part, log_of(part), log_of(path)):
+            left.unlink(missing_ok=True)  # of somebody who died here, or whose journal was taken away without its log
+        try:
+            with Journal.create(part, header) as new:
+                new.write(step, since=step.at)
+            if log_of(part).exists():  # what could not be moved from it into the file would not get the file's name
+                raise UsageError(f"{path} cannot be written: the disk is full; make room, and migrate again")
+            part.rename(path)
+        except BaseException:
+            for left in (part, log_of(part)):
+                with suppress(OSError):
+                    left.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise UsageError(f"a journal cannot be written at {path}: {error.strerror}; name another file") from None

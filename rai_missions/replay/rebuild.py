@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A chart brought, from a journal's events, to where its run stood.
+
+Rule: the chart that is rebuilt is the chart that ran; nothing of a step is taken from the journal but its event.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.step import Step
+from rai_missions.errors import DefinitionError, Fault, MissionError
+from rai_missions.guards.guard import Truth
+from rai_missions.guards.named import Named
+from rai_missions.journal import Record, StepRow
+from rai_missions.mission.json_reader import parse_json
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot, parse_profile, terms
+from rai_missions.validation_errors import faults_of
+
+__all__ = ("JournalReplayer", "default_ticker", "mission_of", "robot_of")
+
+Predicates = Mapping[str, Callable[..., Truth]]
+
+
+class JournalReplayer:
+    """Does a run's steps again, one by one.
+
+    Args:
+        record: The journal.
+        mission: The mission of its run.
+        ticker: Who ticks trees; py_trees by default.
+        named: The predicates that guards name, for when the chart has been rebuilt; until then the journal says what
+            they said.
+    """
+
+    def __init__(
+        self, record: Record, mission: Mission, ticker: Trees | None = None, named: Predicates | None = None
+    ) -> None:
+        robot = robot_of(record)
+        self._source = str(record.path)
+        self._recorded = _Recorded(_names(mission), named or {})
+        self.chart = Chart(
+            mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
+            named=self._recorded.named,
+        )  # fmt: skip
+
+    def again(self, row: StepRow) -> Step:
+        """The step that the chart makes of a row's event.
+
+        Raises:
+            DefinitionError: The chart can make nothing of it: no run has brought such an event.
+        """
+        try:
+            return self._again(row)
+        except MissionError:
+            raise
+        except Exception as error:
+            sentence = f"no run brings such an event ({type(error).__name__}: {error}); it was altered"
+            raise DefinitionError([Fault(f"row {row.row}", sentence)], self._source) from error
+
+    def _again(self, row: StepRow) -> Step:
+        chart, step = self.chart, row.step
+        self._recorded.turn_to(step)
+        chart.absorb(row.before, at=row.since, seq=step.seq - 1)
+        if step.event.kind == "command" and step.event.name == "start":
+            return chart.start(step.event.at)
+        return chart.send(step.event)
+
+    def go_live(self) -> None:
+        """From now on the predicates themselves are asked."""
+        self._recorded.said = None
+
+
+class _Recorded:
+    """Predicates of the user's program, as the journal remembers what they said."""
+
+    def __init__(self, names: set[str], live: Predicates) -> None:
+        self.said: deque[tuple[str, Truth]] | None = deque()
+        self._live = live
+        self.named: dict[str, Callable[..., Truth]] = {name: self._asked(name) for name in names}
+
+    def turn_to(self, step: Step) -> None:
+        self.said = deque((place[6:], value) for place, value in step.guards if place.startswith("named:"))
+
+    def _asked(self, name: str) -> Callable[..., Truth]:
+        def say(known: Mapping[str, Any], **arguments: Any) -> Truth:
+            if self.said is None:
+                return self._live[name](known, **arguments)
+            if self.said and self.said[0][0] == name:
+                return self.said.popleft()[1]
+            return None
+
+        return say
+
+
+def default_ticker(mission: Mission) -> Trees | None:
+    """py_trees, for a mission that has a tree."""
+    if not any(state.word == "tree" for _, _, state in mission.walk()):
+        return None
+    from rai_missions.trees import PyTrees  # loads py_trees
+
+    return PyTrees()
+
+
+def mission_of(record: Record) -> Mission:
+    """The mission that a journal's run was of.
+
+    Raises:
+        DefinitionError: Row 0 holds none.
+    """
+    source = f"{record.path}, row 0"
+    if not record.header.mission:
+        sentence = "the mission has behaviours in Python and is not in its journal; give its file: --mission FILE.py"
+        raise DefinitionError([Fault("", sentence)], source)
+    data = parse_json(record.header.mission.encode("utf-8", "surrogatepass"), source)
+    try:
+        return Mission.model_validate(data)
+    except ValidationError as error:
+        raise DefinitionError(faults_of(error, Mission, data), source) from None
+
+
+def robot_of(record: Record) -> Robot | None:
+    """The profile that a journal's run was made with; None for a run without one."""
+    profile = record.header.profile
+    return parse_profile(profile, source=f"{record.path}, row 0") if profile else None
+
+
+def _names(value: Any) -> set[str]:
+    """The predicates that a mission, or a part of it, names, wherever it does."""
+    if isinstance(value, Named):
+        return {value.named}
+    if isinstance(value, BaseModel):
+        value = vars(value)
+    inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
+    return set().union(*(_names(item) for item in inside))

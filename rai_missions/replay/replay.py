@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run done again from its journal: the same events, so the same steps, or the first difference by name.
+
+Rule: every step is compared whole; the first difference ends it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.step import Step
+from rai_missions.journal import difference, read
+from rai_missions.mission.mission import Mission
+from rai_missions.replay.rebuild import JournalReplayer, mission_of
+
+__all__ = ("Replay", "replay")
+
+
+class Replay(NamedTuple):
+    """What came of a replay."""
+
+    steps: int
+    """How many were done again and were the same."""
+    difference: str = ""
+    """The first step that was not, in words; empty if all were."""
+    outcome: str | None = None
+    why: str = ""
+
+    @property
+    def holds(self) -> bool:
+        return not self.difference
+
+
+def replay(
+    path: Path | str,
+    ticker: Trees | None = None,
+    on_step: Callable[[Step], None] | None = None,
+    mission: Mission | None = None,
+) -> Replay:
+    """Do a journal's run again.
+
+    Args:
+        path: The journal.
+        ticker: Who ticks trees; py_trees by default.
+        on_step: Told of each step that was the same.
+        mission: The mission, where its journal does not hold it: one with behaviours written in Python.
+
+    Raises:
+        DefinitionError: The journal is damaged or altered; every fault with its row.
+        UsageError: There is no such journal.
+    """
+    with read(path) as record:
+        rebuilding = JournalReplayer(record, mission if mission is not None else mission_of(record), ticker)
+        chart, count = rebuilding.chart, 0
+        for row in record.entries():
+            got = rebuilding.again(row)
+            if found := difference(row.step, got):
+                return Replay(count, found, chart.outcome, chart.why)
+            count += 1
+            if on_step is not None:
+                on_step(got)
+        return Replay(count, "", chart.outcome, chart.why)

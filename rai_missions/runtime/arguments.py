@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The arguments of a run: what a mission takes, and whether what it is given fits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.keys import fits
+from rai_missions.mission.mission import Mission
+
+__all__ = ("accepted",)
+
+
+def accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The arguments of a run, if the mission takes them.
+
+    Raises:
+        DefinitionError: One that it does not take, does not fit, or is missing.
+    """
+    takes = {name for name, key in mission.blackboard.items() if key.source == "argument"}
+    faults = [
+        Fault(
+            f"/blackboard/{name}",
+            f"the mission takes no argument '{name}'; it takes: {', '.join(sorted(takes)) or 'none'}",
+        )
+        for name in arguments
+        if name not in takes
+    ]
+    for name in takes:
+        key = mission.blackboard[name]
+        if name in arguments and (why := fits(key, arguments[name])):
+            faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}"))
+        if name not in arguments and key.initial is None and not key.optional:
+            faults.append(Fault(f"/blackboard/{name}", f"the mission needs the argument '{name}'; give --set {name}=…"))
+    if faults:
+        raise DefinitionError(faults, mission.name)
+    return arguments

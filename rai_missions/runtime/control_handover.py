@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Has control handed over where the actuators are, and says there that the run goes on.
+
+Rule: who holds control is what the robot says. Where it says so on a source of its own, no reply of a service counts.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+from rai_missions.connectors.connector import Connector, Reply
+from rai_missions.event import Event
+from rai_missions.profile import Robot, ServiceEntry
+from rai_missions.runtime.lifecycle import is_operator
+
+__all__ = ("Handovers",)
+
+log = logging.getLogger(__name__)
+
+ANSWERED_S = 10.0
+"""A handover that is not answered by then has failed."""
+
+
+class Handovers:
+    """What a run has to do with control.
+
+    Args:
+        robot: The profile; without one whoever shall have control has it at once.
+        connector: How the robot is reached.
+        post: Where events go.
+        later: Has something done at an instant of the run's clock.
+        now: The run's clock.
+        lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
+    """
+
+    def __init__(
+        self, robot: Robot | None, connector: Connector | None, *, post: Callable[[Event], None],
+        later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
+        lost: Callable[[str, bool], None] = lambda to, is_refused: None,
+    ) -> None:  # fmt: skip
+        self._robot, self._connector = robot, connector
+        self._post, self._later, self._now, self._lost = post, later, now, lost
+        self._is_open = False
+        self.letting_go: bool | None = None
+        """True while an emergency stop waits for control to be with nobody; None where it never had to."""
+
+    def open(self) -> None:
+        """Say that the run goes on, from now on."""
+        self._is_open = True
+        self._say_alive()
+
+    def close(self) -> None:
+        """Say nothing more."""
+        self._is_open = False
+
+    def hand_over(self, to: str, by: str) -> None:
+        """Have control handed over; the acknowledgement comes back as an event."""
+        robot = self._robot
+        entry = robot.control.get(to) if robot is not None else None
+        if robot is not None and robot.holder is not None and entry is None:
+            log.warning("control does not go to %s: the profile's 'control' has no service for it", to)
+            self._lost(to, False)
+        elif entry is None or self._connector is None:
+            self._acknowledged(to, by)
+        else:
+            self._call(self._connector, entry, to, by, lambda: None)
+
+    def let_go(self, done: Callable[[], None]) -> None:
+        """The emergency stop has taken control from everybody: so it shall be where the actuators are.
+
+        Args:
+            done: Told when it is, or cannot be; from any thread. `letting_go` is false by then.
+        """
+        entry = self._robot.control.get("nobody") if self._robot is not None else None
+        if entry is None or self._connector is None or self.letting_go is not None:
+            return
+        self.letting_go = True
+
+        def over() -> None:
+            self.letting_go = False
+            done()
+
+        self._call(self._connector, entry, "nobody", "mission", over)
+        # A connector that breaks its promise, and never says that nobody answered, holds up no stop.
+        self._later(self._now() + 2 * ANSWERED_S, over)
+
+    def _call(self, connector: Connector, entry: ServiceEntry, to: str, by: str, done: Callable[[], None]) -> None:
+        def answered(reply: Reply) -> None:
+            if not entry.succeeded(reply.outcome, reply.data):
+                log.warning("control does not go to %s: %s", to, reply.why or reply.data.get("message", reply.outcome))
+                self._lost(to, reply.outcome == "succeeded")
+            elif self._robot is None or self._robot.holder is None:
+                self._acknowledged(to, by)
+            done()
+
+        service = entry.service.replace("{by}", "operator" if is_operator(by) else "agent")
+        try:
+            connector.call(service, entry.type, entry.request_of({}), answered=answered, timeout_s=ANSWERED_S)
+        except Exception:
+            log.exception("control could not be handed to %s", to)
+            self._lost(to, False)
+            done()
+
+    def _acknowledged(self, to: str, by: str) -> None:
+        self._post(Event(to, self._now(), {"by": by}, "control"))
+
+    def _say_alive(self) -> None:
+        entry = self._robot.alive if self._robot is not None else None
+        if entry is None or self._connector is None or not self._is_open:
+            return
+        try:
+            self._connector.publish(entry.topic, entry.type, {})
+        except Exception:
+            log.exception("nobody hears that the run goes on")
+        self._later(self._now() + entry.every_s, self._say_alive)

@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Carries out what steps ask for: goals, calls, messages, questions, handovers; and turns what comes back into events.
+
+Rule: it never waits and never judges. Each thing that comes back carries the number of what it answers.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from rai_missions.connectors.connector import Connector, Reply, SupportsPreconnect
+from rai_missions.engine.decision import Answerer, Question
+from rai_missions.engine.step import (
+    Ask,
+    CallService,
+    CancelGoal,
+    Effect,
+    Handover,
+    LogLine,
+    PublishMessage,
+    SayAloud,
+    StartBehaviour,
+    StartGoal,
+    StopBehaviour,
+    Withdraw,
+)
+from rai_missions.error_text import in_words
+from rai_missions.errors import MissionError
+from rai_missions.event import Event
+from rai_missions.journal.in_flight import InFlight
+from rai_missions.keys import Key
+from rai_missions.profile import Robot, plain
+from rai_missions.profile.endpoints import asked
+from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.runtime.behaviours import Behaviours
+from rai_missions.runtime.control_handover import Handovers
+from rai_missions.runtime.goals import Goals, outcome_of, told
+from rai_missions.runtime.observers import RobotListener
+from rai_missions.runtime.readings import SourceState
+from rai_missions.runtime.rivalry import Rivalry
+from rai_missions.states.tree import BehaviourLeaf
+
+__all__ = ("MISSION_LINE", "EffectExecutor")
+
+log = logging.getLogger(__name__)
+
+MISSION_LINE = "mission_line"
+"""Field of a log record whose text stands in the step as well."""
+LONGEST_ANSWER = 1_000_000
+"""Characters; a journal keeps every answer."""
+
+
+class EffectExecutor:
+    """The hands of a run.
+
+    Args:
+        run: The run's identity; goal ids are derived from it.
+        robot: The profile; without one every start and call is rejected.
+        connector: How the robot is reached.
+        answerers: Who answers questions, by name.
+        post: Where events go.
+        later: Has something done at an instant of the run's clock.
+        now: The run's clock.
+        wake: Has the run look again at what it waits for; from any thread.
+        leaves: The leaves of trees that are written in Python, by owner.
+        allow: Asks that control be handed to somebody for the mission; says why not, or nothing.
+        keys: The mission's.
+        note: Has a sentence written into the journal.
+        lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
+    """
+
+    def __init__(
+        self, *, run: str, robot: Robot | None, connector: Connector | None, answerers: Mapping[str, Answerer],
+        post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
+        allow: Callable[[str], str], wake: Callable[[], None] = lambda: None,
+        leaves: Mapping[str, BehaviourLeaf] | None = None,
+        keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
+        lost: Callable[[str, bool], None] = lambda to, is_refused: None,
+    ) -> None:  # fmt: skip
+        self._robot, self._connector = robot, connector
+        self._answerers, self._post, self._later, self._now = answerers, post, later, now
+        self._allow = allow
+        self.rivalry = Rivalry(robot, connector, wake)
+        self._goals = Goals(run, robot, connector, tell=self._event)
+        self._open: dict[int, str] = {}
+        self.handovers = Handovers(robot, connector, post=post, later=later, now=now, lost=lost)
+        self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
+        self._senses = RobotListener(robot, connector, post=post, later=later, now=now, keys=keys, note=note)
+        self._perform: Mapping[type, Callable[[Any], None]] = {
+            StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
+            PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
+            StartBehaviour: self._behaviours.start, StopBehaviour: self._behaviours.stop,
+            SayAloud: self._say, LogLine: lambda effect: log.info("%s", effect.text, extra={MISSION_LINE: True}),
+        }  # fmt: skip
+
+    @property
+    def holder(self) -> str | None:
+        """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
+        return self._senses.holder
+
+    def source(self, key: str) -> SourceState:
+        """What is known of the source of a robot key."""
+        return self._senses.source(key)
+
+    @property
+    def thinking(self) -> bool:
+        """Somebody is asked who has not answered at once: a model or a person, who needs real time."""
+        return bool(self._open)
+
+    def open(self) -> None:
+        """Start to listen to the robot, and have those found who will be asked."""
+        self._expect()
+        self._senses.open()
+        self.handovers.open()
+
+    def _expect(self) -> None:
+        connector: object = self._connector
+        if self._robot is not None and isinstance(connector, SupportsPreconnect):
+            for mode, name, type_name in asked(self._robot):
+                with suppress(MissionError):  # told when it is used
+                    connector.expect(mode, name, type_name)
+
+    def close(self) -> None:
+        """Stop listening, and take back every question."""
+        self._senses.close()
+        self._goals.close()
+        self.handovers.close()
+        self._behaviours.close()
+        for number in list(self._open):
+            self._withdraw(Withdraw(number))
+
+    def begin(self) -> None:
+        """The mission starts."""
+        self._senses.begin()
+
+    def perform(self, effects: tuple[Effect, ...]) -> None:
+        """Carry out the effects of a step, in order; what fails comes back as an event and does not stop the rest."""
+        for effect in effects:
+            self._guarded(effect, partial(self._perform[type(effect)], effect))
+
+    def leave(self, effects: tuple[Effect, ...], why: str) -> None:
+        """Carry out only what ends something; all else has failed."""
+        for effect in effects:
+            if isinstance(effect, CancelGoal | Withdraw | StopBehaviour):
+                self.perform((effect,))
+            else:
+                self._failed(effect, why)
+
+    def _guarded(self, effect: Effect, do: Callable[[], None]) -> None:
+        try:
+            do()
+        except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
+            why = in_words(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {in_words(error)}"
+            log.warning("not carried out: %.200s: %s", effect, why)
+            self._failed(effect, why)
+
+    def _failed(self, effect: Effect, why: str) -> None:
+        if isinstance(effect, StartGoal):
+            self._goals.give_up(effect.number, why)
+        elif isinstance(effect, CallService):
+            self._event("result", "unavailable", effect.number, {"why": why})
+        elif isinstance(effect, StartBehaviour):
+            self._event("behaviour", "behaviour", effect.number, {"status": "failure", "why": why})
+
+    def stop_everything(self) -> None:
+        """The run breaks off: end every goal that may still run, heard of or not."""
+        self.perform(self._goals.cut_off())
+
+    def take_up(self, under: InFlight, awaited: frozenset[int], wanted: frozenset[str], *, anew: bool) -> None:
+        """Go on with what an earlier process had under way, but for questions.
+
+        What nobody can tell the fate of, and may not be done twice, the mission hears of by the event `uncertain`.
+
+        Args:
+            under: What its journal leaves open.
+            awaited: The numbers that the mission still waits for.
+            wanted: Who must have control for what the mission waits with.
+            anew: The surroundings know of nothing that was done: a simulated world that starts again.
+        """
+        for number, effect in under.open.items():
+            if number in awaited and not isinstance(effect, Ask):
+                self._guarded(effect, partial(self._go_on, effect, under, anew=anew))
+                if number in under.canceled and isinstance(effect, StartGoal):
+                    self.perform((CancelGoal(number, effect.action),))
+        for unsure in under.unconfirmed:
+            if isinstance(unsure, PublishMessage):
+                self._guarded(unsure, partial(self._publish_again, unsure, anew=anew))
+            elif isinstance(unsure, SayAloud):
+                self.perform((unsure,))
+        if under.handover is not None and under.handover.to in wanted:
+            self.perform((under.handover,))
+
+    def ask_again(self, under: InFlight, questions: Iterable[Question]) -> None:
+        """Ask what an earlier process had asked and the mission still waits for.
+
+        Args:
+            under: What its journal leaves open.
+            questions: Those that are open, each with the time that it has by now.
+        """
+        self.perform(tuple(Ask(each) for each in questions if isinstance(under.open.get(each.number), Ask)))
+
+    def _go_on(self, effect: Effect, under: InFlight, *, anew: bool) -> None:
+        if anew:
+            self._perform[type(effect)](effect)
+        elif isinstance(effect, StartGoal):
+            self._senses.begin_action(effect.action, anew=False)
+            known = effect.number in under.accepted or effect.number in under.canceled
+            if not self._goals.take_up(effect, accepted=known):
+                self._doubt("action", effect.action, effect.number, "rejected")
+        elif isinstance(effect, CallService) and not self._may_repeat(effect):
+            self._doubt("call", effect.service, effect.number, "failed")
+        else:
+            self._perform[type(effect)](effect)
+
+    def _may_repeat(self, effect: CallService) -> bool:
+        entry = self._robot.services.get(effect.service) if self._robot is not None else None
+        return entry is None or entry.repeat
+
+    def _publish_again(self, effect: PublishMessage, *, anew: bool) -> None:
+        if anew or not self.is_doubtful(effect):
+            self._publish(effect)
+        else:
+            self._event("doubt", "uncertain", 0, {"what": "publish", "name": effect.topic})
+
+    def is_doubtful(self, effect: Effect) -> bool:
+        """It is a message that may not be published twice."""
+        entry = self._robot.topics.get(effect.topic) if self._robot and isinstance(effect, PublishMessage) else None
+        return entry is not None and not entry.repeat
+
+    def _doubt(self, what: str, name: str, number: int, outcome: str) -> None:
+        """Nobody can say whether it was done."""
+        self._event("doubt", "uncertain", 0, {"what": what, "name": name})
+        why = f"the run was killed, and nobody can say whether '{name}' was done"
+        self._event("result", outcome, number, {"why": why})
+
+    def answered(self, number: int) -> None:
+        """A question has its answer, from whomever: nobody else need think about it."""
+        if number in self._open:
+            self._withdraw(Withdraw(number))
+
+    def _event(self, kind: str, name: str, number: int, data: Mapping[str, Any]) -> None:
+        self._post(Event(name, self._now(), dict(data), kind, number))
+
+    # -- goals, calls and messages ------------------------------------------------------------------------------------
+
+    def _start(self, effect: StartGoal) -> None:
+        self._senses.begin_action(effect.action)
+        self._goals.start(effect)
+
+    def _cancel(self, effect: CancelGoal) -> None:
+        self._senses.end_action(effect.action)
+        self._goals.cancel(effect)
+
+    def _call(self, effect: CallService) -> None:
+        entry = self._robot.services.get(effect.service) if self._robot is not None else None
+        if entry is None or self._connector is None:
+            self._event("result", "unavailable", effect.number, {"why": f"no robot has a service '{effect.service}'"})
+            return
+
+        def answered(reply: Reply) -> None:
+            outcome, why = outcome_of(entry, reply)
+            self._event("result", outcome, effect.number, {**told(reply.data), **({"why": why} if why else {})})
+
+        request = entry.request_of(effect.request)
+        call = partial(
+            self._connector.call, entry.service, entry.type, request, answered=answered, timeout_s=effect.timeout_s
+        )
+        self._goals.behind_cancels(lambda: self._guarded(effect, call))
+
+    def _publish(self, effect: PublishMessage) -> None:
+        entry = self._robot.topics.get(effect.topic) if self._robot is not None else None
+        if entry is None or self._connector is None:
+            log.warning("nobody has a topic '%s'; its message is lost", effect.topic)
+            return
+        self._connector.publish(entry.topic, entry.type, entry.message_of(effect.message))
+
+    def _say(self, effect: SayAloud) -> None:
+        if self._robot is not None and "say" in self._robot.topics:
+            self._publish(PublishMessage("say", {"data": effect.text}))
+        log.info("says: %s", effect.text, extra={MISSION_LINE: True})
+
+    # -- questions and control ------------------------------------------------------------------------------------
+
+    def _ask(self, effect: Ask) -> None:
+        question = effect.question
+        answerer = self._answerers.get(question.asked)
+
+        def answer(data: Mapping[str, Any]) -> None:
+            late = {} if self._open.pop(question.number, None) is not None else {"late": True}
+            self._event("proposal", question.asked, question.number, {**_said(data), **late})
+
+        self._open[question.number] = question.asked
+        if answerer is None:
+            answer({"absent": f"nobody called '{question.asked}' is here"})
+            return
+        try:
+            answerer.ask(question.apart(), answer)
+        except Exception as error:  # whoever answers is not trusted to behave
+            log.exception("'%s' failed to take question %d", question.asked, question.number)
+            answer({"failed": f"{type(error).__name__}: {in_words(error)}"})
+
+    def _withdraw(self, effect: Withdraw) -> None:
+        asked = self._open.pop(effect.number, None)
+        answerer = self._answerers.get(asked) if asked is not None else None
+        if answerer is not None:
+            try:
+                answerer.withdraw(effect.number)
+            except Exception:
+                log.exception("'%s' failed to give question %d back", asked, effect.number)
+
+    def _request_control(self, effect: Handover) -> None:
+        if why := self._allow(effect.to):
+            log.warning("control does not go to %s: %s", effect.to, why)
+        else:
+            self.handovers.hand_over(effect.to, "mission")
+
+
+def _said(data: Any) -> Mapping[str, Any]:
+    """What somebody answers, as a journal can hold it; what is no answer has failed."""
+    try:
+        said = plain(data)
+        if isinstance(said, Mapping) and len(str(said)) <= LONGEST_ANSWER:
+            return said
+        why = "it is too long" if isinstance(said, Mapping) else f"{cut_repr(data, 60)} is no answer"
+    except Exception as error:  # noqa: BLE001 - whoever answers is not trusted to behave
+        why = cut(error, 300)
+    return {"failed": f"said what is no answer: {why}"}

@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The goals of a run, each from its start to its confirmed end: with a server, or composed of services and guards.
+
+Rule: a goal's id follows from run, owner and start, so that a run that goes on finds its goals again.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import uuid
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+from rai_missions.connectors.connector import Connector, Reply, Report
+from rai_missions.engine.step import CancelGoal, StartGoal
+from rai_missions.error_text import in_words
+from rai_missions.profile import ActionEntry, Robot, ServiceEntry, plain
+from rai_missions.redaction.cut import cut
+
+__all__ = ("Goals", "outcome_of", "told")
+
+log = logging.getLogger(__name__)
+
+CANCELED_S = 5.0
+"""How long other calls wait for the reply of the service that ends a composed action."""
+ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
+WATCHED = {"cancel_rejected": "refused", "contested": "contested", "stray": "stray", "over": "over"}
+"""What a connector reports of a goal beside its course → the kind of the event that tells the mission."""
+BAD_REPLIES = ("failed", "timed_out", "unavailable")
+
+
+class Goals:
+    """What was started and has not ended.
+
+    Args:
+        run: The run's identity.
+        robot: The profile; without one every start is rejected.
+        connector: How the robot is reached.
+        tell: Takes kind, name, number and data of an event.
+    """
+
+    def __init__(
+        self, run: str, robot: Robot | None, connector: Connector | None,
+        *, tell: Callable[[str, str, int, Mapping[str, Any]], None],
+    ) -> None:  # fmt: skip
+        self._run, self._robot, self._connector, self._tell = run, robot, connector, tell
+        self._ids: dict[int, str] = {}
+        self._composed: dict[str, CancelGoal] = {}
+        """Action → its last start: that it has ended is known to guards alone."""
+        self._entries: dict[int, ActionEntry] = {}
+        self._unwanted: set[int] = set()
+        """Goals whose end was asked for: while one is looked for, its server may know nothing of it yet."""
+        self._starting: set[int] = set()
+        """Composed actions whose `start` has not been answered: it may take effect after a later `cancel`."""
+        self._is_closed = False
+        self._lock = threading.Lock()
+        self._ending: set[int] = set()
+        self._behind: list[Callable[[], None]] = []
+
+    def goal_id(self, number: int, owner: str) -> str:
+        """The id under which a start's goal goes to its server."""
+        return uuid.uuid5(uuid.NAMESPACE_URL, f"{self._run}/{owner}/{number}").hex
+
+    def close(self) -> None:
+        """The run is over: what has not ended, or is accepted from now on, belongs to no state, and is canceled."""
+        self._is_closed = True
+        self.cut_off()
+
+    def start(self, effect: StartGoal) -> None:
+        """Send a goal; raises what the connector raises."""
+        entry = self._entry(effect.action)
+        if entry is None or self._connector is None:
+            self._end(effect.number, "rejected", {"why": f"no robot has an action '{effect.action}'"})
+        elif entry.action is None:
+            self._compose(entry, effect)
+        else:
+            self._send(entry, effect)
+
+    def _send(self, entry: ActionEntry, effect: StartGoal) -> None:
+        assert self._connector is not None and entry.action is not None
+        goal = entry.goal_of(effect.goal)
+        goal_id, report = self._sent(entry, effect)
+        self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, report=report)
+
+    def take_up(self, effect: StartGoal, *, accepted: bool) -> bool:
+        """Go on with a goal that an earlier process was to send.
+
+        Args:
+            effect: Its start.
+            accepted: Its server is known to have accepted it. That a connector took it to be sent says nothing: it may
+                have been waiting for the server.
+
+        Returns:
+            Whether its fate is known or will be told; False where nobody can say, and the robot was told to end it.
+        """
+        entry = self._entry(effect.action)
+        if entry is None or self._connector is None:
+            self.start(effect)
+        elif entry.action is not None:
+            self._find(entry, effect, accepted=accepted)
+        elif accepted:
+            self._composed[effect.action] = CancelGoal(effect.number, effect.action)
+        elif entry.repeat:
+            self.start(effect)
+        else:
+            if entry.cancel is not None:
+                self._connector.call(
+                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), answered=lambda reply: None
+                )
+            return False
+        return True
+
+    def _find(self, entry: ActionEntry, effect: StartGoal, *, accepted: bool) -> None:
+        """Ask its server; one never accepted, or that may be sent twice, is sent if the server knows nothing of it."""
+        assert self._connector is not None and entry.action is not None
+        goal_id, told_of = self._sent(entry, effect)
+
+        def report(said: Report) -> None:
+            if said.said != "lost" or (accepted and not entry.repeat):
+                told_of(said)
+            elif effect.number in self._unwanted:
+                self._end(effect.number, "canceled", {})
+            else:
+                self._send_again(entry, effect)
+
+        self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, report=report)
+
+    def _send_again(self, entry: ActionEntry, effect: StartGoal) -> None:
+        try:
+            self._send(entry, effect)
+        except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
+            self.give_up(effect.number, in_words(error))
+
+    def cancel(self, effect: CancelGoal) -> None:
+        """Ask for a goal's end; raises what the connector raises."""
+        entry = self._entry(effect.action)
+        if entry is None or self._connector is None:
+            return
+        self._unwanted.add(effect.number)
+        if entry.action is not None:
+            self._connector.cancel_goal(self._ids.get(effect.number, ""))
+        elif entry.cancel is None:
+            self._end(effect.number, "canceled", {})
+        else:
+            with self._lock:
+                self._ending.add(effect.number)
+            try:
+                self._connector.call(
+                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), timeout_s=CANCELED_S,
+                    answered=lambda reply: self._canceled(entry, effect, reply),
+                )  # fmt: skip
+            except Exception:
+                self._let_others_call(effect.number)
+                raise
+
+    def behind_cancels(self, call: Callable[[], None]) -> None:
+        """Call a service once every composed action that was canceled has had its reply.
+
+        A robot need not serve two services in the order in which they are called: one that stops it would end what the
+        other has just begun.
+        """
+        with self._lock:
+            if self._ending:
+                self._behind.append(call)
+                return
+        call()
+
+    def _let_others_call(self, number: int) -> None:
+        with self._lock:
+            self._ending.discard(number)
+            behind, self._behind = (self._behind, []) if not self._ending else ([], self._behind)
+        for call in behind:
+            call()
+
+    def give_up(self, number: int, why: str) -> None:
+        """A start could not be carried out; it may have arrived before the connector failed."""
+        if (goal_id := self._ids.get(number)) is not None and self._connector is not None:
+            with suppress(Exception):
+                self._connector.cancel_goal(goal_id)
+        self._end(number, "rejected", {"why": why})
+
+    def cut_off(self) -> tuple[CancelGoal, ...]:
+        """End every goal with a server, heard of or not; returns what ends the composed ones."""
+        for goal_id in list(self._ids.values()):
+            if self._connector is not None:
+                with suppress(Exception):  # the others must be stopped too
+                    self._connector.cancel_goal(goal_id)
+        return tuple(self._composed.values())
+
+    def _entry(self, action: str) -> ActionEntry | None:
+        return self._robot.actions.get(action) if self._robot is not None else None
+
+    def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, Callable[[Report], None]]:
+        """A goal's id, and whom its server tells."""
+        self._entries[effect.number] = entry
+        goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
+        return goal_id, lambda report: self._reported(effect, goal_id, report)
+
+    def _compose(self, entry: ActionEntry, effect: StartGoal) -> None:
+        """An action made of services: its `start` accepts, its guards end it, its `cancel` confirms."""
+        assert self._connector is not None and entry.start is not None
+        start = entry.start
+        self._composed[effect.action] = CancelGoal(effect.number, effect.action)
+
+        self._starting.add(effect.number)
+
+        def answered(reply: Reply) -> None:
+            self._starting.discard(effect.number)
+            outcome, why = outcome_of(start, reply)
+            if outcome == "succeeded":
+                self._accepted(effect, {})
+            else:
+                self._end(effect.number, "rejected", {"why": why or outcome})
+
+        self._connector.call(start.service, start.type, start.request_of(effect.goal), answered=answered)
+
+    def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
+        """A server has taken a goal; once the run is over, there is no state that could cancel it."""
+        self._tell("accepted", "accepted", effect.number, data)
+        if self._is_closed:
+            with suppress(Exception):  # a connector is not trusted to behave
+                self.cancel(CancelGoal(effect.number, effect.action))
+
+    def _canceled(self, entry: ActionEntry, cancel: CancelGoal, reply: Reply) -> None:
+        assert entry.cancel is not None
+        number, action = cancel
+        try:
+            outcome, why = outcome_of(entry.cancel, reply)
+            if outcome == "failed":
+                self._tell("refused", action, number, {"why": why} if why else {})
+            elif outcome == "succeeded" and number not in self._starting:
+                self._end(number, "canceled", {})
+        finally:
+            self._let_others_call(number)
+
+    def _reported(self, effect: StartGoal, goal_id: str, report: Report) -> None:
+        number = effect.number
+        if report.goal_id != goal_id:
+            log.warning("goal %d: what was said of the goal '%s' is not said of it", number, report.goal_id)
+        elif report.said == "accepted":
+            self._accepted(effect, told(report.data))
+        elif report.said == "feedback":
+            self._tell("feedback", "feedback", number, told(report.data))
+        elif report.said in ENDS:
+            outcome = "failed" if report.said == "lost" else report.said
+            why = {"why": in_words(report.why)} if report.why else {}
+            if report.said == "lost" and report.may_run:
+                self._tell("lost", effect.action, number, why)
+            self._end(number, outcome, {**self._result_of(number, report), **why})
+        elif report.said in WATCHED:
+            why = {"why": in_words(report.why)} if report.why else {}
+            self._tell(WATCHED[report.said], effect.action, number, {"owner": effect.owner, **why})
+        else:
+            log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.said)
+
+    def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
+        entry = self._entries.pop(number, None)
+        try:
+            return entry.result_of(report.data) if entry is not None else {}
+        except Exception as error:  # noqa: BLE001 - whatever a server tells, its goal has ended
+            return {"why": f"its result was not understood: {cut(error, 250)}"}
+
+    def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
+        self._ids.pop(number, None)
+        self._unwanted.discard(number)
+        self._starting.discard(number)
+        for action, cancel in list(self._composed.items()):
+            if cancel.number == number:
+                del self._composed[action]
+        self._tell("result", outcome, number, data)
+
+
+def outcome_of(entry: ServiceEntry, reply: Reply) -> tuple[str, str]:
+    """How a call ended by what its service says of replies, and why it did not succeed; another word is a failure."""
+    try:
+        good, why = entry.succeeded(reply.outcome, reply.data), reply.why or reply.data.get("message", "")
+        outcome = "succeeded" if good else reply.outcome if reply.outcome in BAD_REPLIES else "failed"
+    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
+        return "failed", f"its reply was not understood: {cut(error, 250)}"
+    return outcome, in_words(reply.why if good else why)
+
+
+def told(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """What came back, as a journal can hold it; what it cannot is named instead."""
+    try:
+        return dict(plain(data))
+    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
+        return {"why": f"what it said was not understood: {cut(error, 250)}"}

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two small fixed machines: the mode of a run, and who holds control of the actuators.
+
+Rule: this is the only place that knows `transitions`; no mission draws these states, and every agent reads them here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from collections.abc import Set as AbstractSet
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from transitions import Machine, MachineError
+
+from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine.step import Step
+from rai_missions.errors import UsageError
+from rai_missions.event import is_operator
+
+__all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
+
+NOTHING: Mapping[str, str] = MappingProxyType({})
+MODES = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
+CONTROLLERS = ("autonomy", "agent", "operator", "nobody")
+
+ALIVE = ["ready", "running", "paused", "canceling"]
+MODE_ROWS: list[dict[str, Any]] = [
+    {"trigger": "start", "source": ["ready"], "dest": "running"},
+    {"trigger": "pause", "source": ["running"], "dest": "paused"},
+    {"trigger": "resume", "source": ["paused"], "dest": "running"},
+    {"trigger": "cancel", "source": ["ready", "running", "paused"], "dest": "canceling"},
+    {"trigger": "canceled", "source": ["running", "canceling"], "dest": "canceled"},
+    {"trigger": "succeeded", "source": ["running"], "dest": "succeeded"},
+    {"trigger": "failed", "source": ["ready", "running"], "dest": "failed"},
+    {"trigger": "aborted", "source": ["running"], "dest": "aborted"},
+    {"trigger": "kill", "source": ALIVE, "dest": "aborted"},
+]
+CONTROL_ROWS: list[dict[str, Any]] = [
+    {"trigger": "hand_to_autonomy", "source": ["autonomy", "agent", "operator"], "dest": "autonomy"},
+    {"trigger": "hand_to_agent", "source": ["autonomy", "agent", "operator"], "dest": "agent"},
+    {"trigger": "hand_to_operator", "source": "*", "dest": "operator"},
+    {"trigger": "hand_to_nobody", "source": "*", "dest": "nobody"},
+]
+
+
+class Status(NamedTuple):
+    """What every other agent reads instead of remembering it."""
+
+    revision: int
+    """Counts every change; a reader with a lower one is out of date."""
+    mode: str
+    """One of `MODES`."""
+    control: str
+    """One of `CONTROLLERS`."""
+    active: tuple[str, ...]
+    """The active states in the order of the hierarchy: outer before inner, in document order."""
+    outcome: str | None = None
+    why: str = ""
+    waits: str = ""
+    """Which states wait for somebody to have control, in words; empty where none does."""
+    open_goals: tuple[OpenGoal, ...] = ()
+    """The goals that may still be executing although nothing waits for them: the robot may still move."""
+    held_by: str = ""
+    """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
+    held_since: float | None = None
+    """Since when, in seconds on the run's clock; None while it is not held."""
+
+
+def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:
+    """A flat machine in the only setting that is safe: no `to_…` shortcuts, an illegal trigger is an error."""
+    return Machine(
+        states=list(states), transitions=rows, initial=initial, auto_transitions=False, ignore_invalid_triggers=False
+    )
+
+
+def _waits(waiting: Mapping[str, str], holder: str, held_by: str) -> str:
+    """Nobody asks for control in the mission's name once it was taken away: who moved it had a reason."""
+    if held_by:
+        each = ", ".join(sorted(waiting))
+        return f"held until the operator gives control back; {holder} has it" + (f"; {each} waits" if each else "")
+    if not waiting:
+        return ""
+    each = ", ".join(f"{name} waits until control is with {wanted}" for name, wanted in sorted(waiting.items()))
+    return f"{each}; {holder} has it"
+
+
+class Control:
+    """Who holds control. It is handed over by request and acknowledgement; a command of anybody else is refused."""
+
+    def __init__(self, holder: str = "autonomy") -> None:
+        self._machine = _machine(CONTROL_ROWS, CONTROLLERS, holder)
+        self.requested: str | None = None
+        """Whom it was asked for and has not reached yet."""
+        self.kept = False
+        """The operator has taken it, rather than been given it by the mission; then only the operator gives it back.
+
+        It ends with the operator's hold, also where that ends elsewhere: at a gate, given back or lost by silence.
+        """
+
+    @property
+    def holder(self) -> str:
+        return str(self._machine.state)
+
+    def refuses(self, to: str, by: str) -> str:
+        """Why a handover may not be asked for; empty if it may.
+
+        Raises:
+            UsageError: Nobody of that name can hold control.
+        """
+        if to not in CONTROLLERS:
+            raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(CONTROLLERS)}")
+        if self.holder == "nobody" and not is_operator(by):
+            return "control is with nobody since the stop; only the operator can lift it"
+        if self.kept and not is_operator(by) and to != "nobody":
+            return "the operator has control and has not given it back"
+        return ""
+
+    def request(self, to: str, by: str) -> str:
+        """Ask for a handover; returns why not, or empty."""
+        why = self.refuses(to, by)
+        if not why:
+            self.requested = to
+            if is_operator(by):
+                self.kept = to == "operator"
+        return why
+
+    def acknowledge(self, to: str) -> None:
+        """The handover has happened where the actuators are.
+
+        Raises:
+            UsageError: It may not happen from here.
+        """
+        if self.holder == "nobody" and to == "nobody":
+            return
+        lifted, was_operators = self.holder == "nobody" and to != "operator", self.holder == "operator"
+        try:
+            if lifted:
+                self._machine.hand_to_operator()
+            getattr(self._machine, f"hand_to_{to}")()
+        except MachineError as error:
+            raise UsageError(f"control cannot go from '{self.holder}' to '{to}': {error}") from None
+        self.requested = None
+        if was_operators and to != "operator":
+            self.kept = False
+
+    def follow(self, holder: str, *, taken: bool) -> None:
+        """It is known who holds control, and whether by having taken it; what the operator asked for counts already.
+
+        Raises:
+            UsageError: It may not have happened from here.
+        """
+        if holder != self.holder:
+            self.acknowledge(holder)
+        self.kept = taken or (self.kept and self.requested == "operator")
+
+    def give_up(self, to: str) -> None:
+        """A handover that was asked for does not come."""
+        if self.requested == to:
+            self.requested = None
+            self.kept = self.kept and self.holder == "operator"
+
+
+class Lifecycle:
+    """The mode of one run, with its revision."""
+
+    def __init__(self) -> None:
+        self._machine = _machine(MODE_ROWS, MODES, "ready")
+        self.control = Control()
+        self.revision = 0
+        self._last: tuple[Any, ...] = ()
+
+    @property
+    def mode(self) -> str:
+        return str(self._machine.state)
+
+    def refuses(self, command: str) -> str:
+        """Why a command makes no sense now; empty if it does."""
+        if command not in self._machine.get_triggers(self.mode):
+            return f"the mission is {self.mode}; it cannot {command} now"
+        return ""
+
+    def observe(
+        self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
+        open_goals: tuple[OpenGoal, ...] = (), taken: bool = False, held_by: str = "", held_since: float | None = None,
+    ) -> Status | None:  # fmt: skip
+        """Follow a step; the new status if anything in it changed.
+
+        Args:
+            step: What has happened.
+            mode: The chart's: `ready`, `running`, `paused`, `canceling` or `ended`.
+            holder: Who holds control.
+            active: The active states, in the order in which they are to be shown; a set is sorted by name.
+            waiting: State → who must have control before what it does can go on.
+            open_goals: The goals that may still be executing although nothing waits for them.
+            taken: The operator holds control and has taken it.
+            held_by: Who holds the mission up; empty while it is not held.
+            held_since: Since when.
+
+        Raises:
+            UsageError: The step went a way that no mission may go.
+        """
+        target = step.outcome if mode == "ended" and step.outcome else mode
+        if target != self.mode:
+            self._go(target)
+        self.control.follow(holder, taken=taken)
+        outcome, why = step.outcome, step.why if step.outcome else ""
+        if self._last and self._last[3]:  # it has ended: what comes too late has a reason of its own
+            outcome, why = self._last[3:5]
+        waits = _waits(waiting, holder, held_by) if mode != "ended" else ""
+        shown = tuple(sorted(active) if isinstance(active, AbstractSet) else active)
+        status = (target, holder, shown, outcome, why, waits, open_goals, held_by, held_since)
+        if status == self._last:
+            return None
+        self._last = status
+        self.revision += 1
+        return Status(self.revision, *status)
+
+    def _go(self, target: str) -> None:
+        """Fire what leads there; a step that does much may pass through `running` or `canceling` on its way."""
+        triggers = {
+            "running": ("start", "resume"),
+            "paused": ("pause",),
+            "canceling": ("cancel",),
+            "aborted": ("aborted", "kill"),
+        }
+        ways: list[tuple[str, ...]] = [(last,) for last in triggers.get(target, (target,))]
+        ways += [(first, *way) for first in ("start", "resume", "cancel") for way in ways]
+        for way in ways:
+            if self._leads(way):
+                for trigger in way:
+                    getattr(self._machine, trigger)()
+                return
+        raise UsageError(f"a run cannot go from '{self.mode}' to '{target}'")
+
+    def _leads(self, way: tuple[str, ...]) -> bool:
+        mode = self.mode
+        for trigger in way:
+            found = [row["dest"] for row in MODE_ROWS if row["trigger"] == trigger and mode in row["source"]]
+            if not found:
+                return False
+            mode = found[0]
+        return True

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Listens to the robot as its profile says, and turns messages into blackboard writes and events.
+
+Rule: what it receives it passes on with its stamp; what it cannot understand is kept as such, and logged once a source.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import Close, Connector, Message, Reply
+from rai_missions.errors import ConnectorError
+from rai_missions.event import Event
+from rai_missions.keys import Key, fits
+from rai_missions.profile import EventSource, Robot, Source, unread, unsaid
+from rai_missions.redaction.cut import cut_repr
+from rai_missions.runtime.readings import Readings, SourceState, in_words
+
+__all__ = ("RobotListener",)
+
+log = logging.getLogger(__name__)
+
+Hear = Callable[[Message], None]
+Poll = tuple[str, str, float, str]
+"""Service, type, seconds between two questions, and the request as text."""
+
+
+class RobotListener:
+    """The ears and eyes of a run.
+
+    Args:
+        robot: The profile; without one nothing is heard.
+        connector: How the robot is reached.
+        post: Where events go.
+        later: Has something done at an instant of the run's clock.
+        now: The run's clock.
+        keys: The mission's, to whose types a reading is held before it counts as understood.
+        note: Has a sentence written into the journal.
+    """
+
+    def __init__(
+        self, robot: Robot | None, connector: Connector | None, *, post: Callable[[Event], None],
+        later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
+        keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
+    ) -> None:  # fmt: skip
+        self._robot, self._connector, self._keys, self._note = robot, connector, keys or {}, note
+        self._post, self._later, self._now = post, later, now
+        self._closes: list[Close] = []
+        self._open = False
+        self._puzzled: set[str] = set()
+        self._readings: defaultdict[str, Readings] = defaultdict(Readings)
+        self._before: dict[str, bool | None] = {}
+        self._under_way: set[str] = set()
+        """Actions that were begun and whose end was not asked for."""
+        self._polls: dict[Poll, tuple[Mapping[str, Any], list[Hear]]] = {}
+        self.holder = None if robot is None or robot.holder is None else ""
+        """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
+
+    def source(self, key: str) -> SourceState:
+        """What is known of the source of a robot key."""
+        readings = self._readings.get(key)
+        return readings.state if readings is not None else SourceState()
+
+    def open(self) -> None:
+        """Subscribe to topics and begin to ask services."""
+        if self._robot is None or self._connector is None:
+            return
+        self._open = True
+        for key, source in self._robot.blackboard.items():
+            self._listen(source, self._write_of(key, source))
+        for name, event in self._robot.events.items():
+            if not event.posted:
+                self._listen(event, self._event_of(name, event))
+        if self._robot.holder is not None:
+            self._listen(self._robot.holder, self._hear_holder(self._robot.holder))
+        for poll, (request, hears) in self._polls.items():
+            self._poll(poll, request, hears)
+
+    def begin(self) -> None:
+        """The mission starts: what was so before is no news to it yet, so an event that lasts happens anew."""
+        self._before.clear()
+
+    def begin_action(self, action: str, *, anew: bool = True) -> None:
+        """An action is about to begin: what is so now is no news during it, unless another process had begun it.
+
+        Args:
+            action: Its name.
+            anew: It begins now; else it goes on.
+        """
+        if self._robot is not None and anew:
+            self._before |= {name: True for name, event in self._robot.events.items() if event.during == action}
+        self._under_way.add(action)
+
+    def end_action(self, action: str) -> None:
+        """An action is asked to end: what the robot does about that is no event."""
+        self._under_way.discard(action)
+
+    def close(self) -> None:
+        """Hear nothing more."""
+        self._open = False
+        while self._closes:
+            try:
+                self._closes.pop()()
+            except Exception:
+                log.exception("a subscription could not be closed")
+        self._polls.clear()
+
+    def _listen(self, source: Source | EventSource, hear: Hear) -> None:
+        assert self._connector is not None
+        if source.topic is not None:
+            self._closes.append(self._connector.subscribe(source.topic, source.type, hear))
+        elif source.service is not None and source.every_s is not None:
+            poll = (source.service, source.type, source.every_s, json.dumps(source.request, sort_keys=True))
+            self._polls.setdefault(poll, (source.request, []))[1].append(hear)
+
+    def _poll(self, poll: Poll, request: Mapping[str, Any], hears: list[Hear]) -> None:
+        """Ask a service now, and again when the time has come; one question for all who want its answer."""
+        if not self._open or self._connector is None:
+            return
+
+        def answered(reply: Reply) -> None:
+            if reply.outcome == "succeeded":
+                message = Message(service, reply.data, self._now() - max(0.0, reply.age_s or 0.0), reply.age_s)
+                for hear in hears:
+                    hear(message)
+
+        service, type_name, every_s, _ = poll
+        try:
+            self._connector.call(service, type_name, request, answered=answered, timeout_s=every_s)
+        except Exception as error:  # noqa: BLE001 - a connector's fault is a robot not heard, never the run's end
+            self._puzzle(service, error)
+        self._later(self._now() + every_s, lambda: self._poll(poll, request, hears))
+
+    def _write_of(self, key: str, source: Source) -> Hear:
+        readings = self._readings[key]
+
+        def hear(message: Message) -> None:
+            now = self._now()
+            try:
+                if readings.receive(message.age_s, kept=message.kept):
+                    self._tell_offset(key, readings)
+                value = source.value(message.data, now)
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+                readings.misread(str(error))
+                self._puzzle(key, error)
+                return
+            if value is None:
+                readings.misread(unread(source, message.data))
+                self._miss(key, source, message.data)
+                return
+            stamp = _stamp(message, now)
+            if why := fits(self._keys[key], value) if key in self._keys else "":
+                readings.misread(why)
+            else:
+                readings.understood(now - stamp)
+            self._post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
+
+        return hear
+
+    def _tell_offset(self, key: str, readings: Readings) -> None:
+        """A source's stamps are off: its readings are stale too early, or as old as their receipt."""
+        offset_s = readings.offset_s
+        if offset_s is not None:
+            sentence = f"'{key}': {in_words(offset_s)}; mend the clock of what sends it, or what holds it up"
+            log.warning("%s", sentence)
+            self._note(sentence)
+
+    def _event_of(self, name: str, source: EventSource) -> Hear:
+        def hear(received: Message) -> None:
+            message = received.data
+            if source.during is not None and source.during not in self._under_way:
+                return
+            try:
+                fires = source.fires(message)
+                happens = source.happens(self._before.get(name), fires)
+                if happens or fires is None:
+                    self._miss(name, source, message)
+                self._before[name] = fires
+                if happens:
+                    self._post(Event(name, self._now(), source.payload(message)))
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+                self._puzzle(name, error)
+
+        return hear
+
+    def _hear_holder(self, source: Source) -> Hear:
+        def hear(message: Message) -> None:
+            try:
+                holder = source.value(message.data)
+                if not isinstance(holder, str):
+                    raise ConnectorError(f"{cut_repr(holder, 60)} stands where the name of who holds control belongs")
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+                self._puzzle("holder", error)
+                return
+            if holder != self.holder:
+                self.holder = holder
+                self._post(Event(holder, self._now(), {"by": "robot"}, "control"))
+
+        return hear
+
+    def _miss(self, name: str, source: Source | EventSource, message: Mapping[str, Any]) -> None:
+        """What was sought is not in a message: it has no place there, which is told once, or was left open."""
+        if name not in self._puzzled and (why := unsaid(source, message)):
+            self._puzzled.add(name)
+            log.warning("'%s': %s", name, why)
+
+    def _puzzle(self, name: str, error: Exception) -> None:
+        if name not in self._puzzled:
+            self._puzzled.add(name)
+            log.warning("'%s' was not understood and counts as not heard: %s", name, error)
+
+
+def _stamp(message: Message, now: float) -> float:
+    """When a reading that is received now was so, on the run's clock.
+
+    Its age says it, whatever clock the connector counts by; a connector that gives none gives an instant of the run's.
+    """
+    if message.age_s is not None and math.isfinite(message.age_s):
+        return now - max(0.0, message.age_s)
+    return min(message.at, now) if math.isfinite(message.at) else now

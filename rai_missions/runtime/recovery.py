@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a process goes on with a run that another was killed in: what was under way first, then what is so now.
+
+Rule: nobody is asked, and nothing is decided, on what the robot said before the process died.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rai_missions.engine import Chart
+from rai_missions.engine.step import StartGoal
+from rai_missions.event import Event
+from rai_missions.journal.buffer import BufferedWriter
+from rai_missions.keys import fits, stale_at
+from rai_missions.replay.resume import Resumption
+from rai_missions.runtime.effects import EffectExecutor
+
+__all__ = ("ResyncWindow", "resume_effects")
+
+
+def resume_effects(resumed: Resumption, performer: EffectExecutor, scribe: BufferedWriter) -> None:
+    """Go on with what was under way, and write down what was done again; raises what the journal raises."""
+    chart, under = resumed.chart, resumed.under
+    performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.anew)
+    for seq, effects in under.unsure.items():
+        if resumed.anew or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):
+            scribe.settle(seq, "performed" if resumed.anew else "in doubt")
+        elif not any(performer.is_doubtful(each) for each in effects):
+            scribe.settle(seq, "repeated")
+
+
+class ResyncWindow:
+    """What a resumed process receives of the robot, until all that was known has been received again.
+
+    The first value of each fact that was known is the one with which the run goes on: it counts from the beginning.
+    Whatever else arrives waits, each event with the instant of its arrival.
+
+    Args:
+        chart: Where the run stood.
+        now: The instant on the run's clock from which it goes on.
+    """
+
+    def __init__(self, chart: Chart, now: float) -> None:
+        self._keys, board = chart.mission.blackboard, chart.view.board
+        known = {name: entry for name, entry in board.items() if self._keys[name].source == "robot"}
+        waits = chart.mode not in ("ready", "ended")
+        self._missing = {
+            name: stale_at(self._keys[name], entry) - entry.at
+            for name, entry in known.items()
+            if waits and now < stale_at(self._keys[name], entry) < math.inf
+        }
+        self._known, self._start, self._patience_s = known.keys(), now, chart.mission.ready_s
+        self.heard: dict[str, tuple[object, float]] = {}
+        """Key → its first value and stamp."""
+        self.rest: list[Event] = []
+        """Whatever else has happened meanwhile, in the order of its arrival."""
+
+    @property
+    def until(self) -> float:
+        """When it has waited long enough: a key that need not be there is missed for as long as it would last."""
+        if any(not self._keys[name].optional for name in self._missing):
+            return self._start + self._patience_s
+        return self._start + min(self._patience_s, max(self._missing.values(), default=-math.inf))
+
+    def take(self, event: Event) -> None:
+        """Something has come."""
+        value, is_first = event.data.get("value"), event.name in self._known and event.name not in self.heard
+        if event.kind != "write" or not is_first or fits(self._keys[event.name], value):
+            self.rest.append(event)
+            return
+        self.heard[event.name] = (value, min(float(event.data.get("stamp", event.at)), event.at))
+        self._missing.pop(event.name, None)
+
+    def event(self, present: float) -> Event:
+        """The step with which the run goes on, at the instant from which it does: what waits happens after it.
+
+        Args:
+            present: Now: nothing that the run asks for while it catches up is carried out before.
+        """
+        heard = {name: list(each) for name, each in self.heard.items()}
+        return Event("take_up", self._start, {"heard": heard, "present": present}, "command")

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a transition, an entry or an exit does, as an author writes it.
+
+Rule: `set`, `raise` and `drop` are part of the step; the others are told to the robot after it, and never waited for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.model import Json, Name, Number, Path, Seconds, TaggedModel, Text, fault
+
+__all__ = ("Call", "Drop", "Effect", "Log", "Publish", "Raise", "Say", "Set", "filled", "references")
+
+
+class Effect(TaggedModel, family="effect"):
+    """Something done in passing."""
+
+    def words(self) -> str:
+        """As a person would say it, in a line."""
+        raise NotImplementedError
+
+
+class Set(Effect, word="set"):
+    """Writes a key of the mission: a value, another key's value, or its own plus a number."""
+
+    positional: ClassVar = ("set", "value")
+
+    set: Name
+    value: Json = None
+    from_: Path | None = Field(default=None, alias="from")
+    add: Number | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        given = [word for word in ("value", "from_", "add") if getattr(self, word) is not None]
+        if len(given) != 1:
+            raise fault("set", f"'set' takes one of value, from, add; this has {len(given)}")
+        return self
+
+    @property
+    def source(self) -> str | None:
+        """The path that the value is read from, if it is not written here."""
+        if self.from_ is not None:
+            return self.from_
+        if isinstance(self.value, Mapping) and set_of(self.value) == {"from"}:
+            return str(self.value["from"])
+        return None
+
+    def words(self) -> str:
+        if self.add is not None:
+            return f"{self.set} += {self.add:g}"
+        value = str(self.value).lower() if isinstance(self.value, bool) else self.value
+        return f"{self.set} := {self.source or value}"
+
+
+def set_of(mapping: Mapping[str, Any]) -> frozenset[str]:
+    """The words of an object."""
+    return frozenset(mapping)
+
+
+class Raise(Effect, word="raise"):
+    """Raises a declared event: at once inside the step, or from outside after a while."""
+
+    positional: ClassVar = ("event",)
+
+    event: Name = Field(alias="raise")
+    after_s: Seconds | None = None
+    id: Name | None = None
+    """What `drop` calls it by; a second one of the same id replaces the first."""
+    data: dict[str, Json] = Field(default_factory=dict)
+
+    def words(self) -> str:
+        return f"raise {self.event}" + (f" after {self.after_s:g} s" if self.after_s is not None else "")
+
+
+class Drop(Effect, word="drop"):
+    """Takes back a delayed `raise` that has not come yet."""
+
+    positional: ClassVar = ("drop",)
+
+    drop: Name
+
+    def words(self) -> str:
+        return f"drop {self.drop}"
+
+
+class Call(Effect, word="call"):
+    """Calls a service of the profile; its failure raises `call_failed`."""
+
+    positional: ClassVar = ("call", "request")
+
+    call: Name
+    request: dict[str, Json] = Field(default_factory=dict)
+
+    def words(self) -> str:
+        return f"call {self.call}"
+
+
+class Publish(Effect, word="publish"):
+    """Publishes a message on a topic of the profile."""
+
+    positional: ClassVar = ("publish", "message")
+
+    publish: Name
+    message: dict[str, Json] = Field(default_factory=dict)
+
+    def words(self) -> str:
+        return f"publish {self.publish}"
+
+
+class Say(Effect, word="say"):
+    """Says a sentence to whoever is near."""
+
+    positional: ClassVar = ("say",)
+
+    say: Text
+
+    def words(self) -> str:
+        return f"say “{self.say}”"
+
+
+class Log(Effect, word="log"):
+    """Writes a line to the journal."""
+
+    positional: ClassVar = ("log",)
+
+    log: Text
+
+    def words(self) -> str:
+        return f"log “{self.log}”"
+
+
+def references(template: Any) -> Iterator[str]:
+    """The paths that a template takes values from."""
+    if isinstance(template, Mapping):
+        if set_of(template) == {"from"} and isinstance(template["from"], str):
+            yield template["from"]
+        else:
+            for item in template.values():
+                yield from references(item)
+    elif isinstance(template, list | tuple):
+        for item in template:
+            yield from references(item)
+
+
+def filled(template: Any, view: View, site: Site) -> Any:
+    """A template with each `{"from": path}` replaced by the value there now; None where it is unknown."""
+    if isinstance(template, Mapping):
+        if set_of(template) == {"from"} and isinstance(template["from"], str):
+            return Operand(template["from"], site).read(view)
+        return {name: filled(item, view, site) for name, item in template.items()}
+    if isinstance(template, list | tuple):
+        return [filled(item, view, site) for item in template]
+    return template

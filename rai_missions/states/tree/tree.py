@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A state that runs a behaviour tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, model_validator
+
+from rai_missions.model import OneOf, fault
+from rai_missions.states.state import State
+from rai_missions.states.tree.behaviour import BehaviourLeaf, factory_name
+from rai_missions.states.tree.node import TreeNode, depth, tree_paths
+
+__all__ = ("Tree",)
+
+DEEPEST = 100
+"""Objects and lists within one another; each node of a tree costs two of them."""
+
+
+def _shallow(given: Any) -> Any:
+    if (found := depth(given)) > DEEPEST:
+        raise fault(
+            "depth", f"the tree is nested {found} deep, and at most {DEEPEST} can be read; make states of its parts"
+        )
+    return given
+
+
+class Tree(State, word="tree"):
+    """Runs a behaviour tree; its success and failure are the outcomes."""
+
+    positional: ClassVar = ("tree",)
+
+    tree: Annotated[OneOf[TreeNode], BeforeValidator(_shallow)]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_factory(cls, words: Any) -> Any:
+        """In Python `Tree(factory, tick_s=0.1)` runs one behaviour of the user's program."""
+        factory = words.get("tree") if isinstance(words, Mapping) else None
+        if not callable(factory):
+            return words
+        given = {"tick_s": words["tick_s"]} if "tick_s" in words else {}
+        rest = {word: said for word, said in words.items() if word != "tick_s"}
+        return {**rest, "tree": BehaviourLeaf(factory, **given)}
+
+    def outcomes(self) -> frozenset[str]:
+        return super().outcomes() | {"succeeded", "failed"}
+
+    def program(self) -> str:
+        leaves = (node for _, node in tree_paths(self.tree) if isinstance(node, BehaviourLeaf))
+        return next((factory_name(leaf.factory) for leaf in leaves), "")
+
+    def activity(self) -> str:
+        return "tree"

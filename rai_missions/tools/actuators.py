@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What acts: publishing, calling services, and actions from their start to their confirmed end.
+
+Rule: the words say what became of it, and never more than the robot confirmed.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import Data, Reply
+from rai_missions.errors import UsageError
+from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.tools.access import Reach, until
+from rai_missions.tools.goals import Goals, Standing
+from rai_missions.tools.result import Said
+
+__all__ = ("Acting",)
+
+LONGEST_MESSAGE = 100_000
+"""Characters of a message, request or goal, as JSON."""
+REPLIES: Mapping[str, str] = {
+    "succeeded": "answered",
+    "failed": "FAILED",
+    "timed_out": "did NOT ANSWER in time, and whether it did what was asked is unknown",
+    "unavailable": "is NOT THERE, and nothing was done",
+}
+
+
+class Acting:
+    """The tools that act.
+
+    Args:
+        reach: The way to the robot.
+        goals: The goals that were started.
+    """
+
+    def __init__(self, reach: Reach, goals: Goals) -> None:
+        self._reach, self._goals = reach, goals
+
+    def publish_message(self, topic: str, message: Data, *, type_name: str = "", timeout_s: float = 2.0) -> Said:
+        fields = _checked("message", message)
+        found = self._reach.type_of("topics", topic, type_name, until(timeout_s), "write")
+        self._reach.publish(topic, found, fields)
+        words = f"The message was published on {topic}; whether anybody heard it is unknown."
+        return Said(words, {"topic": topic, "type": found, "message": fields})
+
+    def call_service(
+        self, service: str, request: Data | None = None, *, timeout_s: float = 5.0, type_name: str = ""
+    ) -> Said:
+        fields = _checked("request", request or {})
+        ends = until(timeout_s)
+        found = self._reach.type_of("services", service, type_name, ends, "write")
+        reply = self._reach.call(service, found, fields, timeout_s)
+        done = reply.outcome == "succeeded" and reply.data.get("success") is not False
+        words = f"The service {service} {self._ended(reply)}."
+        facts = {word: item for word, item in (("reply", reply.data), ("why", reply.why)) if item}
+        data = {"service": service, "outcome": reply.outcome, "done": done, "reply": reply.data, "why": reply.why}
+        return Said(words, data, facts or None)
+
+    def _ended(self, reply: Reply) -> str:
+        if reply.outcome == "succeeded" and reply.data.get("success") is False:
+            return "answered that it did NOT do it (success: false)"
+        return REPLIES[reply.outcome]
+
+    def start_action(
+        self, action: str, goal: Data | None = None, *, timeout_s: float = 5.0, type_name: str = ""
+    ) -> Said:
+        fields = _checked("goal", goal or {})
+        ends = until(timeout_s)
+        found = self._reach.type_of("actions", action, type_name, ends, "write")
+        return _told(self._goals.start(action, found, fields, ends))
+
+    def watch_action(self, goal_id: str = "", *, timeout_s: float = 0.0) -> Said:
+        if goal_id:
+            return _told(self._goals.watch(goal_id, until(timeout_s)))
+        every = self._goals.all()
+        facts = {standing.goal_id: f"{standing.action}: {standing.state}" for standing in every}
+        return Said(f"{len(every)} goals were started.", {"goals": [standing.data() for standing in every]}, facts)
+
+    def cancel_action(self, goal_id: str, *, timeout_s: float = 5.0) -> Said:
+        return _told(self._goals.cancel(goal_id, until(timeout_s)))
+
+
+def _told(standing: Standing) -> Said:
+    said = (("result", standing.result), ("newest feedback", standing.feedback), ("why", standing.why))
+    facts = {word: item for word, item in said if item}
+    words = standing.words()
+    return Said(f"{words[0].upper()}{words[1:]}.", standing.data(), facts or None)
+
+
+def _checked(what: str, given: Any) -> dict[str, Any]:
+    """What a message, request or goal is made of; a model may send anything."""
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
+        raise UsageError(f"{what}: {cut_repr(given, 60)} stands where an object with fields belongs")
+    try:
+        length = len(json.dumps(given, default=lambda item: "x" * len(item) if isinstance(item, bytes) else str(item)))
+    except (TypeError, ValueError, RecursionError) as fault:
+        raise UsageError(f"{what}: it is no plain data: {cut(fault, 80)}") from None
+    if length > LONGEST_MESSAGE:
+        raise UsageError(f"{what}: {length} characters; {LONGEST_MESSAGE} are the most")
+    return dict(given)

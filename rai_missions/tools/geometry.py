@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What measures: where a frame lies in another, and how far away detected objects are.
+
+Rule: nothing here changes anything on the robot; what cannot be measured is unknown, with the reason.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rai_missions.connectors.connector import Message
+from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.tools.access import Heard, Reach, until
+from rai_missions.tools.detections import Detection, detections_of
+from rai_missions.tools.latest import Latest
+from rai_missions.tools.ranging import Camera, Range, camera_of, cloud_points, depth_points, ranged
+from rai_missions.tools.result import Said
+from rai_missions.tools.transforms import Found, Frames, Transform
+
+__all__ = ("Measuring",)
+
+log = logging.getLogger(__name__)
+
+TF_TYPE = "tf2_msgs/msg/TFMessage"
+TOPICS = (("/tf", False), ("/tf_static", True))
+
+
+class Measuring:
+    """The tools that measure.
+
+    Args:
+        reach: The way to the robot.
+    """
+
+    def __init__(self, reach: Reach) -> None:
+        self._reach = reach
+        self._frames = Frames()
+        self._news: Latest[int] = Latest()
+        self._closes: list[Callable[[], None]] = []
+        self._count = 0
+
+    def stop(self) -> None:
+        """Listen to no transforms any more."""
+        closes, self._closes = self._closes, []
+        for close in closes:
+            close()
+
+    def get_transform(
+        self, target: str, source: str, *, at_s: float | None = None, max_age_s: float | None = None,
+        timeout_s: float = 2.0,
+    ) -> Said:  # fmt: skip
+        target, source = target.lstrip("/"), source.lstrip("/")
+        found = self._lookup(target, source, at_s, until(timeout_s))
+        age_s = None if found.heard_at is None else max(0.0, self._reach.now() - found.heard_at)
+        if max_age_s is not None and age_s is not None and age_s > max_age_s:
+            raise ConnectorError(
+                f"'{source}' in '{target}' was last heard {age_s:.2f} s ago, more than {max_age_s:g} s"
+            )
+        (x, y, z), (qx, qy, qz, qw) = found.transform
+        data = {
+            "target": target, "source": source, "translation": {"x": x, "y": y, "z": z},
+            "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
+            "yaw": math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)),
+            "stamp_s": found.at, "age_s": age_s,
+        }  # fmt: skip
+        when = "it does not change" if age_s is None else f"heard {age_s:.2f} s ago"
+        words = f"The pose of the frame '{source}' in '{target}' (metres, radians), {when}:"
+        return Said(words, data, {word: data[word] for word in ("translation", "rotation", "yaw", "stamp_s")})
+
+    def get_distance_to_objects(
+        self, detections_topic: str, *, depth_topic: str = "", cloud_topic: str = "", camera_info_topic: str = "",
+        names: Sequence[str] = (), max_age_s: float | None = 2.0, max_apart_s: float = 0.5, timeout_s: float = 5.0,
+    ) -> Said:  # fmt: skip
+        if bool(depth_topic) == bool(cloud_topic):
+            raise UsageError("say one of depth_topic and cloud_topic: what the distances are measured with")
+        if depth_topic and not camera_info_topic:
+            raise UsageError("a depth image needs its camera_info_topic")
+        depth, ends = depth_topic or cloud_topic, until(timeout_s)
+        wanted = {detections_topic: "", depth: "", **({camera_info_topic: ""} if camera_info_topic else {})}
+        oldest_s = math.inf if max_age_s is None else max_age_s
+
+        def fault(heard: Mapping[str, Heard]) -> str:
+            return _misfit(heard, wanted, (detections_topic, depth), oldest_s, max_apart_s)
+
+        heard = self._reach.hear(wanted, ends, lambda so_far: not fault(so_far))
+        if why := fault(heard):
+            return Said(f"The distances are unknown: {why}.", {"objects": [], "why": why})
+        camera = camera_of(heard[camera_info_topic].data) if camera_info_topic else None
+        found = [each for each in detections_of(heard[detections_topic].data) if not names or each.name in names]
+        look = self._sight(heard[depth], heard.get(camera_info_topic), camera, is_cloud=not depth_topic, ends=ends)
+        objects = [_object(each, look(each)) for each in found]
+        age_s = max(heard[topic].age_s for topic in (detections_topic, depth))
+        some = f"{len(objects)} objects were detected" if objects else "No such object was detected"
+        words = f"{some}, {age_s:.2f} s ago; distances in metres from the camera, null where unknown:"
+        return Said(words, {"objects": objects, "age_s": age_s, "why": ""}, objects)
+
+    def _sight(
+        self, seen: Heard, info: Heard | None, camera: Camera | None, *, is_cloud: bool, ends: float
+    ) -> Callable[[Detection], Range]:
+        """What measures a detection's box."""
+        if not is_cloud and camera is not None:
+            return lambda each: ranged(*depth_points(seen.data, camera, each.box))
+        cloud_frame, camera_frame = _frame(seen), _frame(info) if info is not None else ""
+        move: Transform | None = None
+        if cloud_frame and camera_frame and cloud_frame != camera_frame:
+            move = self._lookup(camera_frame, cloud_frame, None, ends).transform
+        return lambda each: ranged(*cloud_points(seen.data, camera, each.box, move))
+
+    def _lookup(self, target: str, source: str, at: float | None, ends: float) -> Found:
+        """A transform, as soon as it is known."""
+        self._listen(ends)
+        while True:
+            count = self._count
+            try:
+                return self._frames.lookup(target, source, at)
+            except UsageError:
+                if time.monotonic() >= ends:
+                    raise
+            self._wait_for_news(count, ends)
+
+    def _wait_for_news(self, seen: int, ends: float) -> None:
+        news = self._reach.waiting(self._news)
+        try:
+            news.wait(ends, lambda now: now > seen)
+        finally:
+            self._reach.done(news)
+
+    def _listen(self, ends: float) -> None:
+        """Listen to the transforms, from the first time on that they are asked for."""
+        for topic, _ in TOPICS:
+            self._reach.allowed.check(topic, "read")
+        if self._closes:
+            return
+        for topic, is_static in TOPICS:
+            close, _ = self._reach.subscribe(topic, TF_TYPE, self._hears(is_static=is_static), ends)
+            self._closes.append(close)
+
+    def _hears(self, *, is_static: bool) -> Callable[[Message], None]:
+        def hear(message: Message) -> None:
+            try:
+                self._frames.hear(message.data, is_static=is_static, heard_at=self._reach.now())
+            except ConnectorError as fault:
+                log.info("a transform is not taken in: %s", fault)
+            self._count += 1
+            self._news.put(self._count)
+
+        return hear
+
+
+def _misfit(
+    heard: Mapping[str, Heard], wanted: Mapping[str, str], pair: tuple[str, str], oldest_s: float, apart_s: float
+) -> str:
+    """Why what was heard does not fit together (yet); empty if it does."""
+    for topic in wanted:
+        if topic not in heard:
+            return f"nothing was heard on {topic}"
+    for topic in pair:
+        if heard[topic].age_s > oldest_s:
+            return f"what was heard on {topic} is {heard[topic].age_s:.2f} s old"
+    gap_s = abs(heard[pair[0]].at - heard[pair[1]].at)
+    return f"{pair[0]} and {pair[1]} are {gap_s:.2f} s apart" if gap_s > apart_s else ""
+
+
+def _frame(heard: Heard) -> str:
+    header = heard.data.get("header")
+    return str(header.get("frame_id", "")).lstrip("/") if isinstance(header, Mapping) else ""
+
+
+def _object(detection: Detection, found: Range) -> dict[str, Any]:
+    position = None if found.position is None else dict(zip("xyz", found.position, strict=True))
+    why = {"why": found.why} if found.why else {}
+    return {
+        "name": detection.name, "score": detection.score, "distance_m": found.distance_m, "position": position,
+        "box": list(detection.box), "measurements": found.measurements, **why,
+    }  # fmt: skip

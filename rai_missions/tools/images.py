@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A camera's message as a picture that a model can be sent: bounded in pixels and in bytes.
+
+Rule: what a camera sends becomes a picture of at most `LARGEST` bytes, or a `ConnectorError` that says why not.
+"""
+
+from __future__ import annotations
+
+import base64
+import importlib
+import io
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.connectors.ros2.images import PICTURES
+from rai_missions.errors import ConnectorError
+from rai_missions.event import Image
+from rai_missions.image import png
+from rai_missions.redaction.cut import cut, cut_repr
+
+__all__ = ("LARGEST", "block", "image_of")
+
+LARGEST = 1_000_000
+"""Bytes of a picture's file."""
+LONGEST_SIDE = 1_024
+MOST_PIXELS = 50_000_000
+"""Of a picture file: a few bytes may unpack to very many."""
+"""Pixels."""
+
+
+def image_of(message: Any, ref: str) -> Image:
+    """The picture in a message of sensor_msgs' Image or CompressedImage.
+
+    Raises:
+        ConnectorError: There is none.
+    """
+    data = message.get("data") if isinstance(message, Mapping) else message
+    if isinstance(data, Image):
+        return data
+    found: Any = None
+    if isinstance(message, Mapping):
+        fields = {**message, "data": _bytes(data)}
+        kind = "CompressedImage" if isinstance(message.get("format"), str) else "Image"
+        words = ("width", "height", "step")
+        if kind == "CompressedImage" or all(isinstance(message.get(word), int) for word in words):
+            found = PICTURES[f"sensor_msgs/msg/{kind}"](fields, ref)
+    if not isinstance(found, Image):
+        said = message.get("encoding") or message.get("format") if isinstance(message, Mapping) else None
+        raise ConnectorError(
+            f"no picture that can be shown was sent (encoding: {cut_repr(said, 40)}); depth has tools of its own"
+        )
+    return found
+
+
+def _bytes(data: Any) -> bytes:
+    """Bytes, or a list of their numbers, as other programs write JSON; nothing where it is something else."""
+    try:
+        return bytes(data) if isinstance(data, bytes | bytearray | memoryview | list | tuple) else b""
+    except (TypeError, ValueError):
+        return b""
+
+
+def block(image: Image) -> dict[str, Any]:
+    """A content block that shows a picture.
+
+    Raises:
+        ConnectorError: Its bytes cannot be had, or made small enough.
+    """
+    try:
+        data = image.data
+        if image.encoding == "rgb8":
+            kind, data = "png", _small(image.width, image.height, data)
+        else:
+            kind = image.encoding
+            data = data if len(data) <= LARGEST else _smaller_file(data)
+            kind = kind if len(data) == len(image.data) else "jpeg"
+    except ConnectorError:
+        raise
+    except Exception as fault:  # the bytes are made when asked for, by whatever camera
+        raise ConnectorError(f"the picture cannot be had: {type(fault).__name__}: {cut(fault, 120)}") from fault
+    if kind not in ("png", "jpeg") or not data:
+        raise ConnectorError(f"a picture in '{kind}' cannot be shown; png, jpeg and rgb8 can")
+    return {"type": "image", "base64": base64.b64encode(data).decode(), "mime_type": f"image/{kind}"}
+
+
+def _small(width: int, height: int, rgb: bytes) -> bytes:
+    """A PNG file of every n-th pixel: the least n for which it is small enough."""
+    stride = max(1, -(-max(width, height) // LONGEST_SIDE))
+    while True:
+        columns, rows = -(-width // stride), -(-height // stride)
+        file = png(columns, rows, rgb if stride == 1 else _every(rgb, width, height, stride))
+        if len(file) <= LARGEST or columns * rows == 1:
+            return file
+        stride += 1
+
+
+def _every(rgb: bytes, width: int, height: int, stride: int) -> bytes:
+    lines = []
+    for row in range(0, height, stride):
+        line = rgb[row * width * 3 : (row + 1) * width * 3]
+        packed = bytearray(3 * -(-width // stride))
+        for channel in range(3):
+            packed[channel::3] = line[channel :: 3 * stride]
+        lines.append(bytes(packed))
+    return b"".join(lines)
+
+
+def _smaller_file(data: bytes) -> bytes:
+    """A JPEG file of a picture file that is too large."""
+    try:
+        pillow: Any = importlib.import_module("PIL.Image")
+    except ImportError:
+        raise ConnectorError(
+            f"a picture file of {len(data)} bytes is larger than {LARGEST}; to make it smaller, pip install pillow"
+        ) from None
+    picture = pillow.open(io.BytesIO(data), formats=("JPEG", "PNG"))  # other forms are programs: Pillow runs PostScript
+    if picture.width * picture.height > MOST_PIXELS:
+        raise ConnectorError(
+            f"a picture of {picture.width}x{picture.height} is too large; {MOST_PIXELS} pixels are the most"
+        )
+    picture, side = picture.convert("RGB"), LONGEST_SIDE
+    while True:
+        picture.thumbnail((side, side))
+        file = io.BytesIO()
+        picture.save(file, "JPEG", quality=85)
+        if file.tell() <= LARGEST or side <= 1:
+            return file.getvalue()
+        side //= 2

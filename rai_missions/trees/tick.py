@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one tick sees and what it does, while it lasts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.engine.activities.ticker import Status
+from rai_missions.guards.guard import Truth, View
+from rai_missions.keys import Stamped
+
+__all__ = ("Tick", "TickView")
+
+
+class TickView:
+    """A view in which what the tree has written in this tick is seen already.
+
+    Args:
+        view: What is known at the start of the tick.
+        state: The state that runs the tree.
+        began: When the tree was ticked first; stands for the state's entry where the view does not know it.
+        held: Held guard → since when its inner guard has been true; the tree keeps these itself.
+    """
+
+    __slots__ = ("_own", "_view", "active", "answer", "at", "began", "board", "entered", "event", "held",
+                 "late_s")  # fmt: skip
+
+    def __init__(self, view: View, state: str, began: float, held: Mapping[str, float]) -> None:
+        self._view, self._own = view, False
+        self.at, self.active, self.event, self.answer = view.at, view.active, view.event, view.answer
+        self.began, self.board = began, view.board
+        self.entered: Mapping[str, float] = view.entered if state in view.entered else {**view.entered, state: began}
+        self.held: Mapping[str, float] = held
+        self.late_s = 0.0
+        """How much later than now what is begun is carried out, in seconds."""
+
+    def write(self, key: str, value: Any) -> None:
+        """Let the rest of the tick see a value."""
+        if not self._own:
+            self.board, self._own = dict(self.board), True
+        self.board[key] = Stamped(value, self.at)
+
+    def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
+        return self._view.named(name, arguments)
+
+
+class Tick:
+    """One tick: its sight, the outcomes that leaves have come to, and what is to be done about it.
+
+    Live behaviours hold one `Tick` for good; `begin` makes it that of the next tick.
+    """
+
+    def __init__(self) -> None:
+        self.sight: TickView
+        self.outcomes: dict[str, str] = {}
+        self.started: dict[str, None] = {}
+        self.ended: dict[str, None] = {}
+        self.writes: list[tuple[str, Any]] = []
+        self.published: list[tuple[str, Mapping[str, Any]]] = []
+        self.trace: list[tuple[str, str, Status]] = []
+
+    def begin(self, sight: TickView, outcomes: Mapping[str, str]) -> None:
+        self.sight, self.outcomes = sight, dict(outcomes)
+        self.started, self.ended, self.writes, self.published, self.trace = {}, {}, [], [], []
+
+    def start(self, path: str) -> None:
+        """Ask for the start of a leaf's activity; what came of an earlier one no longer counts."""
+        self.outcomes.pop(path, None)
+        self.started[path] = None
+
+    def end(self, path: str) -> None:
+        """Ask for the end of a leaf's activity, unless it was not begun before this tick or has ended by itself."""
+        if path in self.started:
+            del self.started[path]
+        elif self.outcomes.pop(path, None) is None:
+            self.ended[path] = None
+
+    def take(self, path: str) -> str:
+        """The outcome of a leaf's activity, once; empty while it runs."""
+        return self.outcomes.pop(path, "")
+
+    def write(self, key: str, value: Any) -> None:
+        self.writes.append((key, value))
+        self.sight.write(key, value)

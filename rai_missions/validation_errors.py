@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a model refuses, told to the author: each fault with its JSON pointer, in a plain sentence.
+
+Rule: no sentence of pydantic's reaches an author.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from rai_missions.error_text import pointer, suggestion
+from rai_missions.errors import Fault
+from rai_missions.redaction.cut import shown
+
+__all__ = ("faults_of",)
+
+MOST = 1000
+"""How many faults are told one by one; whoever has more reads no further."""
+KEY = "[key]"
+"""pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
+
+
+def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[Fault]:
+    """What a validation found, one fault a place and sentence.
+
+    Args:
+        error: What validating `data` as `model` raised.
+        model: Tells which words there are.
+        data: Tells which of pydantic's steps are places in the document.
+    """
+    told: set[tuple[str, str]] = set()
+    found = error.errors(include_url=False)
+    for item in found[:MOST]:
+        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
+            continue  # its items are refused one by one
+        steps, on_name, rest = _steps(item["loc"], data)
+        place = pointer(steps)
+        # The branches of a union are no places: what the first of them says is enough.
+        of_union = rest and item["type"] != "missing"
+        seen = (place, "" if of_union else item["type"] + str(item["loc"]))
+        if seen in told:
+            continue
+        told.add(seen)
+        yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps)))
+    if len(found) > MOST:
+        yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
+
+
+def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool, bool]:
+    """The steps that are places in the document, whether the last one's name is meant, and whether any is left out."""
+    if loc and loc[-1] == KEY:
+        return list(loc[:-1]), True, False
+    steps: list[str | int] = []
+    for step in loc:
+        listed = isinstance(data, list | tuple) and isinstance(step, int) and step < len(data)
+        if not listed and not (isinstance(data, Mapping) and step in data):
+            break
+        data = data[step]
+        steps.append(step)
+    return steps, False, len(steps) < len(loc)
+
+
+def _model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[Any] | None:
+    """The model as which a place, or what holds it, is read."""
+    kind: Any = model
+    found: type[Any] | None = None
+    for step in (*steps, None):
+        kind = _bare(kind)
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            choose = getattr(kind, "choose", None) if kind is not model else None
+            if choose is not None and isinstance(data, Mapping):
+                try:
+                    kind = kind.kinds[choose(data)]  # type: ignore[attr-defined]
+                except ValueError:
+                    return None
+            found = kind
+            field = next((each for name, each in kind.model_fields.items() if (each.alias or name) == step), None)
+            kind = field.annotation if field is not None else None
+        elif get_origin(kind) in (dict, tuple):
+            arguments = get_args(kind)
+            kind = arguments[1] if get_origin(kind) is dict else arguments[0]
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            break
+    return found
+
+
+def _bare(kind: Any) -> Any:
+    """A type without its annotations and without the choice of None."""
+    while True:
+        if get_origin(kind) is Annotated:
+            kind = get_args(kind)[0]
+            continue
+        members = [each for each in get_args(kind) if each is not type(None)]
+        if type(None) in get_args(kind) and len(members) == 1:
+            kind = members[0]
+            continue
+        return kind
+
+
+def _thing(model: type[Any] | None) -> str:
+    """What a model stands for, with its article."""
+    if model is None:
+        return "this"
+    family, word = getattr(model, "family", ""), getattr(model, "word", "")
+    name = f"{family} with '{word}'" if family and word else family or model.__name__.lower()
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+def _words(model: type[Any] | None) -> list[str]:
+    return [field.alias or name for name, field in model.model_fields.items()] if model else []
+
+
+def _sentence(item: Any, on_name: bool, model: type[Any] | None) -> str:
+    kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
+    if kind == "int_type" and item["loc"][-1] == "int":
+        kind = "float_type"  # the first branch of `int | float`
+    if "sentence" in ctx:
+        return str(ctx["sentence"])
+    if kind == "missing":
+        return f"'{item['loc'][-1]}' is missing; {_thing(model)} needs it"
+    if kind == "extra_forbidden":
+        word = str(item["loc"][-1])
+        return f"{_thing(model)} has no {shown(word)}{suggestion(word, _words(model))}"
+    if kind == "string_pattern_mismatch":
+        return _misnamed(str(given), ctx.get("pattern", ""))
+    if kind == "literal_error":
+        choices = re.findall(r"'([^']*)'", ctx["expected"])
+        near = suggestion(given, choices) if isinstance(given, str) and choices else f"; it is {ctx['expected']}"
+        return f"no such choice: {shown(given)}{near}"
+    if kind in WANTED:
+        return f"{shown(given)} is {WANTED[kind]}"
+    if kind in BOUNDED:
+        return BOUNDED[kind](given, ctx)
+    return f"{shown(given)} cannot stand here: {item['msg'][:1].lower()}{item['msg'][1:]}"
+
+
+WANTED: Mapping[str, str] = {
+    "string_type": "not text; write a word in quotes",
+    "bool_type": "neither true nor false; write one of them, without quotes",
+    "int_type": "not a whole number; write one, without quotes",
+    "int_from_float": "not a whole number; write one without a fraction",
+    "float_type": "not a number; write one, without quotes",
+    "finite_number": "not finite; write a number that JSON has",
+    "dict_type": "not an object; write {…}",
+    "model_type": "not an object; write {…}",
+    "model_attributes_type": "not an object; write {…}",
+    "mapping_type": "not an object; write {…}",
+    "tuple_type": "not a list; write […]",
+    "list_type": "not a list; write […]",
+}
+"""pydantic's type of a fault → what the given value is, and what would be right."""
+
+BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
+    "greater_than": lambda given, ctx: f"{shown(given)} is too small; it must be more than {ctx['gt']:g}",
+    "greater_than_equal": lambda given, ctx: f"{shown(given)} is too small; it must be {ctx['ge']:g} or more",
+    "less_than": lambda given, ctx: f"{shown(given)} is too large; it must be less than {ctx['lt']:g}",
+    "less_than_equal": lambda given, ctx: f"{shown(given)} is too large; it must be {ctx['le']:g} or less",
+    "too_short": lambda given, ctx: f"{ctx['actual_length']} given, and at least {ctx['min_length']} is needed",
+    "too_long": lambda given, ctx: f"{ctx['actual_length']} given, and there may be {ctx['max_length']} at the most",
+}
+
+
+def _misnamed(given: str, pattern: str) -> str:
+    """Why a word is no name, and the nearest that is one."""
+    near = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given)
+    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near.lower())
+    near = near.strip("_/.").lstrip("_/.0123456789")
+    hint = f"; did you mean '{near}'?" if near and len(near) <= 60 and re.match(pattern, near) else ""
+    if r"\." in pattern:
+        return f"{shown(given)} is neither a key nor a field of one; write it like 'obstacle.height_m'{hint}"
+    return f"{shown(given)} is not a name; a name is lower case letters, digits and '_', a letter first{hint}"

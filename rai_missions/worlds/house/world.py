@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The house: a robot, its navigation and its surroundings, stepped in simulated time.
+
+Rule: what is published comes from sensors, from the battery and from the pose; nobody is told what the navigation
+merely believes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from rai_missions.connectors.connector import Close, Connector, Message
+from rai_missions.errors import UsageError
+from rai_missions.worlds import messages
+from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.camera import Camera
+from rai_missions.worlds.house import interface, scene
+from rai_missions.worlds.house.actions import DOCK, NAVIGATE, DockRobot, NavigateToPose
+from rai_missions.worlds.house.doors import Blocked, Doors
+from rai_missions.worlds.house.layout import DOORS, PLACES
+from rai_missions.worlds.house.lidar import Lidar
+from rai_missions.worlds.house.navigator import Navigator
+from rai_missions.worlds.house.rosbot import Pose, Rosbot
+from rai_missions.worlds.publish_queue import Guarded, Outbox
+
+__all__ = ("House",)
+
+DOCKED_M = 0.25
+CHARGER_W = 250.0
+FAST, MEDIUM, SLOW = 4, 10, 20
+"""Periods between two messages: 5 Hz, 2 Hz and 1 Hz."""
+COMMAND_S = 0.5
+"""So long a velocity command holds."""
+
+
+class House:
+    """A `World`: a robot of the size of a ROSbot XL in a house of five rooms.
+
+    Args:
+        seed: Of the lidar's noise.
+        blocked: Doors with a crate in them, `["study_pantry"]`, or when, `{"study_pantry": [20, 60]}`.
+        recoveries: How many the navigation tries before it gives up.
+        battery: `capacity_wh` and `charge` (0 to 1).
+        camera: Without it there are no pictures, and no OpenGL is needed.
+        start_s: What its clock shows at the start.
+    """
+
+    period_s = 0.05
+
+    def __init__(
+        self,
+        seed: int = 7,
+        *,
+        blocked: Blocked = (),
+        recoveries: int = 6,
+        battery: Mapping[str, float] | None = None,
+        camera: bool = True,
+        start_s: float = 0.0,
+    ) -> None:
+        if recoveries < 0:
+            raise UsageError(f"recoveries: {recoveries} is no number of attempts; give 0 or more")
+        self.model = scene.build()
+        self.data = mujoco.MjData(self.model)
+        self.rosbot = Rosbot(self.model, self.data)
+        self.doors = Doors(self.model, self.data, blocked)
+        self.battery = Battery.of(battery, capacity_wh=20.0, rest_w=15.0, volts=(9.0, 12.6))
+        self.navigator = Navigator(recoveries)
+        self.camera = Camera(self.model) if camera else None
+        self._lidar = Lidar(self.model, self.data, seed)
+        self._outbox = Outbox("", interface.TOPICS)
+        self._servers = {
+            NAVIGATE: NavigateToPose(self.navigator, self._outbox.add),
+            DOCK: DockRobot(self.navigator, self._outbox.add),
+        }
+        self._command, self._command_until = (0.0, 0.0), -math.inf
+        self._closes: list[Close] = []
+        self._steps, self._start_s = 0, start_s
+        for server in self._servers.values():
+            server.at = start_s
+        self.substeps = round(self.period_s / scene.TIMESTEP_S)
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def at(self) -> float:
+        """What its clock shows, simulated seconds."""
+        return round(self._start_s + self._steps * self.period_s, 9)
+
+    @property
+    def pose(self) -> Pose:
+        return self.rosbot.pose
+
+    @property
+    def is_charging(self) -> bool:
+        """It stands on the dock."""
+        pose = self.pose
+        return math.dist(pose[:2], PLACES["dock"][:2]) <= DOCKED_M and abs(pose.speed) < 0.05
+
+    def open(self, connector: Connector) -> None:
+        """Put the robot's topics and actions, and a service for each door, on a connector."""
+        if self.camera is not None:
+            self.camera.check()
+        self._outbox.open(connector, without=() if self.camera is not None else (interface.CAMERA,))
+        for (name, type_name), server in self._servers.items():
+            self._closes.append(connector.offer(name, type_name, Guarded(server, self._outbox)))
+        for door in DOORS:
+            self._closes.append(connector.serve(f"/house/{door}", "std_srvs/srv/SetBool", self._door(door)))
+        self._closes.append(connector.subscribe(*interface.CMD_VEL, self._hear_command))
+
+    def step(self) -> None:
+        """Go one period on: look, drive, let physics happen, and publish what happened."""
+        with self._outbox.lock:
+            self.doors.step(self.at - self._start_s, self.pose[:2])
+            if self._steps % FAST == 0:
+                self._scan()
+            self._drive()
+            mujoco.mj_step(self.model, self.data, self.substeps)
+            self._steps += 1
+            self._account()
+            self._tell()
+            for server in self._servers.values():  # after the facts that their results rest on
+                server.step(self.at, self.pose, charging=self.is_charging)
+        self._outbox.send()
+
+    def close(self) -> None:
+        for close in self._closes:
+            close()
+        self._closes.clear()
+        if self.camera is not None:
+            self.camera.close()
+
+    def fingerprint(self) -> str:
+        """SHA-256 of the physical state: two runs that agree to the bit have the same."""
+        state = np.concatenate([self.data.qpos, self.data.qvel, self.data.mocap_pos.ravel()])
+        return hashlib.sha256(state.tobytes()).hexdigest()
+
+    def _scan(self) -> None:
+        ranges = self._lidar.scan()
+        self.navigator.see(self._lidar.place, self.pose.heading, self._lidar.angles, ranges)
+        self._outbox.publish("scan", interface.laser_scan(ranges, self.at, FAST * self.period_s))
+
+    def _drive(self) -> None:
+        if self.battery.is_empty and self.navigator.is_driving:
+            self.navigator.fail("the battery is empty", 0)
+        speed, turn = self.navigator.step(self.pose, self.at)
+        if not self.navigator.is_driving and self.at < self._command_until and not self.battery.is_empty:
+            speed, turn = self._command
+        self.rosbot.command(speed, turn, self.period_s)
+
+    def _account(self) -> None:
+        self.battery.drain(self.rosbot.power_w, self.period_s)
+        if self.is_charging:
+            self.battery.charge(CHARGER_W, self.period_s)
+
+    def _tell(self) -> None:
+        at, pose = self.at, self.pose
+        if self._steps % FAST == 1:
+            self._outbox.publish("amcl_pose", interface.located(pose, at))
+            self._outbox.publish("odom", interface.odometry(pose, PLACES["dock"], at))
+        if self._steps % SLOW == 1:
+            percentage, voltage = self.battery.percentage, self.battery.voltage
+            self._outbox.publish("battery", messages.battery_state(percentage, voltage, at, charging=self.is_charging))
+        if self.camera is not None and self._steps % MEDIUM == 1:
+            picture = self.camera.picture(self.camera.moment(self.data), f"/{interface.CAMERA}@{at:.3f}")
+            self._outbox.publish(interface.CAMERA, messages.image(picture, at))
+
+    def _hear_command(self, message: Message) -> None:
+        twist = message.data
+        speed = float((twist.get("linear") or {}).get("x", 0.0))
+        turn = float((twist.get("angular") or {}).get("z", 0.0))
+        if math.isfinite(speed) and math.isfinite(turn):
+            with self._outbox.lock:
+                self._command, self._command_until = (speed, turn), self.at + COMMAND_S
+
+    def _door(self, door: str) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
+        def answer(request: Mapping[str, Any]) -> dict[str, Any]:
+            with self._outbox.lock:
+                self.doors.set(door, bool(request.get("data")))
+            return messages.trigger(True, f"{door} is to be {'blocked' if request.get('data') else 'free'}")
+
+        return answer

@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The orchard: a tractor, its autonomy and its surroundings, stepped in simulated time.
+
+Rule: what is published comes from sensors, from the battery or from the judge of the physics; nobody is told what the
+autonomy merely believes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from rai_missions.connectors.connector import Close, Connector
+from rai_missions.worlds import messages
+from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.camera import Camera
+from rai_missions.worlds.orchard import interface, scene
+from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
+from rai_missions.worlds.orchard.alley_counter import AlleyCounter
+from rai_missions.worlds.orchard.autonomy import Autonomy
+from rai_missions.worlds.orchard.crossing_judge import Judge
+from rai_missions.worlds.orchard.detector import Detector, Errors
+from rai_missions.worlds.orchard.layout import Layout
+from rai_missions.worlds.orchard.obstacles import Walker, place
+from rai_missions.worlds.orchard.planner import Lattice
+from rai_missions.worlds.orchard.range_sensor import Beams
+from rai_missions.worlds.orchard.tractor import Pose, Tractor
+from rai_missions.worlds.publish_queue import Guarded, Outbox
+
+__all__ = ("Orchard",)
+
+HEARD_M = 15.0
+"""How far the horn is heard."""
+HOME_M = 1.5
+SEEN_S = 0.6
+"""An obstacle detected so lately is seen."""
+SEEN = ("camera_image_color", "obstacle")
+"""Topics that a camera is needed for."""
+FAST, SLOW = 4, 20
+"""Periods between two messages: 5 Hz and 1 Hz."""
+
+
+class Orchard:
+    """A `World`: the simulated orchard with one tractor.
+
+    Args:
+        seed: Decides what is not said: the obstacles, what the living do, how the detector errs.
+        alleys: How many.
+        length_m: Of an alley.
+        obstacles: A kind for each alley in turn (`branch`, `log`, `crate`, `person`, `animal`, `fallen_tree`, `none`),
+            or a mapping of the fields of `Obstacle`; None: drawn from the seed.
+        detector: Fields of `Errors`.
+        battery: `capacity_wh` and `charge` (0 to 1).
+        attempts: How often the autonomy tries an alley before it gives it up.
+        camera: Without it there are no pictures and no detected obstacles, and no OpenGL is needed.
+        shadows: Prettier, slower pictures.
+        robot: The name that topics and services begin with.
+        start_s: What its clock shows at the start.
+    """
+
+    period_s = 0.05
+
+    def __init__(
+        self,
+        seed: int = 7,
+        *,
+        alleys: int = 6,
+        length_m: float = 20.0,
+        obstacles: Sequence[str | None | Mapping[str, Any]] | None = None,
+        detector: Mapping[str, Any] | Errors | None = None,
+        battery: Mapping[str, float] | None = None,
+        attempts: int = 2,
+        camera: bool = True,
+        shadows: bool = False,
+        robot: str = "tractor1",
+        start_s: float = 0.0,
+    ) -> None:
+        self.layout = Layout(alleys, length_m)
+        self.obstacles = place(seed, self.layout, obstacles)
+        self.model = scene.build(self.layout, self.obstacles, shadows=shadows)
+        self.data = mujoco.MjData(self.model)
+        self.tractor = Tractor(self.model, self.data)
+        self.judge = Judge(self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles))
+        self.counter, self.battery = AlleyCounter(self.layout), Battery.of(battery)
+        lattice = Lattice(self.layout)
+        self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over)
+        self.camera = Camera(self.model) if camera else None
+        self._bodies = [self.model.body(f"obstacle_{n}").id for n in range(len(self.obstacles))]
+        self._detector = (
+            Detector(self.camera, self._bodies, self.obstacles, Errors.of(detector), seed) if self.camera else None
+        )
+        self._beams = Beams(self.model, self.data)
+        self._walkers = {n: Walker(o, self.layout) for n, o in enumerate(self.obstacles) if o.living}
+        self._steps, self._start_s = 0, start_s
+        self._range_m: float | None = None
+        self._saw_at, self._bumps = -math.inf, 0
+        self._outbox = Outbox(f"/{robot}", interface.TOPICS)
+        self._home = NavigateToPose(self.autonomy, self._outbox.add, lattice)
+        self._cross = Cross(self.autonomy, self._outbox.add, self.judge)
+        self._home.at = self._cross.at = start_s
+        self._closes: list[Close] = []
+        self.substeps = round(self.period_s / scene.TIMESTEP_S)
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def at(self) -> float:
+        """What its clock shows, simulated seconds."""
+        return round(self._start_s + self._steps * self.period_s, 9)
+
+    @property
+    def pose(self) -> Pose:
+        return self.tractor.pose
+
+    @property
+    def is_home(self) -> bool:
+        pose = self.pose
+        return math.dist(pose[:2], self.layout.home[:2]) <= HOME_M and abs(pose.speed) < 0.1
+
+    def open(self, connector: Connector) -> None:
+        """Put the tractor's topics, services and actions on a connector."""
+        if self.camera is not None:
+            self.camera.check()
+        self._outbox.open(connector, without=SEEN if self.camera is None else ())
+        services = {
+            "continue": self._continue,
+            "current_state": self._current_state,
+            "drive_over": self._drive_over,
+            "flash": self._flash,
+            "go_home": self._go_home,
+            "replan": self._replan,
+            "stop": self._stop,
+        }
+        for name, answer in services.items():
+            self._closes.append(connector.serve(self._outbox.name(name), messages.TRIGGER, self._locked(answer)))
+        # The same two for whoever has the types of Nav2.
+        actions = (
+            ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
+            (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
+        )
+        for action, type_name, server in actions:
+            self._closes.append(connector.offer(action, type_name, Guarded(server, self._outbox)))
+
+    def step(self) -> None:
+        """Go one period on: drive, let physics happen, look, and publish what happened."""
+        with self._outbox.lock:
+            self._drive()
+            self._move_the_living()
+            self._let_physics_happen()
+            self._steps += 1
+            self._account()
+            self._tell()
+            for action in (self._home, self._cross):  # after the facts that their results rest on
+                action.step(self.at, self.pose)
+        self._outbox.send()
+
+    def close(self) -> None:
+        for close in self._closes:
+            close()
+        self._closes.clear()
+        if self.camera is not None:
+            self.camera.close()
+
+    def fingerprint(self) -> str:
+        """SHA-256 of the physical state: two runs that agree to the bit have the same."""
+        state = np.concatenate([self.data.qpos, self.data.qvel, self.data.mocap_pos.ravel()])
+        return hashlib.sha256(state.tobytes()).hexdigest()
+
+    def _drive(self) -> None:
+        pose = self.pose
+        if self._steps % 2 == 0:
+            self._range_m = self._beams.ahead_m(*pose[:3], trees=self.autonomy.watches)
+        if self.battery.is_empty and self.autonomy.is_driving:
+            self.autonomy.stop()
+        speed, curvature = self.autonomy.step(pose, self._range_m, self.period_s)
+        self.tractor.command(speed, curvature, self.period_s)
+
+    def _move_the_living(self) -> None:
+        here = self.pose[:2]
+        for number, walker in self._walkers.items():
+            if walker.step(self.at, self.period_s, here):
+                mocap = self.model.body_mocapid[self._bodies[number]]
+                self.data.mocap_pos[mocap, :2] = walker.x, walker.y
+                half = walker.heading / 2
+                self.data.mocap_quat[mocap] = math.cos(half), 0.0, 0.0, math.sin(half)
+
+    def _let_physics_happen(self) -> None:
+        """Where something may touch, contacts are looked at in finer steps, so that none is missed."""
+        at_once = 2 if self._is_something_near() else self.substeps
+        for _ in range(self.substeps // at_once):
+            mujoco.mj_step(self.model, self.data, at_once)
+            self.judge.watch(self.pose, at_once * scene.TIMESTEP_S, driving=self.autonomy.is_driving)
+
+    def _is_something_near(self) -> bool:
+        pose = self.pose
+        away = self.places - (pose.x + math.cos(pose.heading), pose.y + math.sin(pose.heading))
+        return bool(np.any(np.hypot(away[:, 0], away[:, 1]) < 4.5))
+
+    @property
+    def places(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Where the obstacles are now: x and y, a row each."""
+        return np.asarray(self.data.xpos[self._bodies, :2]).reshape(-1, 2)
+
+    def _account(self) -> None:
+        pose = self.pose
+        self.counter.see(pose.x, pose.y)
+        self.battery.drain(self.tractor.power_w, self.period_s)
+        crossing = self.judge.crossing
+        has_failed = crossing is not None and crossing.outcome == "failed" and self.autonomy.is_crossing
+        if has_failed or len(self.judge.touched) > self._bumps:
+            self._bumps = len(self.judge.touched)
+            self.autonomy.stop()
+        if self.autonomy.is_homing:
+            self.judge.leave()
+
+    def _tell(self) -> None:
+        at, pose = self.at, self.pose
+        if self._steps % FAST == 1:
+            self._outbox.publish("pose", messages.pose_stamped(*pose[:3], at))
+            self._look(pose)
+        if self._steps % SLOW == 1:
+            self._outbox.publish("battery", messages.battery_state(self.battery.percentage, self.battery.voltage, at))
+        crossing = self.judge.crossing
+        facts: dict[str, Any] = {
+            "state": self.autonomy.word,
+            "alleys_driven": len(self.counter.alleys),
+            "at_home": self.is_home,
+            "touched_living": bool(self.judge.touched),
+        }
+        if crossing is not None:
+            facts["passed"] = crossing.outcome == "passed"
+        for name, fact in facts.items():
+            self._outbox.tell(name, fact, {"data": fact}, anyway=self._steps % SLOW == 1)
+        if crossing is not None:
+            self._outbox.tell("crossing", (crossing.start, crossing.outcome), messages.text(crossing.facts()))
+
+    def _look(self, pose: Pose) -> None:
+        if self.camera is None or self._detector is None:
+            return
+        moment = self.camera.moment(self.data)
+        picture = self.camera.picture(moment, f"{self._outbox.name('camera')}@{self.at:.3f}")
+        self._outbox.publish("camera_image_color", messages.image(picture, self.at))
+        if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
+            fact = self._detector.look(moment, self.places, pose)
+            if fact is not None:
+                self._saw_at = self.at
+                self._outbox.publish("obstacle", messages.text(fact))
+
+    def _hand_over(self, distance_m: float) -> None:
+        self.judge.begin(self.pose, distance_m)
+
+    def _continue(self) -> dict[str, Any]:
+        """As upstream: what it sees in its way it drives over. What it does not see, it did not mean to drive over."""
+        done = self.autonomy.proceed(over=self.camera is None or self.at - self._saw_at < SEEN_S)
+        return messages.trigger(done, "The vehicle continues the mission" if done else "There is nothing to continue")
+
+    def _replan(self) -> dict[str, Any]:
+        done = self.autonomy.replan()
+        if done:
+            self.judge.leave()
+        return messages.trigger(done, "The current mission was aborted" if done else "The vehicle is in no alley")
+
+    def _stop(self) -> dict[str, Any]:
+        self.autonomy.stop()
+        return messages.trigger(True, "The vehicle was stopped")
+
+    def _drive_over(self) -> dict[str, Any]:
+        why = self._cross.set_out()
+        return messages.trigger(not why, why or "The vehicle drives over what is in its way")
+
+    def _go_home(self) -> dict[str, Any]:
+        why = self._home.set_out(*self.layout.home[:2])
+        return messages.trigger(not why, why or "The vehicle drives home")
+
+    def _current_state(self) -> dict[str, Any]:
+        return messages.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
+
+    def _flash(self) -> dict[str, Any]:
+        pose = self.pose
+        for walker in self._walkers.values():
+            if math.dist((walker.x, walker.y), pose[:2]) < HEARD_M:
+                walker.signal(pose.x)
+        return messages.trigger(True, "Flashing triggered.")
+
+    def _locked(self, answer: Callable[[], dict[str, Any]]) -> Callable[[Any], dict[str, Any]]:
+        def answered(_request: Any) -> dict[str, Any]:
+            with self._outbox.lock:
+                return answer()
+
+        return answered

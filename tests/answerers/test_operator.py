@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A person at a terminal answers the question on the screen, and no other; what they type next is theirs."""
+
+from __future__ import annotations
+
+import io
+import os
+import select
+import threading
+import tty
+from collections.abc import Iterator
+from typing import IO, Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.answerers.question_text import Blank, blanks, chosen, question_lines
+from rai_missions.answerers.terminal_input import LineReader, printable
+from rai_missions.answerers.terminal_operator import OperatorAgent
+from rai_missions.engine.decision import Evidence, Limits, Offer, Question
+from rai_missions.testing import QUESTION, ReplyCallback, answer_fault, check_agent, check_answerer
+
+DEPTH = {
+    "type": "object",
+    "properties": {
+        "speed": {"type": "number", "description": "m/s", "default": 1.5},
+        "times": {"type": "integer"},
+        "loud": {"type": "boolean"},
+        "colour": {"enum": ["red", "green"]},
+        "note": {"type": "string"},
+    },
+    "required": ["times", "loud"],
+}
+
+
+class Screen(io.StringIO):
+    """Collects what is written, and lets a test wait for it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._written = threading.Condition()
+
+    def write(self, text: str) -> int:
+        with self._written:
+            count = super().write(text)
+            self._written.notify_all()
+        return count
+
+    def wait(self, text: str, times: int = 1) -> None:
+        with self._written:
+            seen = self._written.wait_for(lambda: self.getvalue().count(text) >= times, 10)
+            assert seen, f"{text!r} was not written {times} times: {self.getvalue()}"
+
+
+class Desk:
+    """A terminal with an operator's agent behind it, and a person in front."""
+
+    def __init__(self) -> None:
+        self.person, self.terminal = os.openpty()
+        self.source: IO[Any] = os.fdopen(self.terminal, "rb", buffering=0)
+        self.screen = Screen()
+        self.agent = OperatorAgent(self.source, self.screen)
+
+    def ask(self, question: Question = QUESTION) -> ReplyCallback:
+        told = ReplyCallback()
+        self.agent.ask(question, told)
+        return told
+
+    def types(self, text: str) -> None:
+        os.write(self.person, text.encode())
+
+    def left_over(self) -> bytes:
+        """What the terminal still holds for whoever reads next."""
+        ready, _, _ = select.select([self.terminal], [], [], 1.0)
+        return os.read(self.terminal, 100) if ready else b""
+
+
+@pytest.fixture
+def desk() -> Iterator[Desk]:
+    found = Desk()
+    yield found
+    found.agent.stop()
+    found.source.close()
+    os.close(found.person)
+
+
+PROMPT = "Number or name"
+
+
+# ── Laws ────────────────────────────────────────────────────────────────────────────────────────────────────────
+
+
+@given(st.text())
+def test_nothing_that_is_shown_moves_the_cursor(text: str) -> None:
+    question = QUESTION._replace(evidence=(Evidence("obstacle", text, 0.1, fresh=True),), refused=(text,))
+    assert all(line.isprintable() for line in question_lines(question, 3.0))
+
+
+@given(st.text(), st.sampled_from(["string", "number", "integer", "boolean", "array", "object", ""]), st.booleans())
+def test_what_is_typed_is_of_the_kind_asked_for_or_refused(typed: str, kind: str, required: bool) -> None:
+    blank = Blank("x", {"type": kind}, required)
+    kinds = {
+        "string": str,
+        "number": int | float,
+        "integer": int,
+        "boolean": bool,
+        "array": list,
+        "object": dict,
+        "": object,
+    }
+    try:
+        value = blank.value(typed)
+    except ValueError:
+        return
+    except KeyError:
+        assert not required
+    else:
+        assert isinstance(value, kinds[kind])
+
+
+def test_the_operator_keeps_the_contract() -> None:
+    check_agent(lambda: OperatorAgent(io.StringIO()))
+    check_answerer(lambda: OperatorAgent(io.StringIO()))
+
+
+# ── At a terminal ───────────────────────────────────────────────────────────────────────────────────────────────
+
+
+def test_a_number_or_a_name_is_an_answer(desk: Desk) -> None:
+    for number, typed, option in ((1, "2\n", "signal"), (2, " abort \n", "abort")):
+        told = desk.ask(QUESTION._replace(number=number))
+        desk.screen.wait(PROMPT, number)
+        desk.types(typed)
+        said = told.wait()
+        assert not answer_fault(said)
+        assert said == {"option": option, "parameters": {}, "why": "the operator chose it"}
+
+
+def test_the_question_shows_what_is_known_and_what_may_be_chosen(desk: Desk) -> None:
+    desk.ask(QUESTION._replace(refused=("'fly' was not offered",)))
+    desk.screen.wait(PROMPT)
+    assert desk.screen.getvalue().splitlines()[1:] == [
+        "Question 1 of 'assessing', 20 s left: Something blocks the alley. What should the tractor do?",
+        "  obstacle: {'kind': 'branch', 'height_m': 0.1}, 0.2 s old",
+        "  battery: unknown, 3.2 s old",
+        "  refused before: 'fly' was not offered",
+        "  1  replan  take the next alley",
+        "  2  signal  sound the horn",
+        "  3  abort   stop here",
+        "Number or name (Ctrl-D to pass): ",
+    ]
+
+
+def test_another_word_is_refused_and_asked_again(desk: Desk) -> None:
+    told = desk.ask()
+    desk.screen.wait(PROMPT)
+    desk.types("4\n")
+    desk.screen.wait("That is none of them; type a number from 1 to 3, or a name.")
+    desk.types("3\n")
+    assert told.wait()["option"] == "abort"
+
+
+def test_parameters_are_asked_for_one_by_one(desk: Desk) -> None:
+    told = desk.ask(QUESTION._replace(options=(Offer("report", parameters=DEPTH),)))
+    for prompt, typed in (
+        (PROMPT, "1\n"), ("speed (number, m/s; empty for 1.5): ", "\n"), ("times (integer): ", "two\n"),
+        ("'two' is no whole number.", "2\n"), ("loud (boolean): ", "yes\n"),
+        ("colour (red or green; empty to leave it out): ", "green\n"), ("note (string; empty to leave it out): ", "\n"),
+    ):  # fmt: skip
+        desk.screen.wait(prompt)
+        desk.types(typed)
+    assert told.wait()["parameters"] == {"speed": 1.5, "times": 2, "loud": True, "colour": "green"}
+
+
+def test_what_was_typed_before_the_question_is_no_answer_to_it(desk: Desk) -> None:
+    desk.types("3\n")
+    told = desk.ask()
+    desk.screen.wait(PROMPT)
+    desk.types("1\n")
+    assert told.wait()["option"] == "replan"
+
+
+def test_a_question_withdrawn_frees_the_terminal_and_what_is_typed_then_is_left_there(desk: Desk) -> None:
+    told = desk.ask()
+    desk.screen.wait(PROMPT)
+    desk.agent.withdraw(QUESTION.number)
+    desk.screen.wait("(no longer asked)")
+    desk.types("ls\n")
+    assert desk.left_over() == b"ls\n"
+    assert told.all == []
+
+
+def test_the_next_question_waits_for_its_turn(desk: Desk) -> None:
+    first, second = desk.ask(), desk.ask(QUESTION._replace(number=2))
+    desk.screen.wait("Question 1")
+    desk.screen.wait(PROMPT)
+    assert "Question 2" not in desk.screen.getvalue()
+    desk.agent.withdraw(1)
+    desk.screen.wait(PROMPT, 2)
+    desk.types("abort\n")
+    assert second.wait()["option"] == "abort"
+    assert first.all == []
+
+
+def test_withdrawing_another_question_leaves_the_one_on_the_screen(desk: Desk) -> None:
+    told, other = desk.ask(), desk.ask(QUESTION._replace(number=2))
+    desk.screen.wait(PROMPT)
+    desk.agent.withdraw(2)
+    desk.types("abort\n")
+    assert told.wait()["option"] == "abort"
+    desk.agent.stop()
+    assert other.all == []
+
+
+def test_time_that_is_over_is_told(desk: Desk) -> None:
+    told = desk.ask(QUESTION._replace(budget=Limits(seconds=0.05)))
+    assert told.wait()["failed"].startswith("no answer within 0.")
+    desk.screen.wait("(time is over)")
+
+
+def test_the_end_of_input_passes(desk: Desk) -> None:
+    told = desk.ask()
+    desk.screen.wait(PROMPT)
+    desk.types("\x04")
+    assert told.wait() == {"absent": "the operator passed"}
+
+
+def test_a_terminal_that_goes_away_is_absent(desk: Desk) -> None:
+    told = desk.ask()
+    desk.screen.wait(PROMPT)
+    os.close(desk.person)
+    desk.person = os.open(os.devnull, os.O_RDONLY)
+    assert "absent" in told.wait()
+
+
+def test_a_screen_that_cannot_be_written_is_absent(desk: Desk) -> None:
+    desk.agent = OperatorAgent(desk.source, io.TextIOWrapper(io.BufferedReader(io.BytesIO())))
+    assert desk.ask().wait()["absent"].startswith("the question could not be shown: ")
+
+
+def test_stopping_frees_the_terminal(desk: Desk) -> None:
+    told = desk.ask()
+    desk.screen.wait(PROMPT)
+    desk.agent.stop()
+    assert [thread.name for thread in threading.enumerate() if thread.name == "operator"] == []
+    assert told.all == []
+
+
+@pytest.mark.parametrize("source", [io.StringIO("1\n"), io.BytesIO(b"1\n")])
+def test_what_is_no_terminal_is_absent(source: IO[Any]) -> None:
+    screen, told = Screen(), ReplyCallback()
+    OperatorAgent(source, screen).ask(QUESTION, told)
+    assert told.all == [{"absent": "no terminal"}]
+    assert screen.getvalue() == ""
+
+
+def test_a_pipe_is_no_terminal() -> None:
+    reading, writing = os.pipe()
+    told = ReplyCallback()
+    with os.fdopen(reading, "rb") as source, os.fdopen(writing, "wb"):
+        OperatorAgent(source, Screen()).ask(QUESTION, told)
+    assert told.all == [{"absent": "no terminal"}]
+
+
+# ── Lines and words ─────────────────────────────────────────────────────────────────────────────────────────────
+
+
+def test_a_line_is_read_to_its_end_and_not_beyond() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"first\r\nsecond\n")
+    reader = LineReader(reading)
+    assert reader.line(float("inf")) == "first"
+    assert os.read(reading, 100) == b"second\n"
+    reader.wake()
+    assert reader.line(float("inf")) is None
+    os.close(writing)
+    with pytest.raises(EOFError, match="the operator passed"):
+        reader.line(float("inf"))
+    reader.close()
+    os.close(reading)
+
+
+def test_bytes_that_are_no_text_are_read_as_such() -> None:
+    person, terminal = os.openpty()
+    tty.setraw(terminal)
+    reader = LineReader(terminal)
+    os.write(person, b"\xff\n")
+    assert reader.line(float("inf")) == "�"
+    reader.close()
+    os.close(person)
+    os.close(terminal)
+
+
+def test_an_option_is_chosen_by_its_name_before_its_number() -> None:
+    offers = (Offer("a"), Offer("b"))
+    assert [chosen(typed, offers) for typed in ("a", " 2 ", "0", "3", "", "A")] == [*offers, None, None, None, None]
+    assert printable("a\x1b[2Jb\u202e") == "a�[2Jb�"
+    assert blanks(Offer("a")) == ()

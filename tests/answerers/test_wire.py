@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The decision agent over a provider's own package and a real socket: a loopback server of OpenAI's shape."""
+
+from __future__ import annotations
+
+import base64
+import json
+import threading
+from collections.abc import Callable, Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from langchain_core.tools import StructuredTool
+
+from rai_missions.answerers.model.agent import DecisionAgent
+from rai_missions.answerers.model.output_modes import calls_tools, fills_schemas, takes_images
+from rai_missions.engine.decision import Evidence, Limits, Question
+from rai_missions.event import Image
+from rai_missions.testing import QUESTION, ReplyCallback, answer_fault
+
+if TYPE_CHECKING:
+    from langchain_openai import ChatOpenAI
+
+Reply = Callable[[dict[str, Any]], tuple[int, Any]]
+
+
+class Server(ThreadingHTTPServer):
+    """Answers each request by a function, and keeps what was asked."""
+
+    daemon_threads = True
+
+    def __init__(self) -> None:
+        super().__init__(("127.0.0.1", 0), Answering)
+        self.requests: list[dict[str, Any]] = []
+        self.keys: list[str] = []
+        self.replies: list[Reply] = []
+        threading.Thread(target=self.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True).start()
+
+    def model(self, **words: Any) -> ChatOpenAI:
+        from langchain_openai import ChatOpenAI  # a second of every worker's, were it loaded with the file
+
+        url = f"http://127.0.0.1:{self.server_address[1]}/v1"
+        settings = {"model": "gpt-4o", "api_key": "sk-loopback-0123456789", "max_retries": 0, "timeout": 10}
+        return ChatOpenAI(base_url=url, **{**settings, **words})
+
+
+class Answering(BaseHTTPRequestHandler):
+    server: Server
+
+    def do_POST(self) -> None:
+        asked = json.loads(self.rfile.read(int(self.headers["content-length"])))
+        self.server.requests.append(asked)
+        status, said = self.server.replies.pop(0)(asked)
+        body = said if isinstance(said, bytes) else json.dumps(said).encode()
+        self.send_response(status)
+        self.send_header("content-type", "application/json")
+        self.send_header("content-length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: Any) -> None:
+        pass
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    served = Server()
+    yield served
+    served.shutdown()
+    served.server_close()
+
+
+def completion(content: str | None = None, calls: list[tuple[str, str]] | None = None) -> Reply:
+    """A chat completion: a text, or calls of functions with their arguments as they stand on the wire."""
+    message: dict[str, Any] = {"role": "assistant", "content": content}
+    if calls:
+        message["tool_calls"] = [
+            {"id": f"call_{number}", "type": "function", "function": {"name": name, "arguments": arguments}}
+            for number, (name, arguments) in enumerate(calls)
+        ]
+    said = {
+        "id": "x", "object": "chat.completion", "created": 0, "model": "gpt-4o-2024-08-06",
+        "choices": [{"index": 0, "message": message, "finish_reason": "stop"}],
+        "usage": {"prompt_tokens": 90, "completion_tokens": 10, "total_tokens": 100},
+    }  # fmt: skip
+    return lambda _asked: (200, said)
+
+
+def refused(status: int, text: str) -> Reply:
+    return lambda _asked: (status, {"error": {"message": text, "type": "invalid_request_error"}})
+
+
+def answer(model: ChatOpenAI, question: Question = QUESTION, **words: Any) -> dict[str, Any]:
+    agent, told = DecisionAgent(model, **words), ReplyCallback()
+    agent.ask(question, told)
+    said = dict(told.wait())
+    agent.stop(within_s=0.1)
+    assert not answer_fault(said), answer_fault(said)
+    return said
+
+
+def test_a_schema_goes_out_and_one_object_comes_back(server: Server) -> None:
+    server.replies = [completion('{"why": "a log", "option": "replan"}')]
+    said = answer(server.model())
+    assert (said["option"], said["why"]) == ("replan", "a log")
+    assert said["usage"] | {"seconds": 0} == {
+        "calls": 1, "tokens_in": 90, "tokens_out": 10, "seconds": 0, "model": "gpt-4o-2024-08-06",
+    }  # fmt: skip
+    form = server.requests[0]["response_format"]
+    assert form["type"] == "json_schema"
+    assert form["json_schema"]["schema"]["properties"]["option"]["enum"] == ["replan", "signal", "abort"]
+    assert "tools" not in server.requests[0]
+
+
+def test_functions_go_out_and_one_call_comes_back(server: Server) -> None:
+    server.replies = [completion(calls=[("signal", '{"why": "a deer"}')])]
+    said = answer(server.model(), mode="tools")
+    assert (said["option"], said["why"], said["parameters"]) == ("signal", "a deer", {})
+    (asked,) = server.requests
+    assert [each["function"]["name"] for each in asked["tools"]] == ["replan", "signal", "abort"]
+    assert asked["tool_choice"] == "required"
+
+
+def test_two_calls_at_once_are_none(server: Server) -> None:
+    server.replies = [completion(calls=[("signal", "{}"), ("abort", "{}")])]
+    assert answer(server.model(), mode="tools")["failed"] == "answered with 2 calls; one was asked for"
+
+
+def test_a_call_whose_arguments_are_broken_is_none(server: Server) -> None:
+    server.replies = [completion(calls=[("signal", '{"why": ')])]
+    assert answer(server.model(), mode="tools")["failed"] == "answered with 1 call whose arguments are not JSON"
+
+
+def test_a_read_only_tool_is_looked_up_over_the_wire(server: Server) -> None:
+    look = StructuredTool.from_function(
+        lambda: "a crate", name="look", description="Look.", metadata={"read_only": True}
+    )
+    server.replies = [completion(calls=[("look", "{}")]), completion(calls=[("replan", "{}")])]
+    said = answer(server.model(), QUESTION._replace(tools=("look",)), tools=[look])
+    assert (said["option"], said["usage"]["calls"], said["usage"]["tokens_in"]) == ("replan", 3, 180)
+    assert server.requests[1]["messages"][-1] == {"role": "tool", "tool_call_id": "call_0", "content": '"a crate"'}
+
+
+def test_pictures_go_out_as_png(server: Server) -> None:
+    camera = Image("camera@1.000", 2, 1, "rgb8", b"\xff\x00\x00\x00\xff\x00")
+    question = QUESTION._replace(evidence=(Evidence("camera", camera, 0.1, fresh=True),))
+    server.replies = [completion('{"option": "abort"}')]
+    answer(server.model(), question)
+    *_, caption, picture = server.requests[0]["messages"][-1]["content"]
+    assert caption == {"type": "text", "text": "The picture camera: a picture, 0.1 s old:"}
+    head, _, data = picture["image_url"]["url"].partition(",")
+    assert head == "data:image/png;base64"
+    assert base64.b64decode(data).startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_a_server_without_schemas_is_asked_in_the_next_way(server: Server) -> None:
+    server.replies = [
+        refused(400, "response_format is unknown"),
+        refused(500, "tools need a template"),
+        completion("abort"),
+    ]
+    said = answer(server.model())
+    assert (said["option"], said["usage"]["calls"]) == ("abort", 3)
+    assert [sorted({"response_format", "tools"} & set(asked)) for asked in server.requests] == [
+        ["response_format"],
+        ["tools"],
+        [],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("reply", "why"),
+    [
+        (
+            refused(401, "Incorrect API key provided: sk-loopback-0123456789"),
+            "Error code: 401 - Incorrect API key provided: [hidden]",
+        ),
+        (refused(429, "slow down"), "Error code: 429 - slow down"),
+        (lambda _: (200, b"<html>"), "the model raised "),
+        (lambda _: (200, {"choices": []}), "the model raised "),
+        (completion(""), "answered nothing"),
+        (completion('{"option": "rep'), "answered with JSON that is broken"),
+    ],
+)
+def test_a_server_at_fault_is_told_without_its_key(server: Server, reply: Reply, why: str) -> None:
+    server.replies = [reply]
+    said = answer(server.model())
+    assert why in said["failed"]
+    assert "0123456789" not in json.dumps(said)
+
+
+def test_a_server_that_hangs_is_given_up(server: Server) -> None:
+    free = threading.Event()
+    server.replies = [lambda asked: (free.wait(10), completion("abort")(asked))[1]]
+    said = answer(server.model(), QUESTION._replace(budget=Limits(seconds=0.2)))
+    free.set()
+    assert said["failed"].startswith("no answer within 0.")
+
+
+def test_what_a_model_can_do_is_found_out_without_asking_it(server: Server) -> None:
+    for name, pictures in (("gpt-4o", True), ("of-no-profile", False)):
+        model = server.model(model=name)
+        assert (calls_tools(model), fills_schemas(model), takes_images(model)) == (True, True, pictures)
+    assert server.requests == []

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the doctor says of a machine and of a robot; whatever is broken there, it goes on and says so."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+from rai_missions.cli.doctor import Finding
+from rai_missions.cli.doctor.finding import tried
+from rai_missions.cli.doctor.robot import reach, wanted
+from rai_missions.cli.doctor.ros import ros
+from rai_missions.cli.main import main
+from rai_missions.profile import Robot, load_profile
+from tests.ros2 import lock_free_domain
+
+ROOT = Path(__file__).parents[3]
+HAS_ROS = importlib.util.find_spec("rclpy") is not None
+with_ros = pytest.mark.skipif(not HAS_ROS, reason="ROS 2 is not installed: pip install -e '.[ros]'")
+SERVER = """
+import json, sys
+from rai_missions.connectors.ros2 import open_connector
+connector = open_connector({})
+connector.start()
+connector.serve("/beacon/flash", "std_srvs/srv/Trigger", lambda _: {"success": True})
+connector.serve("/beacon/light", "std_srvs/srv/SetBool", lambda _: {"success": True})
+connector.expect("services", "/beacon/awaited", "std_srvs/srv/Trigger")
+connector.subscribe("/beacon/hoped_for", "std_msgs/msg/Bool", lambda _: None)
+print("ready", flush=True)
+sys.stdin.read()
+connector.stop()
+"""
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> Iterator[dict[str, str]]:
+    """Loopback, a domain of its own, and no ROS but the one of this interpreter."""
+    domain, lock = lock_free_domain()
+    own = {name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "RMW_", "FASTRTPS"))}
+    with lock:
+        yield own | {
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_DOMAIN_ID": str(domain), "ROS_LOG_DIR": str(tmp_path),
+            "PYTHONPATH": str(ROOT),
+        }  # fmt: skip
+
+
+def broken(environment: Mapping[str, str], folder: Path, code: str) -> dict[str, str]:
+    """An environment in which another rclpy is found first."""
+    (folder / "rclpy.py").write_text(code)
+    return {**environment, "PYTHONPATH": os.pathsep.join((str(folder), str(ROOT)))}
+
+
+def statuses(found: list[Finding]) -> set[str]:
+    return {each.status for each in found}
+
+
+def robot(**words: object) -> Robot:
+    return Robot.model_validate({"name": "beacon", "connector": {"kind": "ros2"}, **words})
+
+
+def test_without_ros_both_ways_to_it_are_told_and_nothing_is_missing() -> None:
+    (only,) = ros({}, has_wheels=False)
+    assert only.status == "absent"
+    assert "source /opt/ros" in only.remedy and "pip install" in only.remedy and "never both" in only.remedy
+
+
+def test_a_sourced_ros_and_wheels_are_not_to_meet() -> None:
+    (only,) = ros({"ROS_DISTRO": "jazzy"}, has_wheels=True)
+    assert only.status == "missing"
+    assert str(only).startswith("missing ROS jazzy is sourced and ROS wheels are installed: use one")
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("raise ImportError('librcl.so: cannot open shared object file')", "librcl.so: cannot open shared object file"),
+        ("import os; os.abort()", "it crashed (SIGABRT)"),
+        ("import sys; sys.exit(3)", "it ended with 3"),
+    ],
+)
+def test_an_rclpy_that_does_not_load_ends_nobody_but_its_own_process(
+    environment: dict[str, str], tmp_path: Path, code: str, said: str
+) -> None:
+    (only,) = ros(broken(environment, tmp_path, code), has_wheels=True)
+    assert only.status == "missing"
+    assert said in only.what and only.remedy
+
+
+def test_a_probe_that_hangs_is_left(environment: dict[str, str], tmp_path: Path) -> None:
+    hanging = broken(environment, tmp_path, "import threading; threading.Event().wait()")
+    assert "nothing came back within 2 s" in tried("load", None, hanging, within_s=2).fault
+
+
+@with_ros
+def test_a_ros_that_works_is_told_with_its_middleware_and_its_reach(environment: dict[str, str]) -> None:
+    found = list(ros(environment, has_wheels=True))
+    assert statuses(found) == {"ok"}, found
+    told = "\n".join(map(str, found))
+    assert "middleware rmw_" in told and "nodes of this machine alone meet" in told and "loopback met after" in told
+
+
+@with_ros
+@pytest.mark.parametrize(
+    ("variable", "value", "status", "said"),
+    [
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "", "ok", "is not set, which is SUBNET: it multicasts to the network"),
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCAL", "missing", "LOCAL is not known"),
+        ("ROS_LOCALHOST_ONLY", "1", "ok", "an older word"),
+        ("ROS_DOMAIN_ID", "", "ok", "shared with everybody"),
+        ("ROS_DOMAIN_ID", "150", "ok", "also given to other programs"),
+        ("ROS_DOMAIN_ID", "x", "missing", "is no domain"),
+    ],
+)
+def test_what_the_variables_mean_is_said(
+    environment: dict[str, str], variable: str, value: str, status: str, said: str
+) -> None:
+    from rai_missions.cli.doctor.ros import (  # what follows starts nodes, which some of these cannot have
+        _domain,
+        _range,
+    )
+
+    found = [each(environment | {variable: value}) for each in (_range, _domain)]
+    assert [each.status for each in found if said in str(each)] == [status], found
+
+
+@with_ros
+def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: dict[str, str]) -> None:
+    import subprocess
+    import sys
+
+    profile = robot(
+        services={
+            "flash": {"service": "/beacon/flash"},
+            "light": {"service": "/beacon/light"},
+            "horn": {"service": "/beacon/flahs"},
+            "awaited": {"service": "/beacon/awaited"},
+        },
+        blackboard={"hoped_for": {"topic": "/beacon/hoped_for", "type": "std_msgs/msg/Bool"}},
+        topics={"say": {"topic": "/beacon/say", "type": "std_msgs/msg/String"}},
+        events={"stop_now": {"topic": "/beacon/flahs", "type": "std_msgs/msg/Empty"}},
+    )
+    words = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
+    with subprocess.Popen([sys.executable, "-W", "ignore", "-c", SERVER], **words) as server:  # type: ignore[call-overload]
+        assert server.stdout.readline() == "ready\n"
+        found = {each.what: each for each in reach(profile, environment)}
+        server.stdin.close()
+    assert found["services/flash: service /beacon/flash"].status == "ok"
+    lacking = found["services/horn: service /beacon/flahs is not there"]
+    assert lacking.status == "missing" and "did you mean '/beacon/flash'?" in lacking.remedy
+    awaited = "services/awaited: service /beacon/awaited", "blackboard/hoped_for: topic /beacon/hoped_for"
+    for each in awaited:  # a mission that waits for its robot is no robot
+        assert found[f"{each} is not there"].status == "missing"
+    other = found["services/light: service /beacon/light is there as std_srvs/srv/SetBool"]
+    assert other.status == "missing" and "std_srvs/srv/Trigger" in other.remedy
+    assert found["topics/say: topic /beacon/say has no listener"].status == "absent"
+    silent = found["events/stop_now: topic /beacon/flahs is published by nobody now"]
+    assert silent.status == "absent" and not silent.remedy, "an emergency stop is published when it is pressed"
+
+
+@with_ros
+def test_a_field_that_a_type_has_not_is_told(environment: dict[str, str]) -> None:
+    source = {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percent"}
+    found = list(reach(robot(blackboard={"battery": source}), environment))
+    (told,) = (each for each in found if each.what == "blackboard/battery/field")
+    assert told.status == "missing" and "has no field 'percent' (did you mean 'percentage'?)" in told.remedy
+
+
+@with_ros
+def test_a_robot_that_is_not_there_and_a_type_that_is_not_here_are_told(environment: dict[str, str]) -> None:
+    profile = robot(actions={"go": {"action": "/go", "type": "nobodys_msgs/action/Go"}})
+    types, nothing = reach(profile, environment)
+    assert str(types).startswith("missing actions/go/type: nobodys_msgs/action/Go: no ROS package 'nobodys_msgs'")
+    assert "nothing of the robot 'beacon' is there over ros2" in nothing.what
+
+
+def test_a_type_s_name_runs_no_package_that_has_no_such_types(environment: dict[str, str], tmp_path: Path) -> None:
+    (tmp_path / "evil").mkdir()
+    (tmp_path / "evil" / "__init__.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
+    found = {**environment, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(ROOT)))}
+    answer = tried("types", [["evil/msg/Thing", "msg"], ["this/msg/Zen", "msg"]], found)
+    assert answer.said == ["the package 'evil' has no message types", "the package 'this' has no message types"]
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_broker_that_is_not_there_is_told() -> None:
+    pytest.importorskip("paho")
+    profile = robot(connector={"kind": "mqtt", "port": 1}, services={"flash": {"service": "flash"}})
+    (only,) = reach(profile, dict(os.environ))
+    assert only.status == "missing" and "mqtt" in only.what
+
+
+@pytest.mark.parametrize(
+    ("connector", "status", "said"),
+    [
+        ({"kind": "local", "world": "orchard"}, "ok", "is simulated with the run"),
+        ({"kind": "local", "world": "orchart"}, "missing", "did you mean 'orchard'?"),
+        ({"kind": "rosbridge"}, "missing", "which is not known"),
+    ],
+)
+def test_a_robot_of_another_kind_is_told_by_its_profile(connector: dict[str, str], status: str, said: str) -> None:
+    (only,) = reach(robot(connector=connector), {})
+    assert only.status == status and said in str(only)
+
+
+def test_everything_that_a_shipped_profile_names_is_looked_for() -> None:
+    found = list(wanted(load_profile(ROOT / "missions/tractor/robot.nav2.json")))
+    assert {("actions", "/navigate_to_pose"), ("services", "/tractor1/stop"), ("topics", "/tractor1/battery")} <= {
+        (each.mode, each.name) for each in found
+    }
+
+
+def test_a_profile_at_fault_is_told_on_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "robot.json").write_text('{"format": 1}')
+    assert main(["doctor", "--robot", str(tmp_path / "robot.json")]) == 2
+    assert "name" in capsys.readouterr().err

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whoever publishes to the actuators past the gate is told of, once for each time that it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rai_missions.connectors.connector import Mode
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.gate.bypass_monitor import Beside
+
+
+class Counted(LocalConnector):
+    """A connector on which so many publish."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.topics: dict[str, int] = {}
+
+    def offered(self, mode: Mode) -> Mapping[str, int]:
+        return self.topics if mode == "topics" else {}
+
+
+def test_others_on_an_actuator_s_topic_are_told_of_once_until_they_have_gone() -> None:
+    told: list[tuple[str, int]] = []
+    connector = Counted()
+    beside = Beside(connector, ["/cmd_vel", "/arm"], lambda topic, count: told.append((topic, count)))
+    for count in (0, 1, 1):
+        connector.topics = {"/cmd_vel": count, "/status": 5}
+        beside.look()
+    assert told == [], "the gate itself is no other"
+    for count in (3, 3, 1, 2):
+        connector.topics = {"/cmd_vel": count}
+        beside.look()
+    assert told == [("/cmd_vel", 2), ("/cmd_vel", 1)]
+
+
+def test_a_connector_that_cannot_tell_finds_nobody_and_the_watch_ends_when_told_to() -> None:
+    told: list[tuple[str, int]] = []
+    beside = Beside(LocalConnector(), ["/cmd_vel"], lambda topic, count: told.append((topic, count)))
+    beside.run()
+    beside.run()
+    beside.look()
+    beside.stop()
+    beside.stop()
+    assert told == []

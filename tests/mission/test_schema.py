@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The JSON Schema is the one the models make, accepts what they accept, and refuses what they refuse."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from hypothesis import given
+from pydantic import ValidationError
+
+import rai_missions
+from rai_missions.mission.mission import Mission
+from rai_missions.mission.schema import mission_schema
+from tests.strategies import mission_documents
+
+ROOT = Path(__file__).parents[2]
+SHIPPED = Path(rai_missions.__file__).with_name("mission.schema.json")
+SCHEMA = jsonschema.Draft202012Validator(mission_schema())
+MISSIONS = [ROOT / "tests/data/tractor_design.json", *sorted(ROOT.glob("missions/*/mission.json"))]
+SMALL: dict[str, Any] = {"format": 1, "name": "small", "initial": "a", "states": {"a": {}}}
+
+
+def test_the_shipped_schema_is_the_one_the_models_make() -> None:
+    made = json.dumps(mission_schema(), indent=2, ensure_ascii=False) + "\n"
+    told = "the format has changed: run `rai-missions schema > rai_missions/mission.schema.json`"
+    assert SHIPPED.read_text(encoding="utf-8") == made, told
+
+
+def test_the_schema_is_a_schema_with_a_description_for_every_kind() -> None:
+    schema = mission_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    plain = [name for name, each in schema["$defs"].items() if "description" not in each and "allOf" not in each]
+    assert plain == []
+    assert "x-family" not in json.dumps(schema)
+
+
+@pytest.mark.parametrize("file", MISSIONS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_the_schema_accepts_every_shipped_mission(file: Path) -> None:
+    SCHEMA.validate(json.loads(file.read_text(encoding="utf-8")))
+
+
+@given(mission_documents())
+def test_the_schema_accepts_what_the_models_accept_and_what_they_write(document: Any) -> None:
+    SCHEMA.validate(document)
+    SCHEMA.validate(Mission.model_validate(document).written())
+
+
+def state(**words: Any) -> dict[str, Any]:
+    return SMALL | {"states": {"a": words}}
+
+
+def row(**words: Any) -> dict[str, Any]:
+    return state(transitions=[words])
+
+
+def when(guard: Any) -> dict[str, Any]:
+    return row(to="a", when=guard)
+
+
+def key(**words: Any) -> dict[str, Any]:
+    return SMALL | {"blackboard": {"k": words}}
+
+
+DECISION = {"question": "?", "options": {"yes": {}}}
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        [],
+        {},
+        SMALL | {"format": 2},
+        SMALL | {"name": "A b"},
+        SMALL | {"fromat": 1},
+        SMALL | {"states": {}},
+        SMALL | {"states": {"A": {}}},
+        SMALL | {"initial": []},
+        SMALL | {"events": {"e": {"x": 1}}},
+        SMALL | {"cancel_s": -1},
+        SMALL | {"transitions": {}},
+        SMALL | {"invariants": {"i": {}}},
+        state(acton="go"),
+        state(action="go", call="ring"),
+        state(final="done"),
+        state(timeout_s=0),
+        state(states={"b": {}}),
+        state(each="k", states={"b": {}}, initial="b"),
+        state(parallel={}),
+        state(history="wide"),
+        state(control="nobody"),
+        state(action="go", goal=[]),
+        state(mission=3),
+        state(entry=[{"set": "k"}]),
+        state(entry=[{"set": "k", "value": 1, "add": 2}]),
+        state(entry={"say": "x"}),
+        state(entry=[{"set": "k", "value": None}]),
+        state(entry=[{"set": "k", "from_": "b"}]),
+        state(entry=[{"raise": "e", "after_s": -1}]),
+        state(exit=[{"shout": "x"}]),
+        row(to="a"),
+        row(on="e", after_s=1),
+        row(of="a", when={"in": "a"}),
+        row(on="e", too="a"),
+        row(on=3),
+        when({"key": "k"}),
+        when({"key": "k", "<": 1, ">": 2}),
+        when({"key": "k", "<": None}),
+        when({"key": "k", "in": 3}),
+        when({"all": {}}),
+        when({"near": ["k"], "within_m": 1}),
+        when({"held": {"in": "a"}}),
+        when({"in": "a", "fresh": "k"}),
+        key(),
+        key(type="float"),
+        key(type="number", source="robot", initial=1),
+        key(type="number", fields={"a": "number"}),
+        key(type="number", max_age_s=0),
+        state(decision={"options": {"yes": {}}}),
+        state(decision=DECISION | {"attempts": 0}),
+        state(decision=DECISION | {"options": {}}),
+        state(decision=DECISION | {"ask": []}),
+        state(decision=DECISION | {"options": {"succeeded": {}}}),
+        state(tree={}),
+        state(tree={"sequence": []}),
+        state(tree={"retry": 0, "child": {"wait_s": 1}}),
+        state(tree={"inverter": [{"wait_s": 1}]}),
+        state(tree={"parallel": [{"wait_s": 1}], "policy": "all"}),
+    ],
+    ids=json.dumps,
+)
+def test_the_schema_and_the_models_refuse_alike(document: Any) -> None:
+    assert not SCHEMA.is_valid(document)
+    with pytest.raises(ValidationError):
+        Mission.model_validate(document)

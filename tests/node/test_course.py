@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run as those outside see it: what is asked, and how long there is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.errors import ConnectorError
+from rai_missions.event import Event
+from rai_missions.node.command import Command, CommandReply
+from rai_missions.node.run_session import RunSession
+from rai_missions.runtime.clock import Mailbox
+from rai_missions.runtime.runner import Runner
+from tests.node.scenes import mission, robot
+from tests.runtime.stages import Rig
+
+SPANS = st.lists(st.floats(0.001, 100.0), max_size=6)
+
+
+class Hand:
+    """A clock that is set."""
+
+    at = 0.0
+
+    def now(self) -> float:
+        return self.at
+
+    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
+        self.at = until
+
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        """Time goes on by itself."""
+
+
+class Stood:
+    """A run whose steps the test makes, followed by its course."""
+
+    def __init__(self) -> None:
+        self.clock = Hand()
+        self.runner = Runner(mission(), robot=robot({"kind": "local"}), clock=self.clock)
+        self.course = RunSession(self.runner, None)
+        self.course.step(self.runner.chart.start(0.0))
+
+    def send(self, name: str, kind: str = "event") -> None:
+        self.course.step(self.runner.chart.send(Event(name, self.clock.at, {}, kind)))
+
+    @property
+    def left_s(self) -> float:
+        (asked,) = self.course.questions()
+        return round(asked.left_s, 6)
+
+
+@given(goes=SPANS, rests=SPANS)
+def test_a_question_loses_no_time_while_its_run_is_paused(goes: list[float], rests: list[float]) -> None:
+    stood, gone = Stood(), 0.0
+    stood.send("ask")
+    for went, rested in zip(goes, rests, strict=False):
+        stood.clock.at += went
+        gone += went
+        left = max(0.0, round(600.0 - gone, 6))
+        assert abs(stood.left_s - left) < 1e-5
+        stood.send("pause", "command")
+        stood.clock.at += rested
+        assert abs(stood.left_s - left) < 1e-5, "it stands still"
+        stood.send("resume", "command")
+        assert abs(stood.left_s - left) < 1e-5, "and goes on from there"
+
+
+def test_a_pause_before_a_question_gives_it_no_more_time() -> None:
+    stood = Stood()
+    stood.send("pause", "command")
+    stood.clock.at = 50.0
+    stood.send("resume", "command")
+    stood.send("ask")
+    stood.clock.at = 60.0
+    assert stood.left_s == 590.0
+
+
+def test_a_run_that_goes_on_shows_what_was_asked_before_with_the_time_left() -> None:
+    stood = Stood()
+    stood.send("ask")
+    stood.clock.at = 10.0
+    stood.send("pause", "command")
+    stood.clock.at = 99.0
+    resumed = RunSession(stood.runner, None)
+    ((question, left_s),) = resumed.questions()
+    assert (question.state, question.asked, left_s) == ("asking", "operator", 590.0)
+    resumed.step(stood.runner.chart.send(Event("resume", 99.0, {}, "command")))
+    assert resumed.questions()[0].left_s == 590.0
+
+
+@pytest.mark.parametrize("said", [{"id": 1}, [1], None, 7, "another"])
+def test_what_a_robot_calls_a_request_is_none_of_the_orders(said: Any) -> None:
+    """An order waits; a robot's event comes first, in which something has the name of what tells orders apart."""
+    stood, receipts = Stood(), list[CommandReply]()
+    stood.course.submit(Command("pause"), receipts.append)
+    event = Event("robot_says", 0.0, {"request": said})
+    stood.runner.mailbox.put_back([event])
+    assert stood.runner.mailbox.take() == event
+    stood.course.receive(stood.runner.chart.send(event))
+    assert receipts == []
+
+
+def test_whoever_cannot_be_told_what_became_of_an_order_ends_no_run() -> None:
+    rig = Rig({"idle": {}})
+    course, asked = RunSession(rig.runner, None), list[CommandReply]()
+
+    def gone(receipt: CommandReply) -> None:
+        asked.append(receipt)
+        raise ConnectorError("the broker is gone")
+
+    rig.stage.play({
+        1.0: lambda: course.submit(Command("control", to="operator"), gone),
+        2.0: rig.runner.kill,
+        2.1: lambda: course.submit(Command("pause"), gone),
+    })  # fmt: skip
+    assert course.run().outcome == "aborted"
+    assert asked[0].success

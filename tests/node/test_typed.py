@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The typed services and the action do what the JSON does; the types themselves are tried on ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from rai_missions.connectors.connector import Message, Report
+from rai_missions.connectors.contract import Heard
+from tests.node.conftest import Scene
+from tests.node.scenes import mission
+
+RUN = "rai_missions_msgs/action/RunMission"
+
+
+@pytest.fixture
+def scene(open_scene: Callable[..., Scene]) -> Scene:
+    made = open_scene(typed=True)
+    made.client.activate()
+    return made
+
+
+def send(scene: Scene, goal_id: str = "g1", arguments: str = "") -> Heard[Report]:
+    reports: Heard[Report] = Heard(30.0)
+    goal = {"arguments": arguments, "by": "Ann"}
+    scene.client.connector.send_goal("/errand/run", RUN, goal, goal_id=goal_id, report=reports)
+    return reports
+
+
+def ended(reports: list[Report]) -> bool:
+    return bool(reports) and reports[-1].said in ("succeeded", "failed", "canceled", "rejected")
+
+
+def test_a_goal_runs_the_mission_and_its_result_says_how_it_ended(scene: Scene) -> None:
+    reports = send(scene, arguments='{"speed": 2}')
+    scene.client.await_status("it runs", mode="running")
+    assert scene.client.call("post", "rai_missions_msgs/srv/Post", event="go", data="{}", by="Ann")["success"]
+    scene.robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+    reports.wait(lambda all_: all_[-1].data.get("state") == ["moving"], "the feedback tells so")
+    scene.robot.arrive()
+    told = reports.wait(ended, "the goal ends")
+    assert told[0].said == "accepted" and told[-1].said == "succeeded"
+    assert told[-1].data["outcome"] == "succeeded" and told[-1].data["why"] == "'done' was reached, and there is true"
+    states = [report.data["state"] for report in told if report.said == "feedback"]
+    assert ["waiting"] in states and ["moving"] in states
+    revisions = [report.data["revision"] for report in told if report.said == "feedback"]
+    assert revisions == sorted(set(revisions))
+
+
+def test_canceling_the_goal_cancels_the_mission(scene: Scene) -> None:
+    reports = send(scene)
+    scene.client.await_status("it runs", mode="running")
+    scene.client.connector.cancel_goal("g1")
+    last = reports.wait(ended, "the goal ends")[-1]
+    assert (last.said, last.data["outcome"], last.data["why"]) == (
+        "canceled",
+        "canceled",
+        "canceled by operator (~/run)",
+    )
+
+
+def test_a_mission_that_somebody_else_cancels_aborts_the_goal(scene: Scene) -> None:
+    reports = send(scene)
+    scene.client.await_status("it runs", mode="running")
+    assert scene.client.call("cancel")["success"]
+    last = reports.wait(ended, "the goal ends")[-1]
+    assert (last.said, last.data["outcome"]) == ("failed", "canceled")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        ("{", "arguments is not understood"),
+        ('{"sped": 1}', "takes no argument 'sped'"),
+        ("[]", "arguments is a JSON object"),
+    ],
+)
+def test_a_goal_that_cannot_be_is_rejected_and_the_reply_says_why(scene: Scene, arguments: str, why: str) -> None:
+    assert send(scene, arguments=arguments).wait(ended, "it is rejected")[-1].said == "rejected"
+    told = scene.client.replies.wait(bool, "a reply")[-1]
+    assert told["id"] == "g1" and why in told["why"]
+
+
+def test_a_goal_that_may_still_move_the_robot_is_named(open_scene: Callable[..., Scene]) -> None:
+    given = mission()
+    moving = given.states["moving"].model_copy(update={"cancel_s": 0.1})
+    scene = open_scene(typed=True, mission=given.model_copy(update={"states": {**given.states, "moving": moving}}))
+    heard: Heard[Message] = Heard(30.0)
+    scene.client.connector.subscribe("/errand/mission_status", "rai_missions_msgs/msg/MissionStatus", heard)
+    scene.client.activate()
+
+    def obey(word: str) -> None:
+        scene.robot.asked(word)
+        if word == "halt":
+            raise RuntimeError("no brakes")
+
+    scene.robot.obey = obey
+    reports = send(scene)
+    scene.client.await_status("it runs", mode="running")
+    scene.client.command(command="post", event="go")
+    scene.robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+    scene.client.connector.cancel_goal("g1")
+    open_goals = [{"number": 1, "action": "move", "owner": "moving", "reason": "refused"}]
+    last = reports.wait(ended, "the goal ends")[-1]
+    assert (last.said, last.data["open_goals"]) == ("canceled", open_goals)
+    heard.wait(lambda all_: all_[-1].data["outcome"] == "canceled" and all_[-1].data["open_goals"] == open_goals, "so")
+
+
+def test_a_second_goal_is_rejected_while_a_mission_runs(scene: Scene) -> None:
+    send(scene)
+    scene.client.await_status("it runs", mode="running")
+    assert send(scene, "g2").wait(ended, "it is rejected")[-1].said == "rejected"
+    scene.client.await_status("the first goes on", mode="running")
+
+
+def test_questions_are_answered_by_a_service(scene: Scene) -> None:
+    heard: Heard[Message] = Heard(30.0)
+    scene.client.connector.subscribe("/errand/mission_status", "rai_missions_msgs/msg/MissionStatus", heard)
+    scene.client.start()
+    scene.client.command(command="post", event="ask")
+    told = heard.wait(lambda all_: bool(all_) and bool(all_[-1].data["questions"]), "the question is published")
+    (question,) = told[-1].data["questions"]
+    answer = {"number": question["number"], "option": "left", "by": "Ann"}
+    refused = scene.client.call("answer", "rai_missions_msgs/srv/Answer", **answer, parameters="[1")
+    assert not refused["success"] and refused["message"].startswith("parameters is not understood")
+    assert scene.client.call("answer", "rai_missions_msgs/srv/Answer", **answer, parameters="")["success"]
+    scene.client.await_status("it is over", outcome="aborted")
+
+
+def test_control_is_asked_for_by_a_service(scene: Scene) -> None:
+    scene.client.start()
+    assert scene.client.call("set_control", "rai_missions_msgs/srv/Control", to="operator", by="")["success"]
+    scene.client.holders.wait(lambda all_: all_[-1] == "operator", "the operator holds control")
+    told = scene.client.call("set_control", "rai_missions_msgs/srv/Control", to="agent", by="agent")
+    assert not told["success"] and told["message"]

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fields that a profile names: told before the start where the type has none of the name, and at the first message."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from pathlib import Path
+from shutil import copytree
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.event import Event
+from rai_missions.mission.files import load
+from rai_missions.profile import Robot, load_profile, misnamed
+from rai_missions.runtime.clock import WallClock
+from rai_missions.runtime.observers import RobotListener
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+ON_ROS = sorted(MISSIONS.glob("*/robot.ros2*.json"))
+BATTERY = {"voltage": "float", "percentage": "float", "cell_voltage": "sequence<float>", "serial": "string"}
+TYPES: Mapping[str, Mapping[str, Any]] = {
+    "s/msg/Battery": BATTERY,
+    "s/msg/String": {"data": "string"},
+    "s/srv/Ask": {"success": "boolean", "poses": [{"position": {"x": "double"}}], "deep": "s/Deep"},
+}
+
+
+def faults(**words: Any) -> list[str]:
+    robot = Robot.model_validate({"name": "r", "connector": {"kind": "ros2"}, **words})
+    return [str(each) for each in misnamed(None, robot, lambda name, _: TYPES.get(name))]
+
+
+def battery(field: str, **words: Any) -> dict[str, Any]:
+    return {"battery": {"topic": "/b", "type": "s/msg/Battery", "field": field, **words}}
+
+
+@pytest.mark.parametrize(
+    ("field", "said"),
+    [
+        (
+            "percent",
+            "has no field 'percent' (did you mean 'percentage'?); it has: voltage, percentage, cell_voltage, s",
+        ),
+        ("xyz", "has no field 'xyz'; it has: voltage, percentage, cell_voltage, serial"),
+        ("voltage.x", "has no field 'x' in 'voltage', which is one value"),
+        ("serial.0", "has no field '0' in 'serial', which is one value"),
+        ("cell_voltage.x", "has no field 'x' in 'cell_voltage', which is a list"),
+    ],
+)
+def test_a_field_that_a_type_has_not_is_told_with_those_that_it_has(field: str, said: str) -> None:
+    (fault,) = faults(blackboard=battery(field))
+    assert fault.startswith(f"/blackboard/battery/field: a s/msg/Battery {said}")
+
+
+@pytest.mark.parametrize("field", ["percentage", "cell_voltage.7", ""])
+def test_a_field_that_a_type_has_is_no_fault(field: str) -> None:
+    assert faults(blackboard=battery(field)) == []
+
+
+def test_all_faults_are_told_at_once_and_those_of_events_too() -> None:
+    ask = {"service": "/ask", "type": "s/srv/Ask", "every_s": 1}
+    found = faults(
+        blackboard={
+            **battery("percent"),
+            "place": {**ask, "field": "poses.0.position.y"},
+            "deep": {**ask, "field": "deep.what.ever"},
+            "other": {"topic": "/o", "type": "not/msg/Here", "field": "x"},
+        },
+        events={
+            "said": {
+                "topic": "/s",
+                "type": "s/msg/String",
+                "when": {"any": [{"key": "dada", "==": "GO"}, {"key": "data", "==": {"key": "date"}}]},
+                "fields": {"word": "data", "other": "word"},
+            },
+            "told": {"topic": "/s", "type": "s/msg/String", "json": True, "when": {"key": "mode", "==": "GO"}},
+        },
+    )
+    assert [each.partition(";")[0] for each in found] == [
+        "/blackboard/battery/field: a s/msg/Battery has no field 'percent' (did you mean 'percentage'?)",
+        "/blackboard/place/field: a s/srv/Ask has no field 'y' in 'poses.0.position'",
+        "/events/said/when: a s/msg/String has no field 'dada' (did you mean 'data'?)",
+        "/events/said/when: a s/msg/String has no field 'date' (did you mean 'data'?)",
+        "/events/said/fields/other: a s/msg/String has no field 'word'",
+    ]
+
+
+@pytest.mark.parametrize("profile", ON_ROS, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_the_shipped_profiles_name_what_their_types_have(profile: Path) -> None:
+    pytest.importorskip("rclpy")
+    from rai_missions.connectors.ros2 import fields_of
+
+    robot = load_profile(profile)
+    assert misnamed(load(profile.parent / "mission.json"), robot, fields_of) == ()
+    assert misnamed(None, robot, fields_of) == ()
+
+
+def test_a_run_over_ros_is_refused_before_its_start_for_a_field_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("rclpy")
+    from rai_missions.cli.main import main
+
+    text = (MISSIONS / "tractor" / "robot.ros2.json").read_text(encoding="utf-8")
+    assert '"percentage"' in text
+    copytree(MISSIONS / "tractor" / "identity", tmp_path / "identity")
+    (tmp_path / "robot.json").write_text(text.replace('"percentage"', '"percent"'), encoding="utf-8")
+    given = ["run", str(MISSIONS / "tractor" / "mission.json"), "--robot", str(tmp_path / "robot.json")]
+    assert main([*given, "--no-operator", "--journal", str(tmp_path / "a.journal")]) == 2
+    assert "a sensor_msgs/msg/BatteryState has no field 'percent'" in capsys.readouterr().err
+
+
+def test_a_message_without_the_field_is_told_once_and_one_that_leaves_it_open_is_not(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    robot = Robot.model_validate(
+        {
+            "name": "r",
+            "blackboard": battery("percent") | {"open": {"topic": "/open", "type": "s/msg/Battery", "field": "level"}},
+            "events": {"said": {"topic": "/s", "type": "s/msg/String", "when": {"key": "dada", "==": "GO"}}},
+        }
+    )
+    connector, heard = LocalConnector(), list[Event]()
+    connector.start()
+    senses = RobotListener(robot, connector, post=heard.append, later=lambda _at, _do: None, now=WallClock().now)
+    senses.open()
+    with caplog.at_level(logging.WARNING):
+        for _ in range(3):
+            connector.publish("/b", "s/msg/Battery", {"voltage": 12.0, "percentage": 0.5})
+            connector.publish("/open", "s/msg/Battery", {"level": float("nan")})
+            connector.publish("/s", "s/msg/String", {"data": "GO"})
+    senses.close()
+    connector.stop()
+    assert heard == []
+    assert [each.getMessage() for each in caplog.records] == [
+        "'battery': a s/msg/Battery has no field 'percent' (did you mean 'percentage'?); it has: voltage, percentage",
+        "'said': a s/msg/String has no field 'dada' (did you mean 'data'?); it has: data",
+    ]

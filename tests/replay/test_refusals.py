@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the command says where a run cannot go on: a sentence, with what would be right, and status 2."""
+
+from __future__ import annotations
+
+import errno
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.cli.main import main
+from rai_missions.engine import Chart
+from rai_missions.errors import DefinitionError
+from rai_missions.journal import Header, Journal, verify
+from rai_missions.mission.files import dump, load
+from rai_missions.mission.mission import Mission
+
+LAMP = {
+    "name": "lamp",
+    "initial": "on",
+    "states": {"on": {"transitions": [{"after_s": 0.01, "to": "off"}]}, "off": {"final": "aborted"}},
+}
+FULL = """
+import resource, signal, sys
+from pathlib import Path
+from rai_missions.cli.main import main
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+size = Path("run.journal-wal").stat().st_size
+resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+sys.exit(main(["run", "--resume", "run.journal"]))
+"""
+
+
+ROUND = {
+    "name": "round",
+    "blackboard": {"stops": {"type": "list", "initial": ["a", "b"]}, "stop": {"type": "string"}},
+    "initial": "out",
+    "states": {
+        "out": {
+            "parallel": {
+                "tour": {"each": "stops", "as": "stop", "initial": "at", "states": {"at": {}}},
+                "watch": {"initial": "looking", "states": {"looking": {}}},
+            },
+            "transitions": [{"after_s": 5, "to": "home"}],
+        },
+        "home": {"final": "aborted"},
+    },
+}
+
+
+@pytest.fixture
+def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A run that died after its first step, as its files are left; and its mission beside it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
+    mission = load("lamp.json")
+    with Journal.create("living", Header(dump(mission))) as journal:
+        journal.write(Chart(mission).start(), since=0.0)
+        for number in range(8):  # the log is longer than the file that a reader makes of both
+            journal.note("waits", number)
+        for suffix in ("", "-wal"):
+            shutil.copyfile(f"living{suffix}", f"run.journal{suffix}")
+    return tmp_path / "run.journal"
+
+
+def test_a_mission_that_has_changed_is_told_by_what_changed_and_what_to_do(
+    killed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("now.json").write_text(json.dumps(LAMP).replace("0.01", "5"))
+    assert main(["run", "--resume", "run.journal", "now.json"]) == 2
+    first, *changed, remedy = capsys.readouterr().err.splitlines()
+    assert first == "rai-missions run: now.json is not the mission of run.journal:"
+    assert any("on → off after 5 s" in line or "after_s" in line or "5 s" in line for line in changed)
+    assert not any(line.startswith("now.json") for line in changed)
+    assert remedy.endswith("by a map of what has become of what: --migrate MAP")
+
+
+def test_a_disk_that_is_full_is_told_in_a_sentence(killed: Path) -> None:
+    told = subprocess.run([sys.executable, "-c", FULL], capture_output=True, text=True, check=False)
+    assert told.returncode == 2
+    assert "run.journal cannot be written: disk I/O error; row 10 is lost" in told.stderr
+    assert "Traceback" not in told.stderr
+    assert verify("run.journal") == ()
+    assert main(["run", "--resume", "run.journal"]) == 1, "once there is room again, it goes on"
+
+
+def test_a_disk_without_room_for_the_copy_that_is_read_is_told_in_a_sentence(killed: Path) -> None:
+    less = FULL.replace("(size, size)", "(9000, 9000)")
+    told = subprocess.run([sys.executable, "-c", less], capture_output=True, text=True, check=False)
+    assert told.returncode == 2
+    assert told.stderr.startswith("rai-missions run: the journal run.journal cannot be read: ")
+    assert main(["run", "--resume", "run.journal"]) == 1
+
+
+def test_a_file_that_could_not_be_read_is_named(
+    killed: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(source: Any, target: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", str(source), None, "/somewhere/journal")
+
+    monkeypatch.setattr(shutil, "copyfile", fails)
+    assert main(["run", "--resume", "run.journal"]) == 2
+    said = capsys.readouterr().err
+    assert "the journal run.journal cannot be read: No space left on device: /somewhere/journal" in said
+
+
+def test_a_list_in_which_nothing_would_be_active_is_no_place_to_go_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("round.json").write_text(json.dumps(ROUND))
+    Path("map.json").write_text('{"states": {"at": null}}')
+    with Journal.create("run.journal", Header(dump(load("round.json")))) as journal:
+        journal.write(Chart(load("round.json")).start(), since=0.0)
+    assert main(["run", "--resume", "run.journal", "round.json", "--migrate", "map.json"]) == 2
+    assert capsys.readouterr().err == (
+        "map.json: /states: 'tour' goes through a list, and nothing inside it would be active; name a state inside it, "
+        "or one outside\n"
+    )
+
+
+def test_a_fault_of_the_mission_that_a_journal_holds_is_told_with_the_journal_s_name(tmp_path: Path) -> None:
+    trap = Mission.model_validate({"name": "trap", "initial": "shut", "states": {"shut": {}}})
+    with Journal.create(tmp_path / "run.journal", Header(dump(trap))) as journal:
+        journal.write(Chart(trap).start(), since=0.0)
+    with pytest.raises(DefinitionError, match="nothing can leave 'shut'") as refused:
+        prepare(RunConfig(None, resume=tmp_path / "run.journal"))
+    assert refused.value.source == str(tmp_path / "run.journal")

@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One mission, run without a death and again with many: what must be so of the second, beside the first."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import seed as fixed
+
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.step import CallService, PublishMessage, StartGoal, Step
+from rai_missions.event import Event
+from rai_missions.journal import read
+from rai_missions.journal.in_flight import underway
+from rai_missions.mission.mission import Mission
+from tests.replay.coroner import Inquest, Steady, Thinking, steps_of
+from tests.replay.farm import ACTIONS, FARMER, Farm
+from tests.replay.mortal import ONLOOKER, Fate, Wish, live
+from tests.replay.test_kills import Ended, has_ended, holds
+from tests.replay.test_kinds import is_mode
+from tests.strategies import EVENTS, mission_documents
+
+__all__ = ("ENDS_AT_S", "Found", "tried", "worth_a_trial")
+
+ENDS_AT_S = 20.0
+MOST_AT_ONCE = 60
+"""Steps without that any time passes, after which whoever looks on ends the run."""
+
+
+UNHEARD = frozenset({"hauls", "tows"})
+ROBOT = FARMER.model_copy(update={
+    "blackboard": {name: each for name, each in FARMER.blackboard.items() if name not in UNHEARD},
+    "actions": {name: each for name, each in FARMER.actions.items() if each.action is not None},
+})  # fmt: skip
+"""Without what generated missions have no keys for: each message of it would be a row."""
+
+
+class Found(NamedTuple):
+    """What a trial came to."""
+
+    deaths: int
+    kills: Counter[str]
+    """Instant → deaths at one; a death may come at several."""
+    compared: str
+    """`same`, or why the end was not compared with that of the run without a death."""
+
+
+class Yard(Steady):
+    """A land in which what was wanted is granted once it stands in the journal.
+
+    Args:
+        seed: Of what is wanted, and how long goals take and how they end.
+    """
+
+    def __init__(
+        self, mission: Mission, seed: int, *, keeps_time: bool, connector_type: type[LocalConnector] | None = None
+    ) -> None:
+        chance = random.Random(seed)
+        self.keeps_time = keeps_time
+        self.connector_type = connector_type or (Steady if keeps_time else Farm).connector_type
+        self.accepts_s = chance.choice([0.0, 1.0])
+        self.said: set[int] = set()
+        self.suffix = ""
+        """Of the names of events, in a mission that was renamed."""
+        self.inquest = Inquest(mission, self, {})
+        self._crowd: tuple[float, int] = (-1.0, 0)
+        lasts_s = {action: chance.choice([0.5, 2.0, 6.0, 40.0]) for action in ACTIONS}
+        ends = {action: chance.choice(["succeeded", "succeeded", "failed"]) for action in ACTIONS}
+        super().__init__(self._wanted(chance), lasts_s, ends)
+
+    def _wanted(self, chance: random.Random) -> list[Wish]:
+        """Events, a pause or not, and at last a cancel: every run ends."""
+        wanted = [self._once(number, chance) for number in range(chance.randint(0, 4))]
+        if chance.random() < 0.4:
+            at = chance.uniform(1, ENDS_AT_S - 5)
+            wanted += [Wish(at, lambda runner: runner.pause(), is_mode("paused")),
+                       Wish(at + 3, lambda runner: runner.resume(), is_mode("running"))]  # fmt: skip
+        wanted.sort(key=lambda wish: wish.at)
+        return [*wanted, Wish(ENDS_AT_S, lambda runner: runner.cancel(), lambda r: r.chart.outcome is not None)]
+
+    def _once(self, number: int, chance: random.Random) -> Wish:
+        name = chance.choice(EVENTS)
+
+        def say(runner: Any) -> None:
+            runner.post(Event(name + self.suffix, runner.clock.now(), {"id": number}))
+
+        return Wish(chance.uniform(1, ENDS_AT_S), say, lambda _: number in self.said or number in self.inquest.heard)
+
+    def look(self, step: Step) -> None:
+        runner = self.runner
+        if runner is None:
+            return
+        self.said.add(step.event.data.get("id", -1))
+        at, count = self._crowd
+        self._crowd = (step.at, count + 1 if step.at == at else 0)
+        if self._crowd[1] > MOST_AT_ONCE and step.outcome is None:
+            runner.kill(ONLOOKER)
+        self.inquest.look(runner, step)
+
+
+def thinkers(seed: int, yard: Yard) -> dict[str, Thinking]:
+    chance = random.Random(seed)
+    names = ("drive_over", "replan", "wait", "give_up", "nonsense")
+    return {
+        who: Thinking(chance.choice(names), yard, 0.0 if who == "rules" else chance.choice([0.0, 1.0, 3.0]))
+        for who in ("agent", "operator", "rules") if chance.random() < 0.8
+    }  # fmt: skip
+
+
+class Watched(Fate):
+    """Never dies, and knows at which instants it could have."""
+
+    def __init__(self, yard: Yard) -> None:
+        super().__init__()
+        self._yard = yard
+        self.chances: defaultdict[str, list[tuple[int, bool]]] = defaultdict(list)
+        """Instant → the things that it did at one, by their number, and whether it is right after."""
+
+    def around(self, what: str, given: tuple[Any, ...], do: Callable[[], Any]) -> Any:
+        number = self.count
+        self._look(number, what, given, is_done=False)
+        made = super().around(what, given, do)
+        self._look(number, what, given, is_done=True)
+        return made
+
+    def _look(self, number: int, what: str, given: tuple[Any, ...], *, is_done: bool) -> None:
+        if (runner := self._yard.runner) is not None:
+            for name in self._yard.inquest.instants(runner, what, given, is_done=is_done):
+                self.chances[name].append((number, is_done))
+
+
+FIRST_THINGS = 5
+"""So many of the first things that a process does belong to its taking a run up, about."""
+
+
+def fates(chance: random.Random, chances: Mapping[str, list[tuple[int, bool]]], lives: int) -> Iterator[Fate]:
+    """How each process dies: at each kind of instant alike, one after the other, or while it takes the run up."""
+    began = 0
+    for life in range(lives):
+        later = {name: found for name, each in chances.items() if (found := [at for at in each if at[0] >= began])}
+        if not later or (life and chance.random() < 0.25):
+            yield Fate(chance.randint(0, FIRST_THINGS), is_done=chance.random() < 0.5)
+            continue
+        at, is_done = chance.choice(later[chance.choice(sorted(later))])
+        yield Fate(at - began + (FIRST_THINGS if life else 0), is_done=is_done)
+        began = at
+
+
+def tried(folder: Path, mission: Mission, seed: int) -> Found:
+    """Run a mission to its end, and again with deaths; raises AssertionError where the second is not as it must be."""
+    chance = random.Random(seed)
+    keeps_time = chance.random() < 0.6
+    whole, path = Yard(mission, seed, keeps_time=keeps_time), folder / "whole.journal"
+    who = thinkers(seed, whole)
+    watched = Watched(whole)
+    result = live(path, whole, mission, ROBOT, who, watched)
+    assert result is not None
+    holds(path, whole, mission)
+    undisturbed = Ended(result.outcome, result.why)
+
+    yard, path = Yard(mission, seed, keeps_time=keeps_time), folder / "run.journal"
+    who = thinkers(seed, yard)
+    inquest = yard.inquest = Inquest(mission, yard, who)
+    dead_s = 0.0 if keeps_time else chance.choice([0.0, 0.0, 3.0, 12.0])
+    for fate in (*fates(chance, watched.chances, chance.randint(3, 8)), Fate()):
+        if path.exists() and has_ended(path, mission):
+            break
+        if live(path, yard, mission, ROBOT, who, fate, coroner=inquest) is not None:
+            break
+        for _ in range(int(dead_s / yard.period_s)):
+            yard.step()
+    holds(path, yard, mission)
+    ended, doubted = looked_at(path, yard, inquest)
+    if not keeps_time:
+        compared = "time was lost"
+    elif doubted:
+        compared = "an effect was in doubt"
+    else:
+        assert ended == undisturbed, "the run ends as it would have without a death"
+        compared = "same"
+    return Found(inquest.deaths, inquest.kills, compared)
+
+
+def looked_at(path: Path, yard: Yard, inquest: Inquest) -> tuple[Ended, bool]:
+    """What the journal of a run with deaths must say; gives how it ended, and whether an effect was in doubt."""
+    with read(path) as record:
+        rows = list(record.rows())
+        confirmed = record.confirmations()
+    steps = steps_of(rows)
+    effects = [(step.seq, each) for step in steps for each in step.effects]
+    starts = {inquest.goal_id(each): each for _, each in effects if isinstance(each, StartGoal)}
+    assert {goal_id for _, goal_id in yard.started} <= starts.keys(), "no goal was started that no row tells of"
+    assert not [each for each in underway(rows).open.values() if isinstance(each, StartGoal)], (
+        "each goal's end is known"
+    )
+    calls = Counter(each.service for _, each in effects if isinstance(each, CallService))
+    sure = Counter(
+        each.service for seq, each in effects if isinstance(each, CallService) and confirmed.get(seq) == "performed"
+    )
+    for service, is_repeatable in (("replan", False), ("horn", True)):
+        most = calls[service] + (inquest.repeatable[service] if is_repeatable else 0)
+        assert sure[service] <= yard.called[f"/{service}"] <= most, "what was confirmed was done, and done once"
+    lamps = sum(isinstance(each, PublishMessage) for _, each in effects)
+    assert yard.heard["/once_topic"] <= lamps
+    doubted = any(step.event.kind == "doubt" and step.event.data.get("what") != "publish" for step in steps)
+    last = next(step for step in steps if step.outcome is not None)
+    return Ended(last.outcome, last.why), doubted
+
+
+SOMETHING_GOES_ON = frozenset({"action", "call", "tree", "decision", "parallel", "each"})
+
+
+def worth_a_trial(seed: int, most: int) -> list[Mission]:
+    """Generated missions with enough in them to die in, of so many those that are not much alike."""
+    found: dict[str, Mission] = {}
+    chance = random.Random(seed)
+
+    @fixed(seed)
+    @settings(
+        max_examples=most,
+        database=None,
+        phases=[Phase.generate],
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(mission_documents())
+    def draw(document: dict[str, Any]) -> None:
+        begins = [name for name, state in document["states"].items() if not state.keys() & {"final", "history"}]
+        asks = [name for name in begins if "decision" in document["states"][name]]
+        document = {**document, "initial": chance.choice(asks if asks and chance.random() < 0.5 else begins)}
+        if chance.random() < 0.8:
+            document.pop("invariants", None)
+        mission = Mission.model_validate(document)
+        words = Counter(state.word for _, _, state in mission.walk())
+        busy = sum(words[word] for word in SOMETHING_GOES_ON)
+        if busy >= 3 and (words["decision"] or words["parallel"] or words["tree"]):
+            found.setdefault(str(sorted(words.items())), mission)
+
+    draw()
+    return list(found.values())

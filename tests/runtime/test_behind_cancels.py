@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission calls after it canceled a composed action reaches the robot after the cancel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.connector import Data, Reply
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.step import CancelGoal, StartGoal
+from rai_missions.profile import Robot
+from rai_missions.runtime.goals import Goals
+from tests.runtime.stages import ROBOT
+
+DONE = Reply("succeeded", {"success": True})
+
+
+class SlowRobot(LocalConnector):
+    """Answers when the test says so."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked: list[str] = []
+        self.answered: dict[str, Callable[[Reply], None]] = {}
+
+    def call(
+        self, service: str, type_name: str, request: Data, *, answered: Callable[[Reply], None],
+        timeout_s: float | None = None,
+    ) -> None:  # fmt: skip
+        self.asked.append(service)
+        self.answered[service] = answered
+        if service == "/broken":
+            raise RuntimeError("the wire is cut")
+
+
+def driving(**drive: Any) -> tuple[Goals, SlowRobot, list[str]]:
+    """A composed action that runs, its robot, and what was told of it."""
+    robot, told = SlowRobot(), list[str]()
+    profile = {**ROBOT, "actions": {"drive": {**ROBOT["actions"]["drive"], **drive}}}
+    goals = Goals("run", Robot.model_validate(profile), robot, tell=lambda kind, name, number, data: told.append(name))
+    goals.start(StartGoal(1, "driving", "drive", {}))
+    robot.answered["/drive"](DONE)
+    return goals, robot, told
+
+
+def test_a_call_waits_for_the_reply_to_the_cancel() -> None:
+    goals, robot, told = driving()
+    goals.cancel(CancelGoal(1, "drive"))
+    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    assert robot.asked == ["/drive", "/halt"]
+    robot.answered["/halt"](DONE)
+    assert robot.asked == ["/drive", "/halt", "/turn_back"]
+    assert told == ["accepted", "canceled"]
+
+
+@pytest.mark.parametrize("outcome", ["failed", "timed_out", "unavailable"])
+def test_a_cancel_that_fails_keeps_nobody_waiting(outcome: Any) -> None:
+    goals, robot, told = driving()
+    goals.cancel(CancelGoal(1, "drive"))
+    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    robot.answered["/halt"](Reply(outcome, {}))
+    assert robot.asked[-1] == "/turn_back"
+    assert told == ["accepted", *(["drive"] if outcome == "failed" else [])], "its end is not confirmed"
+
+
+def test_a_cancel_that_cannot_be_sent_keeps_nobody_waiting() -> None:
+    goals, robot, _ = driving(cancel="/broken")
+    with pytest.raises(RuntimeError, match="the wire is cut"):
+        goals.cancel(CancelGoal(1, "drive"))
+    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    assert robot.asked[-1] == "/turn_back"
+
+
+def test_without_a_cancel_a_call_goes_at_once() -> None:
+    goals, robot, _ = driving()
+    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    assert robot.asked == ["/drive", "/turn_back"]

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An event that is heard during an action: what our own commands make the robot say is none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import pytest
+from pydantic import ValidationError
+
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.profile import Robot
+from rai_missions.runtime.observers import RobotListener
+
+TYPE = "std_msgs/msg/String"
+STUCK = {"topic": "/state", "type": TYPE, "when": {"key": "data", "==": "STOPPED"}, "during": "drive"}
+DRIVE = {"start": "/go", "cancel": "/stop", "succeeded": {"key": "there", "==": True}}
+
+
+class Ear(NamedTuple):
+    senses: RobotListener
+    connector: LocalConnector
+    heard: list[str]
+
+    def hear(self, *words: str) -> list[str]:
+        """What has happened by the time that the robot has said all this."""
+        for word in words:
+            self.connector.publish("/state", TYPE, {"data": word})
+        return self.heard
+
+
+@pytest.fixture
+def ear() -> Iterator[Ear]:
+    robot = Robot.model_validate({"name": "one", "events": {"stuck": STUCK}, "actions": {"drive": DRIVE}})
+    connector, heard = LocalConnector(), list[str]()
+    connector.start()
+    senses = RobotListener(
+        robot, connector, post=lambda event: heard.append(event.name), later=lambda at, do: None, now=lambda: 0.0
+    )
+    senses.open()
+    yield Ear(senses, connector, heard)
+    senses.close()
+    connector.stop()
+
+
+def test_it_happens_while_the_action_is_under_way(ear: Ear) -> None:
+    ear.senses.begin_action("drive")
+    assert ear.hear("DRIVING", "STOPPED", "STOPPED") == ["stuck"]
+    assert ear.hear("DRIVING", "STOPPED") == ["stuck", "stuck"]
+
+
+def test_it_does_not_happen_before_the_action_nor_after_its_end_was_asked_for(ear: Ear) -> None:
+    assert ear.hear("DRIVING", "STOPPED") == []
+    ear.senses.begin_action("drive")
+    ear.hear("DRIVING")
+    ear.senses.end_action("drive")
+    assert ear.hear("STOPPED", "DRIVING", "STOPPED") == []
+
+
+def test_what_was_so_before_the_action_is_no_news_until_it_was_otherwise(ear: Ear) -> None:
+    ear.senses.begin_action("drive")
+    ear.senses.end_action("drive")
+    ear.hear("STOPPED")
+    ear.senses.begin_action("drive")
+    assert ear.hear("STOPPED", "STOPPED") == [], "a stop that is still heard"
+    assert ear.hear("DRIVING", "STOPPED") == ["stuck"]
+
+
+def test_a_run_that_goes_on_hears_what_happened_while_nobody_listened(ear: Ear) -> None:
+    ear.senses.begin_action("drive", anew=False)
+    assert ear.hear("STOPPED", "STOPPED") == ["stuck"]
+
+
+def test_another_action_changes_nothing(ear: Ear) -> None:
+    ear.senses.begin_action("drive")
+    ear.hear("DRIVING")
+    ear.senses.begin_action("turn")
+    ear.senses.end_action("turn")
+    assert ear.hear("STOPPED") == ["stuck"]
+
+
+def test_an_action_that_is_not_there_is_a_fault() -> None:
+    with pytest.raises(ValidationError, match="'stuck' is heard during 'drive', which is no action here"):
+        Robot.model_validate({"name": "one", "events": {"stuck": STUCK}})
+    with pytest.raises(ValidationError, match="drop 'during'"):
+        Robot.model_validate({"name": "one", "events": {"stuck": {"posted": True, "during": "drive"}}})

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C in a program that runs a mission: the run ends in order, its journal has how, and then the program ends."""
+
+from __future__ import annotations
+
+import signal
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.engine.step import CancelGoal, StartGoal
+from tests.runtime.stages import Rig, mission
+
+OUTCOMES = ["succeeded", "failed", "canceled", "rejected", "timed_out"]
+
+
+def interrupted(*at_s: float, on_cancel: tuple[str, ...] = ("canceled",), winds_down: bool = False) -> Rig:
+    """A run whose goals have no end of their own, with Ctrl-C pressed at these instants."""
+    moving = {"timeout_s": 3, "cancel_s": 1, "transitions": [{"on": OUTCOMES, "to": "turning"}]}
+    states = {
+        "moving": {"action": "move", **moving},
+        "turning": {"action": "turn", **moving, "transitions": [{"on": OUTCOMES, "to": "moving"}]},
+        "winding": {"transitions": [{"after_s": 5, "to": "over"}]},
+        "over": {"final": "canceled"},
+    }
+    rig = Rig(mission(states, **({"on_cancel": "winding"} if winds_down else {})))
+    rig.move.on_cancel = rig.turn.on_cancel = on_cancel
+    for instant in at_s:
+        rig.stage.play({instant: lambda: signal.raise_signal(signal.SIGINT)})
+    with pytest.raises(KeyboardInterrupt):
+        rig.run()
+    return rig
+
+
+@given(
+    st.lists(st.integers(1, 25), min_size=1, max_size=2),
+    st.sampled_from([("canceled",), (), ("cancel_rejected",)]), st.booleans(),
+)  # fmt: skip
+def test_the_journal_of_an_interrupted_run_has_the_end_or_the_cancel_of_every_goal(
+    tenths: list[int], on_cancel: tuple[str, ...], winds_down: bool
+) -> None:
+    rig = interrupted(*(tenth / 10 for tenth in tenths), on_cancel=on_cancel, winds_down=winds_down)
+    effects = [effect for step in rig.book.steps for effect in step.effects]
+    started = {effect.number for effect in effects if isinstance(effect, StartGoal)}
+    ended = {step.event.number for step in rig.book.steps if step.event.kind == "result"}
+    canceled = {effect.number for effect in effects if isinstance(effect, CancelGoal)}
+    assert started <= ended | canceled
+    assert rig.runner.chart.outcome in ("canceled", "aborted")
+    assert {goal.number for goal in rig.runner.chart.loose_goals} == started - ended
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it() -> None:
+    rig = interrupted(1.0)
+    assert len(rig.move.canceled) == 1
+    assert [step.event.name for step in rig.book.steps if step.event.kind == "result"] == ["canceled"]
+
+
+def test_a_second_interrupt_is_an_emergency_stop() -> None:
+    rig = interrupted(1.0, 2.0, winds_down=True)
+    assert (rig.runner.chart.outcome, rig.runner.chart.why) == ("aborted", "killed by operator (interrupt)")

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What ends a run, or takes a chance from it, stands in its journal, however quietly it came."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.errors import UsageError
+from rai_missions.journal import Header, Journal, read
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import dump_profile
+from rai_missions.replay.open_run import open_run
+from rai_missions.replay.replay import replay
+from tests.runtime.stages import Rig, mission, robot
+
+Moments = Mapping[float, Callable[[], object]]
+
+
+def journaled(path: Path, given: Mission, moments: Callable[[Rig], Moments]) -> Rig:
+    rig = Rig(given, journal=Journal.create(path, Header(dump(given), dump_profile(robot()))))
+    rig.stage.play(moments(rig))
+    return rig
+
+
+def agrees(path: Path, rig: Rig) -> None:
+    result = rig.run()
+    rig.book.close()
+    with read(path) as record:
+        last = record.last()
+    assert last is not None
+    assert (last.step.outcome, last.step.why) == (result.outcome, result.why)
+    again = replay(path)
+    assert (again.difference, again.outcome, again.why) == ("", result.outcome, result.why)
+    with pytest.raises(UsageError, match="has ended"):
+        open_run(path)
+
+
+REQUIRING: dict[str, Any] = {
+    "idle": {"transitions": [{"on": "go", "to": "done"}]},
+    "done": {"final": "succeeded", "requires": {"key": "there", "==": True}},
+}
+
+
+def test_a_success_that_a_later_fact_brings_is_written_down(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    there = lambda rig: {1.0: lambda: rig.post("go"), 2.0: lambda: rig.publish("/there", data=True)}  # noqa: E731
+    agrees(path, journaled(path, mission(REQUIRING, settle_s=5), there))
+
+
+def test_a_final_that_never_settles_is_written_down(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    agrees(path, journaled(path, mission(REQUIRING, settle_s=2), lambda rig: {1.0: lambda: rig.post("go")}))
+
+
+def test_a_chance_that_passed_at_its_time_does_not_come_back(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    states = {
+        "waiting": {"transitions": [{"after_s": 2, "when": {"key": "there", "==": True}, "to": "taken"},
+                                    {"on": "go", "to": "left"}]},
+        "taken": {"final": "failed"},
+        "left": {"final": "canceled"},
+    }  # fmt: skip
+    given = mission(states)
+    rig = journaled(
+        path, given, lambda rig: {2.2: lambda: rig.publish("/there", data=True), 2.4: lambda: rig.post("go")}
+    )
+    agrees(path, rig)
+    with read(path) as record:
+        assert [name for step in record.steps() for name in step.entered] == ["waiting", "left"]

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run as a person reads it, line by line."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from rich.console import Console
+
+from rai_missions.cli.live_terminal import Screen
+from rai_missions.cli.progress import Lines
+from rai_missions.engine import Chart
+from rai_missions.event import Event
+from rai_missions.mission.mission import Mission
+
+MISSION = Mission.model_validate(
+    {
+        "name": "m",
+        "blackboard": {
+            name: {"type": "number", "source": "robot", "max_age_s": 5} for name in ("battery", "camera", "heading")
+        },
+        "events": {"stop_now": {}},
+        "initial": "a",
+        "states": {"a": {"transitions": [{"on": "stop_now", "to": "z"}]}, "z": {"final": "aborted"}},
+    }
+)
+
+
+def lines_before_the_start(kind: type[Lines], *, verbose: bool = False) -> list[str]:
+    out, chart = io.StringIO(), Chart(MISSION)
+    lines = kind(MISSION, out, verbose=verbose)
+    lines.watch(chart)
+    lines.step(chart.write("heading", 1.0, 0.0))
+    for number in range(10):
+        lines.step(chart.send(Event("stop_now", 0.5 + number / 10)))
+    lines.step(chart.write("battery", 0.5, 2.0))
+    lines.step(chart.write("camera", 1.0, 2.0))
+    lines.step(chart.send(Event("stop_now", 2.1)))
+    lines.step(chart.start(2.2))
+    lines.step(chart.send(Event("stop_now", 3.0)))
+    lines.close()
+    return [line for line in out.getvalue().splitlines() if "stop_now" in line or "robot" in line or "not been" in line]
+
+
+@pytest.mark.parametrize("kind", [Lines, Screen])
+def test_what_happens_before_the_start_is_one_line_that_says_what_is_waited_for(kind: type[Lines]) -> None:
+    waiting, moved = lines_before_the_start(kind)
+    assert "0.50 s  waiting for the robot: battery, camera" in waiting
+    assert "stop_now" in moved and "a → z" in moved
+
+
+def test_who_wants_every_step_sees_every_step() -> None:
+    ignored = [line for line in lines_before_the_start(Lines, verbose=True) if "has not been started" in line]
+    assert len(ignored) == 11
+
+
+@pytest.mark.parametrize("said", ["[/red]", "[link=file:///etc/passwd]here[/link]", "[bold", "\x1b[2J"])
+def test_what_a_robot_says_is_shown_as_it_was_said_and_never_as_markup(said: str) -> None:
+    mission = Mission.model_validate(
+        {
+            "name": "m", "blackboard": {"said": {"type": "string", "source": "robot"}}, "initial": "a",
+            "states": {"a": {"final": "aborted"}},
+        }
+    )  # fmt: skip
+    out, chart = io.StringIO(), Chart(mission)
+    screen = Screen(mission, out)
+    screen.watch(chart)
+    chart.write("said", said, 0.0)
+    foot = Console(file=out, width=200)
+    foot.print(screen._foot(0.0))
+    assert said.replace("\x1b", " ").strip() in out.getvalue()

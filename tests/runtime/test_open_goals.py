@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a run has ended none of its goals is executing, or the result names it: over servers of every kind.
+
+Rule: what is executing is read from the servers alone, what is named from the result alone.
+"""
+
+from __future__ import annotations
+
+import heapq
+import io
+import itertools
+import uuid
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.cli.progress import Lines
+from rai_missions.connectors.connector import Reply, Report
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.runner import Result
+from tests.runtime.stages import Rig, Stage, mission
+
+LASTS_S = 40
+ENDS = ["succeeded", "failed", "rejected", "canceled", "timed_out", "unverified"]
+
+
+class Plan(NamedTuple):
+    """What a server does with one goal; instants in seconds after what they follow, None for never."""
+
+    accepts: float | None = 0.0
+    rejects: bool = False
+    ends: float | None = None
+    end: str = "succeeded"
+    cancels: float | None = 0.0
+    """How long a cancel takes that is not refused."""
+    refuses: bool = False
+    raises: bool = False
+    """It raises instead of answering a cancel."""
+    twice: bool = False
+    """It reports everything twice."""
+
+
+PLANS = st.builds(
+    Plan,
+    accepts=st.sampled_from([0.0, 0.0, 0.3, 1.5, 4.0, 9.0, None]),
+    rejects=st.sampled_from([False, False, False, True]),
+    ends=st.sampled_from([None, None, 0.2, 1.0, 6.0]),
+    end=st.sampled_from(["succeeded", "failed"]),
+    cancels=st.sampled_from([0.0, 0.0, 0.4, 3.0, None]),
+    refuses=st.sampled_from([False, False, True]),
+    raises=st.sampled_from([False, False, False, True]),
+    twice=st.booleans(),
+)
+
+
+class Agenda(Stage):
+    """A stage whose scenes may be arranged while it is played."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._numbers = itertools.count()
+        self._due: list[tuple[float, int, Callable[[], object]]] = []
+
+    def later(self, seconds: float, do: Callable[[], object]) -> None:
+        if seconds == 0.0:
+            do()
+        else:
+            heapq.heappush(self._due, (self.at + seconds, next(self._numbers), do))
+
+    def step(self) -> None:
+        super().step()
+        while self._due and self._due[0][0] <= self.at:
+            heapq.heappop(self._due)[2]()
+
+
+@dataclass
+class ScriptedServer:
+    """An action's server that keeps to its plans, one a goal, and knows what it is executing."""
+
+    agenda: Agenda
+    plans: list[Plan]
+
+    def __post_init__(self) -> None:
+        self._mine: dict[str, tuple[Plan, Callable[[Report], None]]] = {}
+        self.executing: set[str] = set()
+        self.over: dict[str, float] = {}
+        """Goals of which it has reported an end, and when."""
+
+    def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Report], None]) -> None:
+        plan = self.plans[len(self._mine) % len(self.plans)]
+        self._mine[goal_id] = (plan, report)
+        if plan.accepts is not None:
+            self.agenda.later(plan.accepts, lambda: self._decide(goal_id, plan))
+
+    def _decide(self, goal_id: str, plan: Plan) -> None:
+        if plan.rejects:
+            self._end(goal_id, "rejected")
+            return
+        self.executing.add(goal_id)
+        self._say(goal_id, "accepted")
+        if plan.ends is not None:
+            self.agenda.later(plan.ends, lambda: self._end(goal_id, plan.end))
+
+    def cancel(self, goal_id: str) -> None:
+        plan, _ = self._mine[goal_id]
+        if plan.raises:
+            raise RuntimeError("no brakes")
+        if plan.refuses:
+            self._say(goal_id, "cancel_rejected")
+        elif plan.cancels is not None:
+            self.agenda.later(plan.cancels, lambda: self._end(goal_id, "canceled"))
+
+    def _end(self, goal_id: str, said: str) -> None:
+        if goal_id not in self.over:
+            self.executing.discard(goal_id)
+            self.over[goal_id] = self.agenda.at
+            self._say(goal_id, said)
+
+    def _say(self, goal_id: str, said: Any) -> None:
+        plan, report = self._mine[goal_id]
+        for _ in range(1 + plan.twice):
+            report(Report(goal_id, said, {}))
+
+    def obeys(self, goal_id: str) -> bool:
+        """Whether the goal ends once its cancel arrives."""
+        plan, _ = self._mine[goal_id]
+        return not plan.refuses and not plan.raises and plan.cancels is not None
+
+
+class SlowServices(LocalConnector):
+    """A connector whose services for composed actions take effect and reply late, as their plan has it."""
+
+    def __init__(self, agenda: Agenda, plan: Plan) -> None:
+        super().__init__(now=lambda: agenda.at)
+        self.agenda, self._plan = agenda, plan
+        self.is_driving = False
+
+    @property
+    def obeys(self) -> bool:
+        """Whether what is driving stops once it is called to."""
+        return self._plan.cancels is not None and not self._plan.refuses
+
+    def call(
+        self, service: str, type_name: str, request: Any, *, answered: Callable[[Reply], None],
+        timeout_s: float | None = None,
+    ) -> None:  # fmt: skip
+        plan = self._plan
+        after = {"/drive": plan.accepts, "/halt": plan.cancels}.get(service, 0.0)
+        is_fine = not (plan.rejects if service == "/drive" else plan.refuses)
+
+        def take_effect() -> None:
+            if is_fine and service in ("/drive", "/halt"):
+                self.is_driving = service == "/drive"
+            answered(Reply("succeeded", {"success": is_fine, "message": "" if is_fine else "no"}))
+
+        if after is not None:
+            self.agenda.later(after, take_effect)
+
+
+class Act(NamedTuple):
+    """Something that is done to the run."""
+
+    tenth: int
+    what: str
+
+
+@dataclass
+class Scene:
+    """A run over scripted servers, and what became of its goals."""
+
+    actions: list[str]
+    plans: list[Plan]
+    acts: list[Act]
+    is_ours: bool
+    """The connector is started and stopped by the run."""
+
+    def play(self) -> None:
+        agenda = Agenda()
+        self.connector = SlowServices(agenda, self.plans[-1])
+        self.statuses: list[Status] = []
+        rig = _SceneRig(mission(_states(self.actions)), agenda, self.connector, self.statuses.append)
+        self.servers = {name: ScriptedServer(agenda, self.plans) for name in ("/move", "/turn")}
+        for name, server in self.servers.items():
+            rig.closes[name] = self.connector.offer(name, f"x/action/{name[1:].title()}", server)
+        if not self.is_ours:
+            self.connector.start()
+        for act in self.acts:
+            agenda.play({act.tenth / 10: lambda act=act: rig.do(act.what)})
+        agenda.play({LASTS_S: rig.runner.kill})
+        self.run_id = rig.runner.run_id
+        self.result = rig.run()
+        self.check()
+        for _ in range(300):
+            agenda.step()
+        self.check(is_late=True)
+
+    def check(self, *, is_late: bool = False) -> None:
+        """Hold the servers against the result."""
+        result, story = self.result, (self, self.result)
+        named = {goal_id(self.run_id, goal) for goal in result.open_goals}
+        executing = {each for server in self.servers.values() for each in server.executing}
+        assert executing <= named, story
+        if self.connector.is_driving:
+            assert "drive" in {goal.action for goal in result.open_goals}, story
+        assert bool(result.warning) is bool(result.open_goals)
+        if is_late:
+            closed = {act.what for act in self.acts}
+            reached = [server for name, server in self.servers.items() if name not in closed]
+            obedient = {each for server in reached for each in server.executing if server.obeys(each)}
+            assert not obedient, ("what is accepted after the end is canceled", obedient, story)
+            assert not (self.connector.is_driving and self.connector.obeys), ("what begins late is stopped", story)
+            return
+        before = self.connector.agenda.at - Stage.period_s / 2  # at the same instant either may come first
+        over = {each for server in self.servers.values() for each, at in server.over.items() if at < before}
+        assert not named & over, ("what has ended is not named", story)
+        assert self.statuses[-1].open_goals == result.open_goals, story
+
+
+class _SceneRig(Rig):
+    def __init__(self, given: Any, agenda: Agenda, connector: Any, on_status: Callable[[Status], None]) -> None:
+        self.agenda, self.closes = agenda, dict[str, Callable[[], None]]()
+        super().__init__(given, connector=connector, clock=_clock(agenda), on_status=on_status)
+        self.stage = agenda
+
+    def serve(self) -> None:
+        """The scene's servers come later; services are played by its connector."""
+
+    def do(self, what: str) -> None:
+        if what.startswith("/"):
+            self.closes[what]()  # the server is gone; the robot goes on with what it was told to do
+        elif what in ("go", "again"):
+            self.post(what)
+        else:
+            getattr(self.runner, what)()
+
+
+def _clock(agenda: Agenda) -> Any:
+    from rai_missions.runtime.clock import SimulatedClock
+
+    return SimulatedClock(agenda)
+
+
+def goal_id(run: str, goal: Any) -> str:
+    return uuid.uuid5(uuid.NAMESPACE_URL, f"{run}/{goal.owner}/{goal.number}").hex
+
+
+def _states(actions: list[str]) -> dict[str, Any]:
+    """One after the other, each left by its outcome, by `go`, or for good by `again`."""
+    names = [f"s{number}" for number in range(len(actions))]
+    following = [*names[1:], "done"]
+    states: dict[str, Any] = {
+        name: {
+            "action": action, "timeout_s": 2, "cancel_s": 1,
+            "transitions": [{"on": [*ENDS, "go"], "to": after}, {"on": "again", "to": "done"}],
+        }
+        for name, action, after in zip(names, actions, following, strict=True)
+    }  # fmt: skip
+    return {**states, "done": {"final": "failed"}}
+
+
+SCENES = st.builds(
+    Scene,
+    actions=st.lists(st.sampled_from(["move", "turn", "drive"]), min_size=1, max_size=4),
+    plans=st.lists(PLANS, min_size=1, max_size=4),
+    acts=st.lists(
+        st.builds(Act, st.integers(1, 80), st.sampled_from(
+            ["go", "go", "again", "kill", "kill", "cancel", "pause", "resume", "/move", "/turn"]
+        )), max_size=5,
+    ),
+    is_ours=st.booleans(),
+)  # fmt: skip
+quick = settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
+
+
+@quick
+@given(SCENES)
+def test_what_is_executing_when_a_run_has_ended_is_named_by_its_result(scene: Scene) -> None:
+    scene.play()
+
+
+@pytest.mark.drill
+@settings(parent=quick, max_examples=5_000)
+@given(SCENES)
+def test_what_is_executing_when_a_run_has_ended_is_named_by_its_result_in_many_scenes(scene: Scene) -> None:
+    scene.play()
+
+
+def played(plan: Plan, *acts: Act, actions: tuple[str, ...] = ("move",), is_ours: bool = False) -> Result:
+    scene = Scene(list(actions), [plan], list(acts), is_ours)
+    scene.play()
+    return scene.result
+
+
+def test_a_refused_cancel_is_named_and_the_robot_may_still_move() -> None:
+    result = played(Plan(refuses=True))
+    assert [(goal.action, goal.owner, goal.reason) for goal in result.open_goals] == [("move", "s0", "refused")]
+    assert result.warning == "the robot may still move: goal 1 of 'move' (its server refuses to cancel it)"
+
+
+def test_the_journal_and_the_lines_name_what_may_still_move_the_robot() -> None:
+    out, given = io.StringIO(), mission(_states(["move"]))
+    lines = Lines(given, out)
+    rig = Rig(given, on_status=lines.status)
+    rig.move.on_cancel = ("cancel_rejected",)
+    lines.end(rig.run())
+    sentence = "the robot may still move: goal 1 of 'move' (its server refuses to cancel it)"
+    assert sentence in rig.book.notes
+    assert out.getvalue().count(sentence) == 2
+
+
+def test_a_cancel_that_is_never_confirmed_is_named() -> None:
+    assert [goal.reason for goal in played(Plan(cancels=None)).open_goals] == ["orphaned"]
+
+
+def test_a_server_that_is_gone_is_named() -> None:
+    assert [goal.reason for goal in played(Plan(), Act(5, "/move")).open_goals] == ["lost"]
+
+
+def test_an_acceptance_after_the_end_is_canceled() -> None:
+    assert [goal.reason for goal in played(Plan(accepts=9.0)).open_goals] == ["orphaned"]
+
+
+def test_a_start_that_takes_effect_after_the_end_is_stopped_again() -> None:
+    late = Plan(accepts=9.0)
+    assert [goal.reason for goal in played(late, actions=("drive",)).open_goals] == ["orphaned"]
+    assert [goal.reason for goal in played(late, Act(5, "kill"), actions=("drive",)).open_goals] == ["orphaned"]
+
+
+def test_a_run_whose_goals_have_ended_names_none() -> None:
+    result = played(Plan(), Act(3, "go"), actions=("move", "turn"))
+    assert (result.open_goals, result.warning) == ((), "")
+
+
+def test_a_goal_that_was_not_confirmed_is_told_to_end_once_more_as_the_run_is_over() -> None:
+    asked: list[int] = []
+    rig = Rig(mission(_states(["move"])), on_step=lambda step: asked.append(len(rig.move.canceled)))
+    rig.move.on_cancel = ("cancel_rejected",)
+    rig.connector.start()  # one of the run's own would end its goals as it stops
+    result = rig.run()
+    assert [goal.reason for goal in result.open_goals] == ["refused"]
+    assert len(rig.move.canceled) == asked[-1] + 1

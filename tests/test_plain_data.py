@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whoever is asked or commanded may tinker with what it was given: the mission, and what is known, stay as they are."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from langchain_core.messages import AIMessage
+from langchain_core.tools import BaseTool, StructuredTool
+
+from rai_missions.answerers.model.agent import DecisionAgent
+from rai_missions.answerers.test_models import ScriptedModel
+from rai_missions.engine.decision import Offer, Question
+from rai_missions.event import Image
+from rai_missions.mission.files import dump
+from rai_missions.plain_data import apart
+from rai_missions.profile import dump_profile
+from rai_missions.testing import QUESTION, ReplyCallback, call
+from tests.runtime.stages import Book, Rig, mission, robot
+
+SPEED = {"type": "object", "properties": {"speed": {"type": "number", "maximum": 1}}, "additionalProperties": False}
+FAST = {"option": "go", "parameters": {"speed": 9, "state": "done"}}
+STATES: dict[str, Any] = {
+    "asking": {
+        "decision": {
+            "question": "How fast?",
+            "evidence": ["route"],
+            "options": {"go": {"parameters": SPEED}, "stop": {}},
+            "ask": ["agent"],
+            "attempts": 2,
+            "deadline_s": 30,
+            "fallback": "stop",
+        },
+        "transitions": [{"on": "go", "to": "lost"}, {"on": "stop", "to": "moving"}],
+    },
+    "moving": {
+        "action": "move",
+        "goal": {"route": {"from": "route"}, "limits": [1, 2]},
+        "timeout_s": 5,
+        "transitions": [{"on": "succeeded", "to": "over"}],
+    },
+    "over": {"final": "aborted"},
+    "lost": {"final": "failed"},
+}
+KEYS = {"route": {"type": "list", "source": "mission", "initial": [{"x": 1}, [2, 3]]}}
+ROUTE = [{"x": 1}, [2, 3]]
+IMAGE = Image("camera@1", 1, 1, "rgb8", b"abc")
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.text(max_size=3) | st.just(IMAGE),
+    lambda inner: st.lists(inner) | st.tuples(inner) | st.dictionaries(st.text(max_size=3), inner),
+)
+
+
+def spoil(value: Any) -> None:
+    """Take every bound out of a schema, and put something else into whatever can hold it."""
+    for item in list(value.values()) if isinstance(value, dict) else value if isinstance(value, list) else ():
+        spoil(item)
+    if isinstance(value, dict):
+        value.pop("maximum", None)
+        value.pop("additionalProperties", None)
+        value["spoilt"] = True
+    elif isinstance(value, list):
+        value.append("spoilt")
+
+
+class Pruning(ScriptedModel):
+    """Cuts what its server does not know out of the schemas that it is given, as packages of providers do."""
+
+    def bind_tools(self, tools: Sequence[Any], **bound: Any) -> Any:
+        self._given.append(copy.deepcopy(list(tools)))
+        spoil(list(tools))
+        return super().bind_tools(tools, **bound)
+
+    def with_structured_output(self, schema: Any, **bound: Any) -> Any:
+        self._given.append(copy.deepcopy(schema))
+        spoil(schema)
+        return super().with_structured_output(schema, **bound)
+
+    _given: list[Any] = []  # noqa: RUF012 - pydantic's private attribute: each model has its own
+
+
+class Tinkering:
+    """Spoils what it is shown, then answers what that would allow."""
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        for each in question.evidence:
+            spoil(each.value)
+        for offer in question.options:
+            spoil(offer.parameters)
+        answer(FAST)
+
+    def withdraw(self, number: int) -> None:
+        pass
+
+
+def parts(value: Any) -> Iterator[Any]:
+    if isinstance(value, dict | list | tuple):
+        if isinstance(value, dict | list):
+            yield value
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from parts(item)
+
+
+@given(json_values)
+def test_what_is_apart_is_equal_and_shares_nothing_that_can_be_changed(value: Any) -> None:
+    made = apart(value)
+    assert made == value
+    assert not {id(part) for part in parts(made)} & {id(part) for part in parts(value)}
+
+
+@pytest.mark.parametrize("profile", [{}, {"tool_calling": True, "structured_output": False}])
+def test_a_model_that_cuts_into_its_schemas_finds_them_whole_the_next_time(profile: dict[str, Any]) -> None:
+    said = AIMessage('{"option": "stop"}') if not profile else AIMessage("", tool_calls=[call("stop")])
+    model = Pruning([said, said], profile=profile)
+    question = QUESTION._replace(options=(Offer("go", parameters=copy.deepcopy(SPEED)), Offer("stop")))
+    for number in (1, 2):
+        agent, told = DecisionAgent(model), ReplyCallback()
+        agent.ask(question._replace(number=number), told)
+        assert told.wait()["option"] == "stop"
+    first, second = model._given
+    assert first == second
+    assert question.options[0].parameters == SPEED
+
+
+def test_a_model_is_given_no_tool_that_it_could_use_by_itself() -> None:
+    look = StructuredTool.from_function(
+        lambda: "a crate", name="look", description="Look.", metadata={"read_only": True}
+    )
+    model, told = ScriptedModel([AIMessage("", tool_calls=[call("abort")])]), ReplyCallback()
+    DecisionAgent(model, tools=[look]).ask(QUESTION._replace(tools=("look",)), told)
+    assert told.wait()["option"] == "abort"
+    offered = model.heard[0][1]["tools"]
+    assert not [each for each in offered if isinstance(each, BaseTool)]
+    assert offered[0]["function"]["name"] == "look"
+
+
+@pytest.mark.parametrize("who", ["model", "program"])
+def test_nobody_widens_what_an_option_takes(who: str) -> None:
+    given, book = mission(STATES, blackboard=KEYS), Book()
+    written = dump(given)
+    fast = AIMessage("", tool_calls=[call("go", **FAST["parameters"])])
+    model = Pruning([fast, fast], profile={"tool_calling": True, "structured_output": False})
+    agent: Any = DecisionAgent(model) if who == "model" else Tinkering()
+    rig = Rig(given, answerers={"agent": agent}, journal=book)
+    rig.move.at_once = ("accepted", "succeeded")
+    assert rig.run().outcome == "aborted", "the fallback, and on from there"
+    assert len([note for step in book.steps for note in step.notes if "refused, the parameters of 'go'" in note]) == 2
+    assert dump(given) == written
+    assert rig.runner.chart.view.board["route"].value == ROUTE
+
+
+def test_a_server_that_changes_its_goal_changes_nothing_else() -> None:
+    profile = robot(actions={"move": {"action": "/move", "type": "x/action/Move", "goal": {"via": [{"y": 0}]}}})
+    given = mission({name: STATES[name] for name in ("moving", "over")}, blackboard=KEYS)
+    before = dump(given), dump_profile(profile)
+    rig = Rig(given, robot=profile)
+    accept = rig.move.accept
+    rig.move.accept = lambda goal_id, goal, report: (spoil(goal), accept(goal_id, goal, report))[1]
+    rig.move.at_once = ("accepted", "succeeded")
+    assert rig.run().outcome == "aborted"
+    assert rig.move.given[0]["spoilt"]
+    assert (dump(given), dump_profile(profile)) == before
+    assert rig.runner.chart.view.board["route"].value == ROUTE

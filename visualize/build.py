@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a mission, and the steps of a run, to what is drawn.
+
+Rule: the edges of a picture are exactly the mission's rows, each once for each of its targets; none is left out.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+
+from rai_missions.engine.step import Move, Step
+from rai_missions.mission.mission import Mission
+from rai_missions.states import Compound, Decision, Each, Final, History, State, Tree
+from rai_missions.states.state import Transition, descendants
+from visualize.model import Edge, Initial, Node, Path, Picture
+from visualize.text import choices, effects, state_lines, state_title, trigger, twigs
+
+__all__ = ("parents_of", "picture")
+
+
+class _Run:
+    """Where a run went, by the number of its steps."""
+
+    def __init__(self, steps: Iterable[Step]) -> None:
+        self.rows: dict[str, list[int]] = defaultdict(list)
+        self.states: dict[str, list[int]] = defaultdict(list)
+        self.entries: list[tuple[int, Move]] = []
+        """The moves that entered something."""
+        self.last: set[str] = set()
+        """The states that were active when the mission ended, or are now."""
+        self.steps, self.outcome, self.why = 0, "", ""
+        for step in steps:
+            self._add(step)
+
+    def _add(self, step: Step) -> None:
+        self.steps += 1
+        if step.outcome is not None and not self.outcome:
+            self.outcome, self.why = step.outcome, step.why
+        for move in step.moves:
+            for place in move.taken:
+                self.rows[place].append(step.seq)
+            for name in move.entered:
+                self.states[name].append(step.seq)
+            if move.entered:
+                self.entries.append((step.seq, move))
+            self.last = self.last - set(move.exited) | set(move.entered) or self.last
+
+    def begun(self, parent: str, target: str, inside: frozenset[str], targets: Mapping[str, tuple[str, ...]]) -> Path:
+        """When a parent was entered so that it began with its initial state."""
+        if not parent:
+            return Path(tuple(number for number, move in self.entries[:1] if target in move.entered))
+        return Path(
+            tuple(
+                number
+                for number, move in self.entries
+                if target in move.entered
+                and (parent in move.entered or not move.taken)
+                and not any(to in inside for place in move.taken for to in targets.get(place, ()))
+            )
+        )
+
+
+def picture(mission: Mission, steps: Iterable[Step] = ()) -> Picture:
+    """What is drawn of a mission.
+
+    Args:
+        mission: The graph.
+        steps: Of a run, or of a journal, in order: they are counted on the states and rows that they went through.
+    """
+    parents = parents_of(mission)
+    run = _Run(steps)
+    ended = run.last - {parents.get(name, "") for name in run.last}
+    edges = [
+        edge for place, name, state in mission.walk() for edge in _edges(place, name, state.transitions, state, run)
+    ]
+    return Picture(
+        name=mission.name,
+        version=mission.version,
+        about=mission.about,
+        nodes=tuple(_node(mission, place, name, state, parents, run, ended) for place, name, state in mission.walk()),
+        edges=(*edges, *_edges("", "", mission.transitions, None, run)),
+        initials=tuple(_initials(mission, run)),
+        invariants=tuple((name, guard.words()) for name, guard in mission.invariants.items()),
+        steps=run.steps,
+        outcome=run.outcome,
+        why=run.why,
+    )
+
+
+def parents_of(mission: Mission) -> dict[str, str]:
+    """State → the state around it, empty at the top. Of two with one name the first counts: none is inside itself."""
+    found = dict.fromkeys(mission.states, "")
+    for _, name, state in mission.walk():
+        for child in state.children():
+            found.setdefault(child, name)
+    return found
+
+
+def _node(
+    mission: Mission, place: str, name: str, state: State, parents: dict[str, str], run: _Run, ended: set[str]
+) -> Node:  # fmt: skip
+    parent = parents.get(name, "")
+    asked = state.decision if isinstance(state, Decision) else None
+    return Node(
+        name=name,
+        place=place,
+        kind=state.word,
+        parent=parent,
+        region=place.rpartition("/")[0].endswith("/parallel"),
+        title=state_title(state),
+        lines=state_lines(state),
+        about=state.about,
+        control=state.control or "",
+        outcome=state.final if isinstance(state, Final) else state.history if isinstance(state, History) else "",
+        choices=choices(asked, f"{place}/decision") if asked else (),
+        fallback=(asked.fallback or "") if asked else "",
+        twigs=twigs(state, place) if isinstance(state, Tree) else (),
+        entered=Path(tuple(run.states.get(name, ()))),
+        ended_here=name in ended,
+    )
+
+
+def _edges(place: str, source: str, rows: tuple[Transition, ...], state: State | None, run: _Run) -> Iterator[Edge]:
+    options = state.options if isinstance(state, Decision) else {}
+    for index, row in enumerate(rows):
+        here = f"{place}/transitions/{index}"
+        for target in row.to or ("",):
+            yield Edge(
+                place=here,
+                source=source,
+                target=target,
+                trigger=trigger(row),
+                guard=row.when.words() if row.when is not None else "",
+                do=effects(row.do),
+                internal=row.internal,
+                about=row.about,
+                option=row.on[0] if len(row.on) == 1 and row.on[0] in options and row.of is None else "",
+                taken=Path(tuple(run.rows.get(here, ()))),
+            )
+
+
+def _initials(mission: Mission, run: _Run) -> Iterator[Initial]:
+    rows = [("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk())]
+    targets = {f"{place}/transitions/{index}": row.to for place, each in rows for index, row in enumerate(each)}
+    for target in mission.initial:
+        yield Initial("", target, run.begun("", target, frozenset(), targets))
+    for _, name, state in mission.walk():
+        if isinstance(state, Compound | Each):
+            inside = frozenset(inner for _, inner, _ in descendants(state.children()))
+            for target in state.initial:
+                yield Initial(name, target, run.begun(name, target, inside, targets))

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two missions brought to the same names: what of the one is what of the other, and which row is which.
+
+Rule: what is taken for a rename is compared all the same, so a wrong guess hides nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from rai_missions.mission.mission import Mission
+from rai_missions.mission.renaming import Names, renamed
+from rai_missions.states import Decision, State, Transition
+from visualize.build import parents_of
+from visualize.diff.similarity import Known, alike_keys, alike_options, alike_states
+
+__all__ = ("Renamed", "aligned", "original_place", "paired")
+
+
+class Renamed(NamedTuple):
+    """Something that is the same but for its name."""
+
+    sort: str
+    """`state`, `key`, `event` or `option`."""
+    old: str
+    new: str
+    score: float
+    """How alike they are, from 0 to 1; 1 is the same in all but names."""
+    where: str = ""
+    """For an option the state that asks, as the new mission calls it."""
+
+
+def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
+    """The old mission under the names of the new one, and what was renamed for it."""
+    found: list[Renamed] = []
+    for sort, of in (("key", "blackboard"), ("event", "events")):
+        for (was, now), score in alike_keys(old, new, of).items():
+            found.append(Renamed(sort, was, now, score))
+    old = _called(old, {each.old: each.new for each in found if each.sort == "key"},
+                  {each.old: each.new for each in found if each.sort == "event"}, {})  # fmt: skip
+    known = Known(old, new, parents_of(old), parents_of(new))
+    states = alike_states(known)
+    found += [Renamed("state", was, now, score) for (was, now), score in states.items()]
+    old = _called(old, {}, {}, dict(states.keys()))
+    options: dict[str, dict[str, str]] = {}
+    now_there = {name: state for _, name, state in new.walk()}
+    for _, name, state in old.walk():
+        other = now_there.get(name)
+        if isinstance(state, Decision) and isinstance(other, Decision):
+            options[name] = alike_options(state, other)
+            found += [Renamed("option", was, now, 1.0, name) for was, now in options[name].items()]
+    if any(options.values()):
+        old = old.model_copy(update={"states": _with_options(old.states, options)})
+    return old, tuple(found)
+
+
+def _called(
+    mission: Mission, keys: Mapping[str, str], events: Mapping[str, str], states: Mapping[str, str]
+) -> Mission:  # fmt: skip
+    """The same mission with some things called otherwise."""
+    if not (keys or events or states):
+        return mission
+
+    def by(names: Mapping[str, str]) -> Any:
+        return lambda given: names.get(given, given)
+
+    def trigger(given: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(map(by(events), given))
+
+    names = Names(by(states), by(keys), by(events), lambda timer: timer, trigger)
+    update: dict[str, Any] = {
+        "blackboard": {by(keys)(name): key for name, key in mission.blackboard.items()},
+        "events": {by(events)(name): event for name, event in mission.events.items()},
+        "states": {by(states)(name): renamed(state, names) for name, state in mission.states.items()},
+        "transitions": tuple(renamed(row, names) for row in mission.transitions),
+        "invariants": {name: renamed(guard, names) for name, guard in mission.invariants.items()},
+        "initial": tuple(map(by(states), mission.initial)),
+        "on_cancel": by(states)(mission.on_cancel),
+    }
+    return mission.model_copy(update={word: update[word] for word in update if word in mission.model_fields_set})
+
+
+def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str, str]]) -> dict[str, State]:
+    found: dict[str, State] = {}
+    for name, state in states.items():
+        found[name] = state
+        if isinstance(state, Decision) and options.get(name):
+            found[name] = _one_with_options(state, options[name])
+        elif state.children():
+            found[name] = state.model_copy(update={state.child_place(): _with_options(state.children(), options)})
+    return found
+
+
+def _one_with_options(state: Decision, names: Mapping[str, str]) -> Decision:
+    asked = state.decision
+    update: dict[str, Any] = {"options": {names.get(name, name): option for name, option in asked.options.items()}}
+    if asked.fallback:
+        update["fallback"] = names.get(asked.fallback, asked.fallback)
+    rows = tuple(
+        row.model_copy(update={"on": tuple(names.get(word, word) for word in row.on)}) if row.on else row
+        for row in state.transitions
+    )
+    return state.model_copy(update={"decision": asked.model_copy(update=update), "transitions": rows})
+
+
+def original_place(place: str, under_new_names: Any, as_written: Any) -> str:
+    """A JSON pointer into the renamed mission as one into the mission that was given.
+
+    Args:
+        place: The pointer.
+        under_new_names: The renamed mission's document.
+        as_written: The given one's; a rename keeps the order of what an object holds.
+    """
+    steps: list[str] = []
+    for step in place.split("/")[1:]:
+        here, there = under_new_names, as_written
+        name = step.replace("~1", "/").replace("~0", "~")
+        if isinstance(here, Mapping) and isinstance(there, Mapping) and name in here:
+            was = list(there)[list(here).index(name)]
+            steps.append(was.replace("~", "~0").replace("/", "~1"))
+            under_new_names, as_written = here[name], there[was]
+        elif isinstance(here, list) and name.isdigit() and int(name) < len(here):
+            steps.append(step)
+            under_new_names, as_written = here[int(name)], there[int(name)]
+        else:
+            steps.append(step)
+            under_new_names, as_written = None, None
+    return "".join(f"/{step}" for step in steps)
+
+
+def paired(old: Sequence[Transition], new: Sequence[Transition]) -> list[tuple[int | None, int | None]]:
+    """Which row became which: the same first, then those that differ least; (old, None) is gone, (None, new) has come.
+
+    In the order of the new rows, with those that are gone at the end.
+    """
+    left, right = dict(enumerate(old)), dict(enumerate(new))
+    pairs: dict[int, int] = {}
+    for same in (
+        lambda one, other: one == other,
+        lambda one, other: (one.on, one.of, one.after_s, one.to) == (other.on, other.of, other.after_s, other.to),
+        lambda one, other: (one.on, one.of) == (other.on, other.of) and one.eventless == other.eventless,
+        lambda one, other: bool(set(one.on) & set(other.on)) and one.to == other.to,
+        lambda one, other: one.to == other.to and one.when == other.when,
+    ):
+        for here, row in list(right.items()):
+            match = next((there for there, before in left.items() if same(before, row)), None)
+            if match is not None:
+                pairs[here] = match
+                del left[match], right[here]
+    found: list[tuple[int | None, int | None]] = [(pairs.get(index), index) for index in range(len(new))]
+    return found + [(index, None) for index in left]

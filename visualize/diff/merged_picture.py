@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two pictures in one: what is only in the new one is marked `+`, what is gone `-`, what is otherwise `~`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Protocol
+
+from rai_missions.mission.mission import Mission
+from visualize.diff.align import paired
+from visualize.model import Choice, Edge, Mark, Node, Picture, Twig
+
+__all__ = ("merged",)
+
+
+class Compared(Protocol):
+    """The two missions, under the same names."""
+
+    @property
+    def old(self) -> Mission: ...
+    @property
+    def new(self) -> Mission: ...
+    @property
+    def renamed(self) -> tuple[tuple[str, str], ...]: ...
+    @property
+    def versions(self) -> tuple[str, str]: ...
+
+
+def merged(old: Picture, new: Picture, compared: Compared) -> Picture:
+    """One picture of both missions."""
+    before = {node.name: node for node in old.nodes}
+    after = {node.name for node in new.nodes}
+    was = {now: name for name, now in compared.renamed}
+    nodes = [_node(before.get(node.name), node, was.get(node.name, "")) for node in new.nodes]
+    nodes += [node._replace(mark="-") for node in old.nodes if node.name not in after]
+    gone = {name for name in before if name not in after}
+    initials = list(new.initials)
+    initials += [initial for initial in old.initials if initial.parent in gone]
+    edges = tuple(_edges(old, new, compared))
+    return new._replace(nodes=tuple(nodes), edges=edges, initials=tuple(initials), compared=compared.versions[0])
+
+
+def _node(old: Node | None, new: Node, was: str) -> Node:
+    if old is None:
+        return new._replace(mark="+")
+    left = {choice.name: choice for choice in old.choices}
+    choices = [_choice(left.get(choice.name), choice) for choice in new.choices]
+    choices += [
+        choice._replace(mark="-") for name, choice in left.items() if name not in {each.name for each in new.choices}
+    ]
+    same = _told(old) == _told(new) and not was
+    return new._replace(mark="" if same else "~", was=was, choices=tuple(choices), twigs=_twigs(old, new))
+
+
+def _told(node: Node) -> Node:
+    """A state as far as it is drawn, wherever it stands in the file."""
+    return node._replace(
+        place="",
+        choices=tuple(choice._replace(place="") for choice in node.choices),
+        twigs=tuple(
+            twig._replace(choices=tuple(choice._replace(place="") for choice in twig.choices)) for twig in node.twigs
+        ),
+    )
+
+
+def _choice(old: Choice | None, new: Choice) -> Choice:
+    mark: Mark = "+" if old is None else "" if old._replace(place="") == new._replace(place="") else "~"
+    return new._replace(mark=mark)
+
+
+def _twigs(old: Node, new: Node) -> tuple[Twig, ...]:
+    left, right = {twig.path: twig for twig in old.twigs}, {twig.path: twig for twig in new.twigs}
+    found = []
+    for path, twig in right.items():
+        mark: Mark = (
+            "+" if path not in left else "" if left[path]._replace(choices=()) == twig._replace(choices=()) else "~"
+        )
+        found.append(twig._replace(mark=mark))
+    found += [twig._replace(mark="-") for path, twig in left.items() if path not in right]
+    return tuple(found)
+
+
+def _edges(old: Picture, new: Picture, compared: Compared) -> Iterator[Edge]:
+    """The new edges in their order, each with those that are gone from its state behind it."""
+    before, after = _by_row(old), _by_row(new)
+    rows = {name: state.transitions for _, name, state in compared.old.walk()} | {"": compared.old.transitions}
+    now = {name: state.transitions for _, name, state in compared.new.walk()} | {"": compared.new.transitions}
+    for name in [*(name for name in now if name), *(name for name in rows if name not in now), ""]:
+        for left, right in paired(rows.get(name, ()), now.get(name, ())):
+            gone = before.get((name, left), {}) if left is not None else {}
+            come = after.get((name, right), {}) if right is not None else {}
+            for target, edge in come.items():
+                yield edge._replace(mark=_mark(gone.get(target), edge))
+            for target, edge in gone.items():
+                if target not in come:
+                    yield edge._replace(mark="-")
+
+
+def _mark(old: Edge | None, new: Edge) -> Mark:
+    if old is None:
+        return "+"
+    return "" if old._replace(place="") == new._replace(place="") else "~"
+
+
+def _by_row(picture: Picture) -> Mapping[tuple[str, int | None], Mapping[str, Edge]]:
+    """(state, number of its row) → target → edge."""
+    found: dict[tuple[str, int | None], dict[str, Edge]] = {}
+    for edge in picture.edges:
+        number = int(edge.place.rpartition("/")[2])
+        found.setdefault((edge.source, number), {})[edge.target] = edge
+    return found

@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What stands on a state, an option, a row and the legend, as Graphviz's HTML-like labels.
+
+Rule: every piece of text passes through `text`, which breaks, escapes and measures it; a line is one piece, set to the
+left, so that it stays in its box whatever font the reader has.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+
+from visualize.model import Choice, Edge, Node, Picture, Twig
+from visualize.style import INK, LOOKS, MARKS, MUTED, OUTCOMES, Look, clean, width, wrapped
+
+__all__ = (
+    "anywhere_table", "cluster_table", "decision_table", "edge_table", "look_of", "row_text", "state_table",
+    "tab_table", "title_table", "tree_table",
+)  # fmt: skip
+
+COLUMN, LINE, LABEL = 150.0, 210.0, 150.0
+"""Points: how wide an option, a line of a state and a row's label may become."""
+SIDE_BY_SIDE = 5
+"""More options than these stand below one another."""
+NOTES = 12
+"""More notes than these would bury the picture."""
+
+
+def text(
+    given: str, size: float = 10, *, bold: bool = False, color: str = INK, limit: float = LINE
+) -> str:  # fmt: skip
+    """A row with a cell that holds a text, broken into lines of at most `limit` points."""
+    broken = wrapped(given, size, limit, bold=bold)
+    if not "".join(broken).strip():
+        return ""
+    said = [f"<b>{shown(line)}</b>" if bold else shown(line) for line in broken]
+    body = '<br align="left"/>'.join(said) + ('<br align="left"/>' if len(said) > 1 else "")
+    wide = max(width(line, size, bold=bold) for line in broken) + 4
+    return (
+        f'<tr><td align="left" balign="left" width="{wide:.0f}">'
+        f'<font point-size="{size:g}" color="{color}">{body}</font></td></tr>'
+    )
+
+
+def shown(given: str) -> str:
+    """A text as a label shows it; a backslash would begin one of Graphviz's own escapes even here."""
+    return escape(clean(given)).replace("\\", "\\\\")
+
+
+def small(given: str, *, bold: bool = False, color: str = MUTED, limit: float = LINE) -> str:
+    """A row in small print."""
+    return text(given, 9, bold=bold, color=color, limit=limit)
+
+
+def table(rows: Iterable[str], more: str = 'border="0" cellborder="0" cellspacing="0" cellpadding="1"') -> str:
+    """An HTML-like label of rows; never without any, which Graphviz would refuse."""
+    return f"<<table {more}>{''.join(rows) or '<tr><td></td></tr>'}</table>>"
+
+
+def look_of(node: Node) -> Look:
+    """How a state looks."""
+    return OUTCOMES[node.outcome] if node.kind == "final" else LOOKS[node.kind]
+
+
+def marked(mark: str, said: str) -> str:
+    return f"{mark} {said}" if mark else said
+
+
+def row_text(edge: Edge) -> str:
+    """A row in a line: `on anomaly [guard] / effects`."""
+    do = "; ".join(edge.do)
+    guard = f" {edge.guard}" if not edge.trigger else f" [{edge.guard}]" if edge.guard else ""
+    return marked(edge.mark, f"{'on ' if on_event(edge) else ''}{edge.when}{guard}" + (f" / {do}" if do else ""))
+
+
+def on_event(edge: Edge) -> bool:
+    return bool(edge.trigger) and not edge.trigger.startswith("after ")
+
+
+def _name(node: Node) -> str:
+    was = f" (was {node.was})" if node.was else ""
+    return text(f"{marked(node.mark, node.name)}{was}", 12, bold=True)
+
+
+def _below(node: Node, staying: Sequence[Edge], limit: float = LINE) -> Iterable[str]:
+    """What stands at the foot of every state: control, the rows that do not leave it, and where the run was."""
+    if node.control:
+        yield small(f"control: {node.control}", limit=limit)
+    for edge in staying:
+        count = f" ({edge.taken.words()})" if edge.taken.times else ""
+        yield small(f"stays: {row_text(edge)}{count}", bold=bool(edge.taken.times), color=INK, limit=limit)
+    if node.entered.times:
+        yield small(f"entered {node.entered.words()}", bold=True, color=INK, limit=limit)
+    if node.ended_here:
+        yield small("the run ended here", bold=True, color=INK, limit=limit)
+
+
+def state_table(node: Node, staying: Sequence[Edge] = ()) -> str:
+    """The label of a state that holds no others."""
+    if node.kind == "history":
+        return table(
+            [text("H*" if node.outcome == "deep" else "H", 12, bold=True), small(marked(node.mark, node.name))]
+        )
+    rows = [_name(node), text(node.title or look_of(node).word, 10)]
+    rows += [small(line) for line in ((node.about, *node.lines) if node.about else node.lines)]
+    return table([*rows, *_below(node, staying)])
+
+
+def _choice(choice: Choice, *, limit: float) -> str:
+    rows = [text(marked(choice.mark, choice.name), 10.5, bold=True, limit=limit), small(choice.about, limit=limit)]
+    if choice.guard:
+        rows.append(text(f"when {choice.guard}", 9, limit=limit))
+    elif not choice.fallback:
+        rows.append(small("always open", limit=limit))
+    if choice.fallback:
+        rows.append(small("fallback, always open", bold=True, color=INK, limit=limit))
+    if choice.parameters:
+        rows.append(small(f"with {', '.join(choice.parameters)}", limit=limit))
+    return table(rows)[1:-1]
+
+
+def decision_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = False) -> str:
+    """The label of a decision: its question on top, an option a field, each with a port."""
+    look = LOOKS["decision"]
+    beside = len(node.choices) <= SIDE_BY_SIDE
+    span = f'colspan="{len(node.choices)}"' if beside else ""
+    wide = max(LINE, COLUMN * len(node.choices)) if beside else LINE * 1.6
+    head = [
+        text(
+            f"{marked(node.mark, '?')} {node.name}" + (f" (was {node.was})" if node.was else ""),
+            12,
+            bold=True,
+            limit=wide,
+        )
+    ]
+    head += [text(line, 10 if line.startswith("“") else 9, limit=wide) for line in node.lines]
+    head += list(_below(node, staying, wide))
+    pen = MARKS[node.mark][0] if node.mark else look.pen
+    fields = [_field(choice, node.fallback, COLUMN if beside else LINE * 1.6) for choice in node.choices]
+    header = f'<tr><td {span} bgcolor="{look.fill}" sides="b" border="1">{table(head)[1:-1]}</td></tr>'
+    body = f"<tr>{''.join(fields)}</tr>" if beside else "".join(f"<tr>{field}</tr>" for field in fields)
+    more = f'border="{4 if bold else 2}" color="{pen}" bgcolor="#FFFFFF" cellborder="1" cellspacing="0" cellpadding="3"'
+    return table([header, body], more)
+
+
+def _field(choice: Choice, fallback: str, limit: float) -> str:
+    pen = MARKS[choice.mark][0] if choice.mark else LOOKS["decision"].pen
+    fill = ' bgcolor="#F2F2F2"' if choice.name == fallback else ""
+    return f'<td port="{escape(choice.name)}" color="{pen}" valign="top"{fill}>{_choice(choice, limit=limit)}</td>'
+
+
+def cluster_table(node: Node, staying: Sequence[Edge] = ()) -> str:
+    """The title of a state that holds others, or a tree."""
+    word = "region" if node.region else {"states": "", "parallel": "all at once"}.get(node.kind, look_of(node).word)
+    rows = [_name(node), text(node.title or word, 10)]
+    rows += [small(line) for line in ((node.about, *node.lines) if node.about else node.lines)]
+    return table([*rows, *_below(node, staying)])
+
+
+def tree_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = False) -> str:
+    """The label of a state that runs a tree: its title, and below it the tree, each node above its children.
+
+    Children stand side by side in the order of the file, in one label, which no layout can change.
+    """
+    below: dict[str | None, list[Twig]] = defaultdict(list)
+    for twig in node.twigs:
+        below[twig.parent].append(twig)
+    look = LOOKS["tree"]
+    pen = MARKS[node.mark][0] if node.mark else look.pen
+    trees = "".join(f"<tr><td>{_branch(root, below)}</td></tr>" for root in below[None])
+    head = f'<tr><td align="left">{cluster_table(node, staying)[1:-1]}</td></tr>'
+    more = f'border="{4 if bold else 2}" color="{pen}" bgcolor="{look.fill}" cellborder="0" cellspacing="0"'
+    return table([head, trees], f'{more} cellpadding="3"')
+
+
+def _branch(twig: Twig, below: Mapping[str | None, Sequence[Twig]]) -> str:
+    """A node of a tree as wide as its children, which stand below it from left to right."""
+    children = below.get(twig.path, ())
+    rows = [f'<tr><td colspan="{max(1, len(children))}" {_twig_look(twig)}>{_twig_text(twig)}</td></tr>']
+    if children:
+        cells = "".join(f'<td valign="top">{_branch(child, below)}</td>' for child in children)
+        rows.append(f"<tr>{cells}</tr>")
+    return table(rows, 'border="0" cellborder="0" cellspacing="3" cellpadding="0"')[1:-1]
+
+
+def _twig_look(twig: Twig) -> str:
+    look = LOOKS.get(twig.kind, LOOKS[""]) if twig.leaf else LOOKS["tree"]
+    pen, line, _ = MARKS[twig.mark] if twig.mark else (look.pen, "", "")
+    styles = ([] if twig.leaf else ["rounded"]) + ([line] if line in ("dashed", "dotted") else [])
+    style = f' style="{",".join(styles)}"' if styles else ""
+    wide = 2 if twig.mark or twig.kind == "decision" else 1
+    return f'border="{wide}" cellpadding="4" color="{pen}" bgcolor="#FFFFFF"{style}'
+
+
+def _twig_text(twig: Twig) -> str:
+    """What stands on a node of a tree: the option that leads to it, its number, what it does, what it asks."""
+    sign = {"sequence": "→ ", "selector": "? ", "decision": "? "}.get(twig.kind, "")
+    rows = [small(f"{twig.branch}:", limit=LABEL)] if twig.branch else []
+    rows.append(text(marked(twig.mark, twig.numbered(sign)), 10, bold=not twig.leaf, limit=COLUMN))
+    for choice in twig.choices:
+        guard = f" when {choice.guard}" if choice.guard else ""
+        last = ", fallback" if choice.fallback else ""
+        rows.append(small(f"• {marked(choice.mark, choice.name)}{guard}{last}", color=INK, limit=COLUMN))
+    return table(rows)[1:-1]
+
+
+def tab_table(node: Node) -> str:
+    """The label of what a state's rows to something inside itself leave from."""
+    return table([small(f"{node.name}, itself")])
+
+
+def edge_table(edge: Edge, *, short: bool = False) -> str:
+    """The label of a row; `short` where its words stand at its source already. Empty where nothing is left to say."""
+    rows: list[str] = []
+    if not short and (not edge.option or edge.guard or edge.source == edge.target):
+        rows.append(text(marked(edge.mark, edge.when), 10, bold=True, limit=LABEL))
+        if edge.guard:
+            rows.append(text(f"[{edge.guard}]" if edge.trigger else edge.guard, 9, limit=LABEL))
+    elif edge.mark:
+        rows.append(text(f"{edge.mark} {MARKS[edge.mark][2]}", 10, bold=True, limit=LABEL))
+    if edge.do and not short:
+        rows.append(text(f"/ {'; '.join(edge.do)}", 9, limit=LABEL))
+    if edge.internal and not short:
+        rows.append(small("without leaving", limit=LABEL))
+    if edge.taken.times:
+        rows.append(text(edge.taken.words(), 9, bold=True, limit=LABEL))
+    return table(rows, 'border="0" cellborder="0" cellspacing="0" cellpadding="1" bgcolor="#FFFFFFD0"') if rows else ""
+
+
+def anywhere_table(rows: Sequence[tuple[str, Edge]]) -> str:
+    """The label of the mission's own rows, a field each: (port, the row)."""
+    beside = len(rows) <= SIDE_BY_SIDE
+    limit = COLUMN * 1.6 if beside else LINE * 1.6
+    fields = []
+    for port, edge in rows:
+        inner = [text(row_text(edge), 9.5, bold=bool(edge.taken.times), limit=limit)]
+        inner += [] if edge.target else [small("stays where it is", limit=limit)]
+        inner += (
+            [small(f"taken {edge.taken.words()}", bold=True, color=INK)] if edge.taken.times and not edge.target else []
+        )
+        fields.append(f'<td port="{port}">{table(inner)[1:-1]}</td>')
+    span = f'colspan="{len(rows)}"' if beside else ""
+    header = f'<tr><td {span} bgcolor="#EDEDED">{table([text("from every state", 11, bold=True)])[1:-1]}</td></tr>'
+    body = f"<tr>{''.join(fields)}</tr>" if beside else "".join(f"<tr>{field}</tr>" for field in fields)
+    return table([header, body], 'border="1" cellborder="1" cellspacing="0" cellpadding="3" color="#5A5A5A"')
+
+
+def title_table(picture: Picture) -> str:
+    """The picture's head: what mission, how the run went, what must never be false, and how to read the rest."""
+    version = f"{picture.compared} → {picture.version}" if picture.compared else picture.version
+    rows = [text(f"{picture.name} {version}", 16, bold=True, limit=640), text(picture.about, 11, limit=640)]
+    if picture.steps:
+        said = f"a run of {picture.steps} steps, its path in bold" + (f": {picture.outcome}" if picture.outcome else "")
+        rows.append(text(said + (f", {picture.why}" if picture.why else ""), 11, bold=True, limit=640))
+    rows += [small(note, limit=640, color=INK, bold=True) for note in picture.notes[:NOTES]]
+    if len(picture.notes) > NOTES:
+        rows.append(small(f"and {len(picture.notes) - NOTES} more", color=INK, bold=True))
+    rows += [small(f"never false: {name}: {guard}", limit=640, color=INK) for name, guard in picture.invariants]
+    return table([*rows, f'<tr><td align="left">{_legend(picture)}</td></tr>'])
+
+
+def _legend(picture: Picture) -> str:
+    """A strip with each kind of state that is drawn, its colour beside its word."""
+    looks = {
+        look_of(node).word: look_of(node) for node in picture.nodes if node.kind not in ("states", "parallel", "each")
+    }
+    cells = [_swatch(look.word, look.pen, look.fill) for look in looks.values()]
+    if picture.compared:
+        cells += [_swatch(f"{mark} {word}, {style}", pen, "#FFFFFF") for mark, (pen, style, word) in MARKS.items()]
+    return f'<table border="0" cellborder="2" cellspacing="4" cellpadding="2"><tr>{"".join(cells)}</tr></table>'
+
+
+def _swatch(word: str, pen: str, fill: str) -> str:
+    wide = width(word, 9) + 6
+    said = shown(word)
+    return (
+        f'<td color="{pen}" bgcolor="{fill}" width="{wide:.0f}"><font point-size="9" color="{INK}">{said}</font></td>'
+    )

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture as DOT: states that hold others are clusters, options are fields that rows leave from.
+
+Rule: the text is the same for the same picture, to the byte; every row of the picture is in it once for each target. A
+behaviour tree is one node: Graphviz keeps no order among the nodes of a cluster, and a tree's order is its meaning.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+
+from visualize.dot_labels import (
+    anywhere_table,
+    cluster_table,
+    decision_table,
+    edge_table,
+    look_of,
+    row_text,
+    state_table,
+    tab_table,
+    title_table,
+    tree_table,
+)
+from visualize.model import Edge, Initial, Node, Path, Picture
+from visualize.style import FONT, INK, MARKS, MUTED, clean
+
+__all__ = ("dot_text", "quoted")
+
+ANYWHERE, START = "#anywhere", "#start"
+"""No state has such a name."""
+SMALL = 60
+"""Up to so many edges the layout may take its time: rows lead down the page even out of clusters. The time
+grows with the cube of the size, so larger missions are laid out cluster by cluster, with fewer passes."""
+HOLDERS = ("states", "parallel", "each")
+
+
+def quoted(given: str) -> str:
+    """A string of DOT that reads as given, in names and in texts with escapes alike."""
+    escaped = clean(given).replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;").replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def attributes(**given: str | float | None) -> str:
+    """`[a=…, b=…]`; a label in angle brackets stands as it is."""
+    said = []
+    for name, value in given.items():
+        if value is None or value == "":
+            continue
+        raw = isinstance(value, str) and value.startswith("<<table")
+        said.append(f"{name.rstrip('_')}={value if raw else quoted(value if isinstance(value, str) else f'{value:g}')}")
+    return f"[{', '.join(said)}]"
+
+
+def dot_text(picture: Picture, *, dpi: int | None = None) -> str:
+    """The DOT of a picture."""
+    return "\n".join([*_Sheet(picture).lines(dpi), ""])
+
+
+class _Sheet:
+    """A picture with its states found by their parents, and the ends of its edges."""
+
+    def __init__(self, picture: Picture) -> None:
+        self.picture = picture
+        self.nodes: Mapping[str, Node] = {node.name: node for node in picture.nodes}
+        self.children: dict[str, list[Node]] = defaultdict(list)
+        self.staying: dict[str, list[Edge]] = defaultdict(list)
+        self.initials: dict[str, list[Initial]] = defaultdict(list)
+        for node in picture.nodes:
+            self.children[node.parent].append(node)
+        for edge in picture.edges:
+            if edge.source and not edge.target:
+                self.staying[edge.source].append(edge)
+        for initial in picture.initials:
+            self.initials[initial.parent].append(initial)
+        self.tabs = {edge.source for edge in picture.edges if self._from_tab(edge)}
+        """The holders with rows to something inside themselves: those leave from a tab, not from the border."""
+        self.own = {(edge.mark, edge.place): edge for edge in picture.edges if not edge.source}
+        """The mission's own rows, each once however many targets it has."""
+        self.ports = {row: f"r{index}" for index, row in enumerate(self.own)}
+        self.depth = _depths(picture)
+
+    def lines(self, dpi: int | None) -> Iterator[str]:
+        run, small = bool(self.picture.steps), len(self.picture.edges) <= SMALL
+        graph = attributes(
+            rankdir="TB", compound="true", newrank="true" if small else None, fontname=FONT, nodesep=0.35,
+            ranksep=0.55, pad=0.3, labelloc="t", labeljust="l", label=title_table(self.picture),
+            bgcolor="#FFFFFF", dpi=dpi, outputorder="edgesfirst",
+            nslimit=None if small else 2, nslimit1=None if small else 2, mclimit=None if small else 0.2,
+        )  # fmt: skip
+        yield f"digraph {quoted(self.picture.name)} {{"
+        yield f"  graph {graph};"
+        yield f"  node {attributes(fontname=FONT, fontsize=10, color=MUTED, fontcolor=INK, margin='0.08,0.05')};"
+        yield f"  edge {attributes(fontname=FONT, fontsize=9, color='#8A8A8A' if run else INK, arrowsize=0.8)};"
+        yield f"  {quoted(START)} {attributes(shape='point', width=0.16, color=INK, tooltip='the start')};"
+        yield from self._states("", "  ")
+        if self.own:
+            ports = [(self.ports[row], edge) for row, edge in self.own.items()]
+            own = attributes(shape="plain", label=anywhere_table(ports), tooltip="the mission's own rows")
+            yield f"  {quoted(ANYWHERE)} {own};"
+        for parent, initials in self.initials.items():
+            for initial in initials:
+                yield f"  {self._begin(parent, initial)};"
+        for edge in self.picture.edges:
+            if edge.target:
+                yield f"  {self._edge(edge)};"
+        yield "}"
+
+    def _states(self, parent: str, indent: str) -> Iterator[str]:
+        for node in self.children[parent]:
+            if node.kind in HOLDERS:
+                yield from self._cluster(node, indent)
+            else:
+                yield f"{indent}{quoted(node.name)} {self._state(node)};"
+
+    def _cluster(self, node: Node, indent: str) -> Iterator[str]:
+        look = look_of(node)
+        line = MARKS[node.mark][1] if node.mark else "dashed" if node.region else ""
+        given = attributes(
+            label=cluster_table(node, self.staying[node.name]), labeljust="l", labelloc="t", margin=10,
+            fillcolor=look.fill, style=f"rounded,filled,{line}" if line else "rounded,filled",
+            color=MARKS[node.mark][0] if node.mark else look.pen,
+            penwidth=self._pen(node.entered, node.mark, 1.2), id=node.place, tooltip=_tip(node),
+        )  # fmt: skip
+        yield f"{indent}subgraph {quoted('cluster_' + node.name)} {{"
+        yield f"{indent}  graph {given};"
+        if self.initials[node.name] or (node.kind == "parallel" and not self.children[node.name]):
+            yield f"{indent}  {quoted(node.name + '#begin')} {attributes(shape='point', width=0.11, color=INK)};"
+        if node.name in self.tabs:
+            tab = attributes(shape="box", style="rounded", label=tab_table(node), height=0.2)
+            yield f"{indent}  {quoted(node.name + '#tab')} {tab};"
+        for child in self.children[node.name]:
+            if child.kind == "history" and self.initials[node.name]:
+                yield f"{indent}  {quoted(node.name + '#begin')} -> {quoted(child.name)} {attributes(style='invis')};"
+        yield from self._states(node.name, f"{indent}  ")
+        yield f"{indent}}}"
+
+    def _state(self, node: Node) -> str:
+        look, staying = look_of(node), self.staying[node.name]
+        if node.kind in ("decision", "tree"):
+            table = decision_table if node.kind == "decision" else tree_table
+            label = table(node, staying, bold=bool(node.entered.times))
+            return attributes(shape="plain", label=label, id=node.place, tooltip=_tip(node))
+        style = "filled,rounded" if look.rounded and look.shape == "box" else "filled"
+        return attributes(
+            shape=look.shape, style=f"{style},{MARKS[node.mark][1]}" if node.mark else style, fillcolor=look.fill,
+            color=MARKS[node.mark][0] if node.mark else look.pen, penwidth=self._pen(node.entered, node.mark, 1.4),
+            peripheries=2 if node.kind == "final" else None, label=state_table(node, staying), id=node.place,
+            tooltip=_tip(node), margin="0.02" if node.kind in ("history", "final") else None,
+        )  # fmt: skip
+
+    def _begin(self, parent: str, initial: Initial) -> str:
+        source = f"{parent}#begin" if parent else START
+        tip = f"{parent or self.picture.name} begins with {initial.target}"
+        given = attributes(
+            lhead=self._border(initial.target), weight=3, tooltip=tip, color=INK,
+            penwidth=self._pen(initial.taken, "", 1.0), arrowhead="vee",
+        )  # fmt: skip
+        return f"{quoted(source)} -> {quoted(self._inlet(initial.target))} {given}"
+
+    def _edge(self, edge: Edge) -> str:
+        tail, ltail = self._tail(edge)
+        inside = self._within(edge.source, edge.target)
+        bold = edge.taken.times > 0
+        pen, style, _ = MARKS[edge.mark] if edge.mark else (INK if bold else "", "", "")
+        given = attributes(
+            label=edge_table(edge, short=not edge.source), ltail=ltail,
+            lhead=None if inside else self._border(edge.target), color=pen, style=style,
+            penwidth=self._pen(edge.taken, edge.mark, 1.0),
+            arrowsize=1.0 if bold else None, tooltip=_edge_tip(edge), id=f"{edge.place}>{edge.target}",
+            constraint="false" if self._recalls(edge.target) else None,
+        )  # fmt: skip
+        return f"{tail} -> {quoted(self._inlet(edge.target))} {given}"
+
+    def _tail(self, edge: Edge) -> tuple[str, str | None]:
+        """Where an edge leaves: the name with its port, and the cluster whose border it leaves."""
+        if not edge.source:
+            return f"{quoted(ANYWHERE)}:{self.ports[edge.mark, edge.place]}", None
+        if self._from_tab(edge):
+            return quoted(f"{edge.source}#tab"), None
+        node = self.nodes[edge.source]
+        if edge.option:
+            return f"{quoted(edge.source)}:{quoted(edge.option)}", None
+        back = self.depth.get(edge.target, 0) <= self.depth.get(edge.source, 0)
+        return quoted(self._inlet(edge.source) if back else self._outlet(node)), self._border(edge.source)
+
+    def _from_tab(self, edge: Edge) -> bool:
+        node = self.nodes.get(edge.source)
+        return (
+            node is not None and bool(edge.target) and node.kind in HOLDERS and self._within(edge.source, edge.target)
+        )
+
+    def _recalls(self, name: str) -> bool:
+        """Whether it is a way back: it stands where its siblings begin, however late it is taken."""
+        return name in self.nodes and self.nodes[name].kind == "history"
+
+    def _within(self, outer: str, name: str) -> bool:
+        """Whether a state is another, or stands inside it, or the other way round for its own ancestors."""
+        return self._inside(name, outer) or self._inside(outer, name)
+
+    def _inside(self, name: str, outer: str) -> bool:
+        while name:
+            if name == outer:
+                return True
+            name = self.nodes[name].parent if name in self.nodes else ""
+        return False
+
+    def _border(self, name: str) -> str | None:
+        node = self.nodes.get(name)
+        return f"cluster_{name}" if node is not None and node.kind in HOLDERS else None
+
+    def _inlet(self, name: str) -> str:
+        """The node by which an edge reaches a state: of a holder the first thing inside."""
+        node = self.nodes.get(name)
+        if node is None or node.kind not in HOLDERS:
+            return name
+        return f"{name}#begin" if self.initials[name] else self._inlet(self.children[name][0].name)
+
+    def _outlet(self, node: Node) -> str:
+        """The node by which an edge leaves a state: of a holder the last thing inside."""
+        if node.kind not in HOLDERS:
+            return node.name
+        inner = [child for child in self.children[node.name] if child.kind not in ("history", "final")]
+        return self._outlet(inner[-1]) if inner else self._inlet(node.name)
+
+    def _pen(self, path: Path, mark: str, plain: float) -> float:
+        return 3.4 if path.times else 2.2 if mark else plain
+
+
+def _depths(picture: Picture) -> dict[str, int]:
+    """How many rows away from the start each state is, so that rows which lead back can be told."""
+    onward: dict[str, list[str]] = defaultdict(list)
+    for initial in picture.initials:
+        onward[initial.parent].append(initial.target)
+    for node in picture.nodes:
+        if node.region or node.kind == "history":
+            onward[node.parent].append(node.name)
+    for edge in picture.edges:
+        if edge.source:
+            onward[edge.source].append(edge.target)
+    depths, wave = {"": 0}, [""]
+    for here in wave:
+        for name in onward[here]:
+            if name not in depths:
+                depths[name] = depths[here] + 1
+                wave.append(name)
+    return depths
+
+
+def _tip(node: Node) -> str:
+    return "\n".join(
+        line for line in (f"{node.name}: {node.title or look_of(node).word}", node.about, *node.lines) if line
+    )
+
+
+def _edge_tip(edge: Edge) -> str:
+    return f"{edge.source or 'every state'} → {edge.target}: {row_text(edge)}" + (
+        f"\n{edge.about}" if edge.about else ""
+    )

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Steps, values and questions as the live page shows them: plain data of bounded size.
+
+Rule: nothing that a robot or a model says makes a message long; what is cut says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.engine.decision import Question
+from rai_missions.engine.step import Step
+from rai_missions.event import Image
+from visualize.page.as_json import Json, plain, without_empty
+from visualize.page.effect_text import effect_words, resting_words
+
+__all__ = ("LONGEST", "bounded", "line", "question_data")
+
+LONGEST = 400
+"""Characters of a text, and ten times the items of a list or object."""
+DEEPEST = 6
+
+
+def bounded(value: Any, depth: int = 0) -> Any:
+    """A value as plain data; long texts and lists are cut, deep ones left out."""
+    if isinstance(value, str):
+        return value if len(value) <= LONGEST else f"{value[:LONGEST]}… ({len(value)} characters)"
+    if isinstance(value, Image) or not isinstance(value, Mapping | list | tuple):
+        return plain(value)
+    if depth >= DEEPEST:
+        return "…"
+    most = LONGEST // 10
+    if isinstance(value, Mapping):
+        kept = {str(name)[:LONGEST]: bounded(item, depth + 1) for name, item in list(value.items())[:most]}
+        return kept | ({"…": f"{len(value)} in all"} if len(value) > most else {})
+    items = [bounded(item, depth + 1) for item in value[:most]]
+    return [*items, f"… {len(value)} in all"] if len(value) > most else items
+
+
+def line(step: Step) -> Json | None:
+    """A step as the journal's tail shows it; None where it changed nothing but the blackboard and the clock."""
+    event = step.event
+    if step.ignored and not (step.why and event.kind != "write"):
+        return None
+    said = {name: item for name, item in event.data.items() if name != "request"}
+    moves = [list(move.taken) for move in step.moves]
+    return without_empty(
+        {
+            "kind": event.kind, "name": event.name[:LONGEST], "number": event.number, "data": bounded(said),
+            "rows": [row for rows in moves for row in rows], "exited": list(step.exited), "entered": list(step.entered),
+            "does": [bounded(effect_words(effect)) for effect in step.effects],
+            "notes": [bounded(note) for note in (*step.notes, *resting_words(step))],
+            "why": bounded(step.why), "outcome": step.outcome,
+        }
+    ) | {"seq": step.seq, "at": round(step.at, 3)}  # fmt: skip
+
+
+def question_data(question: Question) -> Json:
+    """A question that is open."""
+    evidence = [
+        without_empty({"key": shown.key, "fresh": shown.fresh, "picture": isinstance(shown.value, Image)})
+        | {"value": bounded(shown.value), "age_s": plain(shown.age_s)}
+        for shown in question.evidence
+    ]
+    options = [
+        without_empty({"name": offer.name, "about": bounded(offer.about), "parameters": plain(offer.parameters)})
+        for offer in question.options
+    ]
+    return {
+        "number": question.number, "state": question.state, "asked": question.asked, "text": bounded(question.text),
+        "attempt": question.attempt, "options": options, "evidence": evidence,
+        "refused": [bounded(why) for why in question.refused], "at": question.at,
+        "until": question.until if math.isfinite(question.until) else None,
+    }  # fmt: skip

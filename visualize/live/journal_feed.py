@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run of another process, or of yesterday, followed by its journal.
+
+Rule: the run is not asked, slowed or locked; the file is looked at here, and only while somebody watches.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import json
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from rai_missions.errors import DefinitionError, MissionError
+from rai_missions.journal import Header, Note, StepRow
+from rai_missions.journal.reader import Record
+from rai_missions.journal.rows import GENESIS, Raw, chained
+from rai_missions.mission.mission import Mission
+from visualize.live.lock import is_written
+from visualize.live.run_view import RunScene
+
+__all__ = ("JournalFeed",)
+
+LOOKS_EVERY_S = 0.1
+ASKS_EVERY = 10
+"""Looks after which it is asked whether anybody still writes."""
+CUT_SHORT = "no process writes its journal any more, and no end of the mission is in it"
+BATCH = 2000
+"""Rows that are read before what they say is passed on."""
+
+
+class JournalFeed:
+    """Follows a journal file, also while another process writes it.
+
+    Args:
+        path: The file.
+
+    Raises:
+        UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal, or holds no mission that can be drawn.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        with Record(self.path) as record:
+            self.header: Header = record.header
+        self.mission = _mission(self.header, self.path)
+        """Whose run it is."""
+        self._scene = self._beginning()
+        self._number, self._hash = -1, GENESIS
+        self._size: tuple[object, ...] = ()
+        self._heard_at = time.monotonic()
+        self._watch: asyncio.Task[None] | None = None
+
+    def _beginning(self) -> RunScene:
+        keys = self.mission.blackboard.items()
+        initial = {name: (key.initial, 0.0) for name, key in keys if key.initial is not None}
+        return RunScene(board=initial | {name: (value, 0.0) for name, value in self.header.arguments.items()})
+
+    async def begin(self, wake: Callable[[], None]) -> RunScene:
+        while not await asyncio.to_thread(self._read):
+            pass
+        self._scene.change()
+        self._watch = asyncio.create_task(self._look(wake))
+        return self._scene
+
+    async def take(self, scene: RunScene) -> RunScene:
+        await asyncio.to_thread(self._read)
+        return scene
+
+    def end(self) -> None:
+        if self._watch is not None:
+            self._watch.cancel()
+            self._watch = None
+
+    def closed(self) -> Mapping[int, Mapping[str, str]]:
+        """Nobody answers by a journal."""
+        return {}
+
+    def now(self) -> float:
+        scene = self._scene
+        return scene.at if scene.outcome or scene.cut else scene.at + time.monotonic() - self._heard_at
+
+    async def _look(self, wake: Callable[[], None]) -> None:
+        for count in itertools.count(1):
+            await asyncio.sleep(LOOKS_EVERY_S)
+            asks = count % ASKS_EVERY == 0 and not (self._scene.outcome or self._scene.cut)
+            if self._stat() != self._size or (asks and not await asyncio.to_thread(is_written, self.path)):
+                wake()
+
+    def _stat(self) -> tuple[object, ...]:
+        found: list[object] = []
+        for path in (self.path, self.path.with_name(f"{self.path.name}-wal")):
+            try:
+                stat = path.stat()
+            except OSError:
+                found.append(None)
+            else:
+                found += [stat.st_ino, stat.st_size, stat.st_mtime_ns]
+        return tuple(found)
+
+    def _read(self) -> bool:
+        """Take up what has been written since; whether that was all."""
+        size, goes_on = self._stat(), is_written(self.path)  # asked first: what was written before is read below
+        try:
+            record = Record(self.path)  # closed with the last picture that may be asked of it
+            for count, raw in enumerate(record.raw(self._number)):
+                if count >= BATCH:
+                    return False
+                self._follow(record, raw)
+        except MissionError as error:
+            self._scene.fault(str(error))
+        self._size = size
+        self._scene.cut_short("" if goes_on or self._scene.outcome else CUT_SHORT)
+        return True
+
+    def _follow(self, record: Record, raw: Raw) -> None:
+        number, kind, content, digest = raw
+        if number != self._number + 1 or not _is_text(raw) or chained(self._hash, number, kind, content) != digest:
+            self._scene.fault(f"row {number}: it does not follow from the row before; the journal was altered")
+        self._number, self._hash = number, str(digest)
+        if number == 0:
+            return
+        self._heard_at = time.monotonic()
+        try:
+            row = record.row(raw)
+        except DefinitionError as error:
+            self._scene.fault(str(error))
+            return
+        if isinstance(row, StepRow):
+            self._scene.take(row.step, row.before)
+        elif isinstance(row, Note) and isinstance(row.data, dict) and isinstance(row.data.get("open_goals"), list):
+            self._scene.loosen(row.data["open_goals"])
+        elif isinstance(row, Note) and row.text.startswith("the run breaks off"):
+            self._scene.fault(row.text)
+
+
+def _is_text(raw: Raw) -> bool:
+    return all(isinstance(part, str) for part in raw[1:])
+
+
+def _mission(header: Header, path: Path) -> Mission:
+    from rai_missions.errors import Fault
+
+    if not header.mission:
+        sentence = "its mission has behaviours in Python and is not in the journal; watch it with run --watch"
+        raise DefinitionError([Fault("row 0", sentence)], str(path))
+    try:
+        return Mission.model_validate(json.loads(header.mission))
+    except (ValueError, RecursionError) as error:
+        raise DefinitionError([Fault("row 0", f"no mission can be read here: {error!s:.200}")], str(path)) from None

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a viewer sees of a run at one moment, and how a step changes it.
+
+Rule: a change names whole values, never differences; so one that comes twice, or beside a newer state, does no harm.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rai_missions.engine.decision import Question
+from rai_missions.engine.step import Ask, Handover, Step, Withdraw
+from rai_missions.event import Image, is_taken
+from visualize.live.as_json import bounded, line, question_data
+from visualize.page.as_json import Json
+
+__all__ = ("TAIL", "RunScene")
+
+TAIL = 100
+"""Steps of the journal's tail."""
+
+
+class RunScene:
+    """A run as far as it has been followed.
+
+    Args:
+        seq: The last step that is in it.
+        at: When that was, on the run's clock.
+        mode: As `rai_missions.runtime.lifecycle.MODES` has it.
+        control: Who holds control.
+        active: The active states.
+        board: Key → value and stamp.
+        questions: Those that are open.
+        outcome, why: How it ended, if it has.
+    """
+
+    def __init__(
+        self, *, seq: int = 0, at: float = 0.0, mode: str = "ready", control: str = "autonomy",
+        active: Iterable[str] = (), board: Mapping[str, tuple[Any, float]] | None = None,
+        questions: Iterable[Question] = (), outcome: str = "", why: str = "",
+    ) -> None:  # fmt: skip
+        self.seq, self.at, self.mode, self.control = seq, at, mode, control
+        self.active, self.outcome, self.why = set(active), outcome, why
+        self.board: dict[str, tuple[Any, float]] = dict(board or {})
+        self.questions = {question.number: question for question in questions}
+        self.paused_at: float | None = at if mode == "paused" else None
+        self.held_by = ""
+        """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
+        self.held_since: float | None = None
+        """Since when, on the run's clock."""
+        self._asked_for = ""
+        self.cut = ""
+        """How it is known that the run was cut short; empty where it was not."""
+        self.closed: dict[str, dict[str, str]] = {}
+        """Question's number, as text → option → why it would be refused if it were taken now."""
+        self.faults: list[str] = []
+        """What keeps the page from showing all of the run."""
+        self.open_goals: list[Json] = []
+        """The goals that may still move the robot although nothing waits for them, as the journal has them."""
+        self.tail: deque[Json] = deque(maxlen=TAIL)
+        """The last steps that did something."""
+        self._answered: set[int] = set()
+        self._fields: set[str] = set()
+        self._written: set[str] = set()
+        self._lines: list[Json] = []
+
+    # -- following ------------------------------------------------------------------------------------------------
+
+    def take(self, step: Step, before: Iterable[tuple[str, Any, float]] = ()) -> None:
+        """Follow a step; one that is in it already changes nothing."""
+        for key, value, stamp in before:
+            self._write(key, value, stamp)
+        if step.seq <= self.seq:
+            return
+        self.seq, self.at = step.seq, max(self.at, step.at)
+        for key, value in step.writes:
+            self._write(key, value, step.stamp_of(key))
+        self._move(step)
+        self._command(step)
+        self._ask(step)
+        if step.outcome:
+            self._end(step)
+        if (told := line(step)) is not None:
+            self.tail.append(told)
+            self._lines.append(told)
+
+    def recall(self, steps: Iterable[Step]) -> None:
+        """Put steps into the tail that are in the scene already."""
+        self.tail.extend(told for step in steps if (told := line(step)) is not None)
+
+    def fault(self, sentence: str) -> None:
+        """Say what is wrong, once."""
+        if sentence not in self.faults:
+            self.faults.append(sentence)
+            self._fields.add("faults")
+
+    def cut_short(self, sentence: str) -> None:
+        """Say how it is known that nothing more comes; empty where the run goes on."""
+        if sentence != self.cut:
+            self.cut = sentence
+            self._fields.add("cut")
+
+    def loosen(self, goals: list[Json]) -> None:
+        """Say which goals may still move the robot although nothing waits for them."""
+        if goals != self.open_goals:
+            self.open_goals = goals
+            self._fields.add("open_goals")
+
+    def close(self, options: Mapping[int, Mapping[str, str]]) -> None:
+        """Say which options would be refused now, and why."""
+        closed = {str(number): dict(each) for number, each in options.items()}
+        if closed != self.closed:
+            self.closed = closed
+            self._fields.add("closed")
+
+    def _write(self, key: str, value: Any, stamp: float) -> None:
+        entry = self.board.get(key)
+        if entry is None or entry[1] <= stamp:
+            self.board[key] = (value, stamp)
+            self._written.add(key)
+
+    def _move(self, step: Step) -> None:
+        for move in step.moves:
+            self.active.difference_update(move.exited)
+            self.active.update(move.entered)
+            self._fields.add("active")
+
+    def _command(self, step: Step) -> None:
+        event = step.event
+        if event.kind == "command":
+            if event.name == "start":
+                self._go("running")
+            elif event.name == "cancel" and not step.outcome and not step.why:
+                self._go("canceling")
+        elif event.kind == "control" and f"control: {event.name}" in step.notes:
+            taken = is_taken(event, holder=self.control, taken=self.held_by == "operator", asked=self._asked_for)
+            self._hold(event.name)
+            self._hold_up("operator" if taken else event.name if event.name == "nobody" else "", step.at)
+        for effect in step.effects:
+            if isinstance(effect, Handover):
+                self._asked_for = effect.to
+        if "paused" in step.notes:
+            self._go("paused")
+            self.paused_at = step.at
+        elif "resumed" in step.notes:
+            self._go("running")
+            self._shift(step.at)
+        if _killed(step):
+            self._hold("nobody")
+
+    def _end(self, step: Step) -> None:
+        if not self.outcome:
+            self.outcome, self.why = str(step.outcome), step.why
+            self._fields |= {"outcome", "why"}
+        if self.mode != step.outcome:
+            self._go(str(step.outcome))
+
+    def _go(self, mode: str) -> None:
+        self.mode = mode
+        self._fields |= {"mode", "paused_at"}
+
+    def _hold(self, control: str) -> None:
+        self.control = control
+        self._fields.add("control")
+
+    def _hold_up(self, by: str, at: float) -> None:
+        if by != self.held_by:
+            self.held_by, self.held_since = by, at if by else None
+            self._fields |= {"held_by", "held_since"}
+
+    def _shift(self, at: float) -> None:
+        """Questions have the time left that they had when the run was paused."""
+        by_s = at - self.paused_at if self.paused_at is not None else 0.0
+        self.questions = {
+            number: each._replace(until=each.until + by_s) if each.at <= at - by_s else each
+            for number, each in self.questions.items()
+        }
+        self.paused_at = None
+        self._fields.add("questions")
+
+    def _ask(self, step: Step) -> None:
+        before = tuple(self.questions)
+        if step.event.kind == "proposal":
+            self._answered.add(step.event.number)
+        is_kept = self.mode == "paused" or (self.held_by and not (step.moves or step.effects))
+        if not is_kept:  # then an answer waits until the run goes on
+            for number in self._answered:
+                self.questions.pop(number, None)
+            self._answered.clear()
+        for effect in step.effects:
+            if isinstance(effect, Ask):
+                self.questions[effect.question.number] = effect.question
+            elif isinstance(effect, Withdraw):
+                self.questions.pop(effect.number, None)
+        if step.outcome:
+            self.questions.clear()
+        if before != tuple(self.questions):
+            self._fields.add("questions")
+
+    # -- telling --------------------------------------------------------------------------------------------------
+
+    @property
+    def pressing(self) -> bool:
+        """More has changed than values of the blackboard."""
+        return bool(self._fields or self._lines)
+
+    @property
+    def written(self) -> bool:
+        """Values have changed that were not told."""
+        return bool(self._written)
+
+    def change(self, *, board: bool = True) -> Json:
+        """What has changed since it was told last.
+
+        Args:
+            board: Whether the blackboard is told of too.
+        """
+        told = {name: self._field(name) for name in sorted(self._fields)}
+        if self._lines:
+            told["steps"] = self._lines
+        if board and self._written:
+            told["board"] = {key: self._entry(key) for key in sorted(self._written)}
+            self._written = set()
+        self._fields, self._lines = set(), []
+        return told
+
+    def whole(self) -> Json:
+        """All of it."""
+        names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults",
+                 "open_goals", "held_by", "held_since")  # fmt: skip
+        board = {key: self._entry(key) for key in sorted(self.board)}
+        return {name: self._field(name) for name in names} | {"board": board, "steps": list(self.tail)}
+
+    def picture(self, key: str, question: int = 0) -> Image | None:
+        """The newest picture under a key, or the one that a question shows."""
+        if question:
+            asked = self.questions.get(question)
+            shown = next((each.value for each in asked.evidence if each.key == key), None) if asked else None
+        else:
+            shown = self.board.get(key, (None, 0.0))[0]
+        return shown if isinstance(shown, Image) else None
+
+    def _entry(self, key: str) -> list[Any]:
+        value, stamp = self.board[key]
+        return [bounded(value), round(stamp, 3)]
+
+    def _field(self, name: str) -> Any:
+        if name == "questions":
+            return [question_data(each) for each in self.questions.values()]
+        value = getattr(self, name)
+        return sorted(value) if name == "active" else bounded(value) if name in ("closed", "open_goals") else value
+
+
+def _killed(step: Step) -> bool:
+    """It was ended by the emergency stop, or by an invariant."""
+    return step.outcome == "aborted" and step.why.startswith(("killed by ", "invariant '"))

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One HTML file of data, scripts and styles.
+
+Rule: the script that runs is the package's own, named by its hash in the page's policy; whatever stands in the data is
+read as JSON, and could not run even if it broke out.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Iterable
+from functools import cache
+from html import escape
+from pathlib import Path
+
+from visualize.page.as_json import Json
+from visualize.style import clean
+
+__all__ = ("SCRIPTS", "asset", "bundle", "document")
+
+ASSETS = Path(__file__).parent / "assets"
+SCRIPTS = (
+    "dom.js", "text.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "chart.js",
+    "gestures.js", "replay.js", "details.js", "lenses.js", "player.js", "coverage.js", "page.js",
+)  # fmt: skip
+"""In the order in which they need each other."""
+PLACE = re.compile(r"\{\{(policy|title|style|script|data)\}\}")
+ESCAPED = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"})
+"""What could end a script element, begin a comment in it, or a line of JavaScript."""
+
+
+def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, connect: str = "'none'") -> bytes:
+    """The page.
+
+    Args:
+        data: What it shows; `kind` says which page it is.
+        title: Of the window.
+        scripts: The files of `assets` that run, in order.
+        connect: Where the page may connect to, as its policy has it: a live one to `'self'`.
+    """
+    style, script = asset("page.css"), _script(scripts)
+    policy = (
+        "default-src 'none'; img-src data:; base-uri 'none'; form-action 'none'; "
+        f"connect-src {connect}; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
+        "require-trusted-types-for 'script'; trusted-types 'none'"
+    )
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=True, allow_nan=False).translate(ESCAPED)
+    parts = {
+        "policy": escape(policy), "title": escape(clean(title)), "style": style, "script": script, "data": text,
+    }  # fmt: skip
+    return PLACE.sub(lambda found: parts[found[1]], asset("page.html")).encode("utf-8", "replace")
+
+
+@cache
+def asset(name: str) -> str:
+    """A file of the page's parts."""
+    return (ASSETS / name).read_text(encoding="utf-8")
+
+
+def bundle(names: Iterable[str], more: Iterable[str] = ()) -> str:
+    """Scripts as one, whose names stay its own: files of `assets`, and texts behind them."""
+    return '(() => {\n"use strict";\n' + "\n".join([*map(asset, names), *more]) + "})();\n"
+
+
+@cache
+def _script(names: tuple[str, ...]) -> str:
+    return bundle(names)
+
+
+def _hash(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
