@@ -219,7 +219,8 @@ class Covered:
     def _work_out(path: Path, report: Path, tests: list[str], jobs: int) -> None:
         subprocess.run(
             [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "--dist", "loadfile", "-p", "no:cacheprovider",
-             "--cov=rai_missions", "--cov-context=test", "--cov-report=", f"--junitxml={report}", *tests],
+             "--cov=rai_missions", "--cov-context=test", "--cov-report=", f"--junitxml={report}",
+             "--timeout=0", *tests],  # a time-out inside coverage's own lock would wait for ever
             cwd=ROOT, check=False, env={**os.environ, "COVERAGE_FILE": str(path), "HYPOTHESIS_PROFILE": "first"},
             stdin=subprocess.DEVNULL,
         )  # fmt: skip
