@@ -33,11 +33,12 @@ fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-check: .venv/.ready-dev ## Formatting, linters, types and the import contracts
+check: .venv/.ready-dev ## Formatting, linters, types, the import contracts and the words
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy rai_missions visualize missions $(wildcard tests/typing)
 	$(BIN)/lint-imports
+	$(BIN)/python scripts/words.py
 
 test: .venv/.ready-dev ## Every check, the built wheel, and all tests; those that need ROS 2 or a broker only after `make middleware`
 	@$(MAKE) --no-print-directory --jobs=2 check wheel compiled
