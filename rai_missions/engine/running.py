@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Machine, Turn, concerns
-from rai_missions.engine.activities.factory import machine_of
+from rai_missions.engine.activities.factory import Bench, machine_of
 from rai_missions.engine.activities.tree import limit_of, questions_in
 from rai_missions.engine.decision import Question
 from rai_missions.engine.hold import Hold
@@ -42,9 +42,8 @@ class Activities(Hold):
     def _machine(self, node: Node) -> Machine | None:
         if node.name not in self._machines:
             assert node.state is not None
-            self._machines[node.name] = machine_of(
-                node.state, node.name, node.place, keys=self.mission.blackboard, terms=self.terms, trees=self._ticker
-            )
+            bench = Bench(node.name, node.name, node.place, self.mission.blackboard, self.terms, self._ticker)
+            self._machines[node.name] = machine_of(node.state, bench)
         return self._machines[node.name]
 
     def _begin_starting(self) -> None:

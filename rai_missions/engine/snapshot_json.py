@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a chart remembers as plain data, which a journal can hold, and back.
 
-Rule: only the kinds in `KINDS` are made of data; whatever else stands there is refused.
+Rule: only the kinds in `KINDS`, and what machines remember, are made of data; whatever else stands there is refused.
 """
 
 from __future__ import annotations
@@ -9,12 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.engine.activities.action import GoalActivity
-from rai_missions.engine.activities.behaviour import BehaviourActivity
-from rai_missions.engine.activities.call import CallActivity
-from rai_missions.engine.activities.decision import DecisionActivity
+from rai_missions.engine.activities.activity import remembered_kinds
 from rai_missions.engine.activities.ticker import Leaf, TreeState
-from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity
 from rai_missions.engine.decision import Evidence, Limits, Offer, Question
 from rai_missions.engine.state import Timer
 from rai_missions.engine.step import (
@@ -34,17 +30,17 @@ from rai_missions.redaction.cut import clipped, shown
 __all__ = ("packed", "unpacked")
 
 KINDS: Mapping[str, type[Any]] = {
-    "Asking": DecisionActivity, "Behaving": BehaviourActivity, "Calling": CallActivity, "Pursuit": GoalActivity,
-    "Tended": RunningLeaf, "Tending": TreeActivity,
-} | {
     kind.__name__: kind
     for kind in (
         Stamped, Timer, Event, Leaf, TreeState, Evidence, Limits, Offer, Question,
         Ask, CallService, CancelGoal, Handover, PublishMessage, SayAloud, StartBehaviour, StartGoal,
     )
 }  # fmt: skip
-"""The word in a journal → what it stands for; a word stays when a class is renamed, since journals are kept."""
-WORDS = {kind: word for word, kind in KINDS.items()}
+"""The word in a journal → what it stands for, besides what machines remember."""
+
+
+def _kinds() -> Mapping[str, type[Any]]:
+    return {**KINDS, **remembered_kinds()}
 
 
 def packed(value: Any) -> Any:
@@ -55,7 +51,9 @@ def packed(value: Any) -> Any:
         return {"is": "set", "of": [packed(item) for item in sorted(value)]}
     if isinstance(value, tuple):
         items = [packed(item) for item in value]
-        return {"is": WORDS[type(value)], "of": items} if hasattr(value, "_fields") else tuple(items)
+        if not hasattr(value, "_fields"):
+            return tuple(items)
+        return {"is": next(word for word, kind in _kinds().items() if kind is type(value)), "of": items}
     return [packed(item) for item in value] if isinstance(value, list) else value
 
 
@@ -76,8 +74,9 @@ def unpacked(value: Any) -> Any:
         return dict(items)
     if kind == "set":
         return frozenset(items)
-    if kind not in KINDS:
+    kinds = _kinds()
+    if kind not in kinds:
         raise ValueError(
-            f"nothing that a run remembers is called {shown(kind, by=clipped)}; there is: {', '.join(KINDS)}"
+            f"nothing that a run remembers is called {shown(kind, by=clipped)}; there is: {', '.join(kinds)}"
         )
-    return KINDS[kind](*items)
+    return kinds[kind](*items)

@@ -7,11 +7,22 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
-from rai_missions.engine.activities.activity import GOALS, NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.activities.activity import (
+    GOALS,
+    NO_KEYS,
+    ActivityHost,
+    Bench,
+    Outcome,
+    Turn,
+    machine_of,
+    remembered,
+)
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.event import Event
 from rai_missions.guards.guard import Guard, Instant, Site, Test, View
+from rai_missions.states.action import Action
 from rai_missions.states.effects import filled
+from rai_missions.states.tree import ActionLeaf
 
 __all__ = ("GoalActivity", "GoalMachine")
 
@@ -31,6 +42,7 @@ class Pursued(Protocol):
     over_orphan: bool
 
 
+@remembered("Pursuit")
 class GoalActivity(NamedTuple):
     """How far a goal has come."""
 
@@ -161,3 +173,10 @@ class GoalMachine:
 
     def shifted(self, state: GoalActivity, by_s: float) -> GoalActivity:
         return state._replace(until=state.until + by_s)
+
+
+@machine_of.register(Action)
+@machine_of.register(ActionLeaf)
+def _(definition: Action | ActionLeaf, bench: Bench) -> GoalMachine:
+    succeeded, failed = (each.get(definition.action) for each in (bench.robot.succeeded, bench.robot.failed))
+    return GoalMachine(definition, bench.owner, bench.site("achieved"), succeeded=succeeded, failed=failed)

@@ -6,16 +6,23 @@ Rule: a machine keeps nothing. Its state is a frozen value in the snapshot; time
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from collections.abc import Callable, Mapping
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from rai_missions.event import Event
-from rai_missions.guards.guard import View, concerns
+from rai_missions.guards.guard import Site, View, concerns
 
 if TYPE_CHECKING:
+    from rai_missions.engine.activities.ticker import Trees
     from rai_missions.engine.activities.tree_rounds import Rounds
+    from rai_missions.engine.robot_facts import RobotFacts
+    from rai_missions.keys import Key
 
-__all__ = ("GOALS", "NO_KEYS", "ActivityHost", "Machine", "Outcome", "Turn", "concerns")
+__all__ = (
+    "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "concerns", "machine_of", "remembered",
+    "remembered_kinds",
+)  # fmt: skip
 
 
 class Outcome(NamedTuple):
@@ -117,3 +124,57 @@ class Machine(Protocol):
 NO_KEYS: frozenset[str] = frozenset()
 GOALS = "#goals"
 """Stands among the keys for the ledger: a goal has ended or was given up."""
+
+
+class Bench(NamedTuple):
+    """What a machine is made with, and for whom."""
+
+    owner: str
+    """The state, or `state#path` for a leaf of a tree."""
+    state: str
+    """The state itself."""
+    place: str
+    """The JSON pointer of what the machine runs."""
+    keys: Mapping[str, Key]
+    robot: RobotFacts
+    trees: Trees | None
+
+    def site(self, word: str = "") -> Site:
+        """Where a guard below the machine's place is compiled."""
+        return Site(f"{self.place}/{word}" if word else self.place, self.keys, self.state)
+
+
+@singledispatch
+def machine_of(definition: Any, bench: Bench) -> Machine | None:
+    """The machine of a state or of a tree's leaf; each kind registers its own. None for what runs nothing.
+
+    Raises:
+        UsageError: The state runs a tree, and the chart was given nothing that ticks trees.
+    """
+    return None
+
+
+Remembered = TypeVar("Remembered", bound=type[Any])
+_remembered: dict[str, type[Any]] = {}
+
+
+def remembered(word: str) -> Callable[[Remembered], Remembered]:
+    """Marks what a machine remembers (a `NamedTuple`), with its word in a journal, which stays when a class is renamed.
+
+    Raises:
+        TypeError: Another class has the word.
+    """
+
+    def mark(kind: Remembered) -> Remembered:
+        known = _remembered.setdefault(word, kind)
+        if known.__qualname__ != kind.__qualname__ or known.__module__ != kind.__module__:
+            raise TypeError(f"'{word}' names {known.__module__}.{known.__qualname__} in a journal; choose another word")
+        _remembered[word] = kind
+        return kind
+
+    return mark
+
+
+def remembered_kinds() -> Mapping[str, type[Any]]:
+    """The word in a journal → what a machine remembers under it."""
+    return _remembered

@@ -6,16 +6,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import StartBehaviour, StopBehaviour
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
+from rai_missions.states.tree import BehaviourLeaf
 
 __all__ = ("BehaviourActivity", "BehaviourMachine")
 
 ENDS = ("success", "failure")
 
 
+@remembered("Behaving")
 class BehaviourActivity(NamedTuple):
     """A live behaviour is ticked."""
 
@@ -54,3 +56,8 @@ class BehaviourMachine:
 
     def shifted(self, state: BehaviourActivity, by_s: float) -> BehaviourActivity:
         return state
+
+
+@machine_of.register(BehaviourLeaf)
+def _(definition: BehaviourLeaf, bench: Bench) -> BehaviourMachine:
+    return BehaviourMachine(bench.owner)

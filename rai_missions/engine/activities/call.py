@@ -6,11 +6,13 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import CallService
 from rai_missions.event import Event
 from rai_missions.guards.guard import Site, View
+from rai_missions.states.call import Call
 from rai_missions.states.effects import filled
+from rai_missions.states.tree import CallLeaf
 
 __all__ = ("CallActivity", "CallMachine")
 
@@ -23,6 +25,7 @@ OUTCOMES = {
 }
 
 
+@remembered("Calling")
 class CallActivity(NamedTuple):
     """A reply is awaited."""
 
@@ -67,3 +70,9 @@ class CallMachine:
 
     def shifted(self, state: CallActivity, by_s: float) -> CallActivity:
         return state
+
+
+@machine_of.register(Call)
+@machine_of.register(CallLeaf)
+def _(definition: Call | CallLeaf, bench: Bench) -> CallMachine:
+    return CallMachine(definition, bench.owner, bench.site())

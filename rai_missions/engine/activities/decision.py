@@ -10,18 +10,20 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Outcome, Turn
+from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.decision import Evidence, Limits, Offer, Proposal, Question, Verdict, judge
 from rai_missions.engine.step import Ask, Withdraw
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.keys import fits
 from rai_missions.redaction.cut import clipped
-from rai_missions.states.decision import DecisionSpec
+from rai_missions.states.decision import Decision, DecisionSpec
+from rai_missions.states.tree import DecisionLeaf
 
 __all__ = ("DecisionActivity", "DecisionMachine")
 
 
+@remembered("Asking")
 class DecisionActivity(NamedTuple):
     """A question is open."""
 
@@ -166,3 +168,9 @@ class DecisionMachine:
     def shifted(self, state: DecisionActivity, by_s: float) -> DecisionActivity:
         question = state.question._replace(until=state.question.until + by_s)
         return state._replace(question=question, deadline=state.deadline + by_s)
+
+
+@machine_of.register(Decision)
+@machine_of.register(DecisionLeaf)
+def _(definition: Decision | DecisionLeaf, bench: Bench) -> DecisionMachine:
+    return DecisionMachine(definition.decision, bench.owner, bench.site("decision"))

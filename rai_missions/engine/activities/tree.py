@@ -12,14 +12,25 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.activities.action import GoalActivity
-from rai_missions.engine.activities.activity import ActivityHost, Machine, Outcome, Turn, concerns
+from rai_missions.engine.activities.activity import (
+    ActivityHost,
+    Bench,
+    Machine,
+    Outcome,
+    Turn,
+    concerns,
+    machine_of,
+    remembered,
+)
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.ticker import Ticked, Ticker, TreeState
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Effect, PublishMessage
+from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
+from rai_missions.states.tree import Tree, tree_paths
 
 __all__ = ("LeafMachine", "RunningLeaf", "TreeActivity", "TreeMachine", "is_settling", "limit_of", "questions_in")
 
@@ -33,6 +44,7 @@ class LeafMachine(NamedTuple):
     timeout_s: float | None
 
 
+@remembered("Tended")
 class RunningLeaf(NamedTuple):
     """A leaf that runs."""
 
@@ -40,6 +52,7 @@ class RunningLeaf(NamedTuple):
     deadline: float
 
 
+@remembered("Tending")
 class TreeActivity(NamedTuple):
     """How far a tree has come."""
 
@@ -257,3 +270,16 @@ class TreeMachine:
     def _shift(self, tree: TreeState, by_s: float) -> TreeState:
         shift: Callable[[TreeState, float], TreeState] | None = getattr(self.ticker, "shifted", None)
         return shift(tree, by_s) if shift is not None else tree
+
+
+@machine_of.register(Tree)
+def _(state: Tree, bench: Bench) -> TreeMachine:
+    name, place = bench.owner, f"{bench.place}/tree"
+    if bench.trees is None:
+        raise UsageError(f"state '{name}' runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
+    limbs: dict[str, LeafMachine] = {}
+    for path, node in tree_paths(state.tree):
+        machine = machine_of(node, bench._replace(owner=f"{name}#{path}", place=f"{place}/{path}".rstrip("/")))
+        if machine is not None:
+            limbs[path] = LeafMachine(machine, getattr(node, "timeout_s", None))
+    return TreeMachine(bench.trees.compile(state.tree, place, bench.keys, name), limbs, name)
