@@ -22,7 +22,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted(ROOT.glob("docs/guide/**/*.md")), *sorted(ROOT.glob("missions/*/README.md"))]
 BLOCK = re.compile(
-    r"^(?P<skip><!-- not run: .+ -->\n+)?```(?P<kind>\w+)[^\n]*\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
+    r"^(?P<skip><!-- not run: [^\n]+ -->\n+)?```(?P<kind>\w+)[^\n]*\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
 )
 COMMAND = re.compile(r"^\$ (rai-missions (?:[^\n]*\\\n)*[^\n]*)", re.MULTILINE)
 EXITS = re.compile(r"#\s*exits (\d+)")
@@ -54,8 +54,8 @@ def run_commands(block: Block, where: str) -> None:
         ran = subprocess.run(
             [script, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=150, check=False
         )
-        told = f"{where}:{block.line}: {command}\nexited {ran.returncode}, not {expected}\n{ran.stdout}{ran.stderr}"
-        assert ran.returncode == expected, told
+        report = f"{where}:{block.line}: {command}\nexited {ran.returncode}, not {expected}\n{ran.stdout}{ran.stderr}"
+        assert ran.returncode == expected, report
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
@@ -74,6 +74,7 @@ def test_what_a_document_shows_runs(document: Path, tmp_path: Path, monkeypatch:
 def test_blocks_are_found_with_their_lines_and_a_reasoned_exception() -> None:
     document = (
         "# A\n\n```python\nx = 1\n```\n\n<!-- not run: needs a robot -->\n```python\nx = 2\n```\n```sh\n$ ls\n```\n"
+        "<!-- not run: needs a robot -->\n```sh\n$ cd\n```\n"
     )
     assert list(blocks(document)) == [Block("python", "x = 1\n", 4), Block("sh", "$ ls\n", 12)]
 

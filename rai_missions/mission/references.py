@@ -101,7 +101,7 @@ class Ref:
         return _guard("fresh", fresh=self.__path__)
 
     @property
-    def true(self) -> Guard:
+    def is_true(self) -> Guard:
         """`== true`, which a reference means among `&` and `|`."""
         return self._compared("==", True)
 
@@ -109,16 +109,16 @@ class Ref:
         return self._compared("==", False)
 
     def __and__(self, other: Guard | Ref) -> Guard:
-        return self.true & _condition(other)
+        return self.is_true & _condition(other)
 
     def __or__(self, other: Guard | Ref) -> Guard:
-        return self.true | _condition(other)
+        return self.is_true | _condition(other)
 
     def __rand__(self, other: Guard) -> Guard:
-        return _condition(other) & self.true
+        return _condition(other) & self.is_true
 
     def __ror__(self, other: Guard) -> Guard:
-        return _condition(other) | self.true
+        return _condition(other) | self.is_true
 
     def __bool__(self) -> NoReturn:
         raise TypeError(f"'{self.__path__}' has no truth of its own; combine with & | ~, not with and, or, not, in")
@@ -138,7 +138,7 @@ def _condition(given: Any) -> Guard:
     from rai_missions.guards import Guard
 
     if isinstance(given, Ref):
-        return given.true
+        return given.is_true
     if isinstance(given, Guard):
         return given
     raise TypeError(f"{given!r} is no guard; put brackets around comparisons: (k.battery < 0.2) & k.moving")
