@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ipaddress
 import os
+import signal
 import socket
 import tempfile
 from pathlib import Path
@@ -35,6 +36,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", QUICK))
 for name in [name for name in os.environ if name.endswith(("_API_KEY", "_API_TOKEN"))]:
     del os.environ[name]
 os.environ.update(LANGSMITH_TRACING="false", LANGCHAIN_TRACING_V2="false")
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it, and so would the runs
 os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="rai_missions_state_")  # what a gate finds again stays here
 
 
