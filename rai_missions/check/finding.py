@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `check` finds: a place, a sentence, and whether the mission may run all the same."""
+"""What `check` finds: a place, a sentence, whether the mission may run all the same, and the order of places."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Literal, NamedTuple
 
 from rai_missions.errors import Fault
+from rai_missions.mission.mission import Mission
+from rai_missions.model import MissionModel
 
-__all__ = ("Finding", "Severity", "exit_status", "faults_of")
+__all__ = ("Finding", "Severity", "document_order", "exit_status", "faults_of")
 
 Severity = Literal["error", "warning"]
 """A mission with an error is not run; a warning is for the reader."""
@@ -46,3 +48,35 @@ def exit_status(findings: Iterable[Finding], *, strict: bool = False) -> int:
 def faults_of(findings: Iterable[Finding]) -> list[Fault]:
     """The errors among them, as `DefinitionError` carries them: with one a mission is not run."""
     return [each.fault for each in findings if each.severity == "error"]
+
+
+def document_order(mission: Mission) -> Callable[[str], tuple[int, ...]]:
+    """A key to sort places by: the positions of a pointer's words, each among its neighbours."""
+    positions: dict[int, tuple[Any, dict[str, tuple[int, Any]]]] = {}
+
+    def inside(value: Any) -> dict[str, tuple[int, Any]]:
+        if id(value) not in positions:
+            # The value is kept with its positions, or another could come to have its id.
+            positions[id(value)] = (value, {word: (index, item) for index, (word, item) in enumerate(_items(value))})
+        return positions[id(value)][1]
+
+    def order(place: str) -> tuple[int, ...]:
+        here: Any = mission
+        found: list[int] = []
+        for word in place.split("/")[1:]:
+            index, here = inside(here).get(word.replace("~1", "/").replace("~0", "~"), (-1, None))
+            found.append(index)
+        return tuple(found)
+
+    return order
+
+
+def _items(value: Any) -> list[tuple[str, Any]]:
+    if isinstance(value, MissionModel):
+        fields = type(value).model_fields
+        return [(field.alias or name, getattr(value, name)) for name, field in fields.items()]
+    if isinstance(value, Mapping):
+        return [(str(word), item) for word, item in value.items()]
+    if isinstance(value, list | tuple):
+        return [(str(index), item) for index, item in enumerate(value)]
+    return []

@@ -16,9 +16,8 @@ from rai_missions.check import reachability as reach
 from rai_missions.check import shadowed_rows as rows
 from rai_missions.check import staleness as stale
 from rai_missions.check import structure as shape
-from rai_missions.check.finding import Finding, Severity
+from rai_missions.check.finding import Finding, Severity, document_order
 from rai_missions.check.index import MissionIndex
-from rai_missions.check.order import document_order
 from rai_missions.mission.mission import Mission
 
 __all__ = ("RULES", "Rule", "check")

@@ -6,10 +6,11 @@ Rule: whatever happens, first the holder whose time is up loses control. So no c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from rai_missions.errors import UsageError
-from rai_missions.gate.finite import no_finite
 from rai_missions.gate.state import (
     COMMANDERS,
     Alive,
@@ -85,7 +86,7 @@ def _request(gate: Gate, request: Request) -> Turn:
 
 def _command(terms: GateRules, gate: Gate, command: Command) -> Turn:
     who, command = command.who, command._replace(at=gate.at)
-    why = _stops(gate, command) or ("" if command.topic in terms.unlooked else no_finite(command.data))
+    why = _stops(gate, command) or ("" if command.topic in terms.unlooked else _no_finite(command.data))
     gate = _alive(gate, who)._replace(commanded={**gate.commanded, who: gate.at})
     if why:
         gate = gate._replace(refused=_counted(gate.refused, who), last_refusal=f"{who} on {command.topic}: {why}")
@@ -122,3 +123,18 @@ def _changed(gate: Gate, control: Control, why: str) -> Turn:
 
 def _counted(counts: Mapping[str, int], who: str) -> Mapping[str, int]:
     return {**counts, who: counts.get(who, 0) + 1}
+
+
+def _no_finite(data: Any, path: str = "") -> str:
+    """Which field holds no finite number, in a sentence; empty if none does."""
+    if isinstance(data, float):
+        return "" if math.isfinite(data) else f"'{path}' is {data}, which is no finite number"
+    items: Iterable[tuple[object, Any]] = ()
+    if isinstance(data, Mapping):
+        items = data.items()
+    elif isinstance(data, list | tuple):
+        items = enumerate(data)
+    elif hasattr(data, "tolist"):  # arrays and their numbers, of the standard library and of numpy
+        plain = data.tolist()
+        return _no_finite(plain, path)
+    return next((why for name, item in items if (why := _no_finite(item, f"{path}.{name}".lstrip(".")))), "")

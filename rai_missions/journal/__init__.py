@@ -2,10 +2,9 @@
 """The journal: what a run did, row by row, written ahead of its effects and read back as the same values."""
 
 from rai_missions.journal.codec import decode, encode
-from rai_missions.journal.copy import copied
 from rai_missions.journal.diff import difference
+from rai_missions.journal.files import copied, free_name, make_way, set_aside
 from rai_missions.journal.reader import Record
-from rai_missions.journal.rotate import free_name, make_way, set_aside
 from rai_missions.journal.rows import MIGRATED, Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow
 from rai_missions.journal.verify import checked, opened, read, verify
 from rai_missions.journal.writer import Journal, versions

@@ -6,7 +6,8 @@ Rule: a profile says where things are heard and done, never what they mean for a
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
@@ -18,10 +19,12 @@ from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, Se
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.states.state import Controller
 
-__all__ = ("Robot", "Rule", "ToolPolicy", "terms")
+__all__ = ("Endpoint", "Robot", "Rule", "ToolPolicy", "endpoints", "terms")
 
 
 CONTROLLERS: tuple[str, ...] = (*get_args(Controller), "nobody")
+HANDS_OVER = ("agent", "operator")
+"""By whom control may be handed over; each has services of its own where the name says `{by}`."""
 
 
 class Rule(MissionModel):
@@ -135,3 +138,30 @@ def terms(robot: Robot) -> RobotFacts:
             + [name for name, service in robot.services.items() if service.repeat]
         ),
     )
+
+
+class Endpoint(NamedTuple):
+    """A service, an action or a topic that is published on, by its name on the robot."""
+
+    mode: Literal["services", "actions", "topics"]
+    name: str
+    type: str
+
+
+def endpoints(robot: Robot) -> Iterator[Endpoint]:
+    """What a run on a robot may ask or publish on, as its profile names it; each once."""
+    services: list[ServiceEntry | None] = [*robot.services.values()]
+    found: dict[Endpoint, None] = {}
+    for action in robot.actions.values():
+        if action.action is not None:
+            found[Endpoint("actions", action.action, action.type)] = None
+        services += (action.start, action.cancel)
+    for service in services:
+        if service is not None:
+            found[Endpoint("services", service.service, service.type)] = None
+    for entry in robot.control.values():
+        for by in HANDS_OVER:
+            found[Endpoint("services", entry.service.replace("{by}", by), entry.type)] = None
+    for topic in robot.topics.values():
+        found[Endpoint("topics", topic.topic, topic.type)] = None
+    yield from found

@@ -34,7 +34,7 @@ from rai_missions.event import Event
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.keys import Key
 from rai_missions.profile import Robot, plain
-from rai_missions.profile.endpoints import asked
+from rai_missions.profile.profile import endpoints
 from rai_missions.redaction.cut import cut, cut_repr
 from rai_missions.runtime.behaviours import Behaviours
 from rai_missions.runtime.control_handover import Handovers
@@ -120,7 +120,7 @@ class EffectExecutor:
     def _expect(self) -> None:
         connector: object = self._connector
         if self._robot is not None and isinstance(connector, SupportsPreconnect):
-            for mode, name, type_name in asked(self._robot):
+            for mode, name, type_name in endpoints(self._robot):
                 with suppress(MissionError):  # told when it is used
                     connector.expect(mode, name, type_name)
 

@@ -58,7 +58,7 @@ class Looking:
 
     def describe_type(self, type_name: str) -> Said:
         try:
-            from rai_missions.connectors.ros2.describe_types import (
+            from rai_missions.connectors.ros2.types import (
                 describe_type,  # ROS's packages are found when asked for
             )
         except ImportError as fault:

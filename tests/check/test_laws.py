@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from rai_missions.check import check
-from rai_missions.check.order import document_order
+from rai_missions.check.finding import document_order
 from rai_missions.engine import Chart
 from rai_missions.event import Event, Tick
 from rai_missions.guards import Guard, Site, Truth

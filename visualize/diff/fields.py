@@ -7,18 +7,30 @@ Rule: a field that is not compared elsewhere is compared here, whatever it is; w
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from rai_missions.guards.guard import Guard
+from rai_missions.guards.implication import form, implies
 from rai_missions.model import MissionModel
 from rai_missions.states.decision import Budget, Option
 from rai_missions.states.tree import TreeNode
 from visualize.diff.change import Change, Severity
-from visualize.diff.guard_relation import relation
 from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.text import child_pointer, effects, template
 
-__all__ = ("LIMITS", "FieldRef", "effects_changed", "fields", "grave", "guards", "said")
+__all__ = ("LIMITS", "FieldRef", "Relation", "effects_changed", "fields", "grave", "guards", "relation", "said")
+
+Relation = Literal["same", "weakened", "strengthened", "changed"]
+
+
+def relation(old: Guard | None, new: Guard | None) -> Relation:
+    """What became of a guard; none at all is always true."""
+    before, after = form(old), form(new)
+    down, up = implies(before, after), implies(after, before)
+    if down and up:
+        return "same"
+    return "weakened" if down else "strengthened" if up else "changed"
+
 
 LIMITS = (
     "timeout_s", "deadline_s", "max_age_s", "settle_s", "handover_s", "cancel_s", "ready_s", "within_s", "attempts",

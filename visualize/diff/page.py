@@ -16,8 +16,7 @@ from visualize.diff.difference import Difference
 from visualize.page.as_json import Json, plain
 from visualize.page.chart_data import chart_data
 from visualize.page.html import SCRIPTS, document
-from visualize.page.lens import lens
-from visualize.page.lenses import lenses
+from visualize.page.lenses import lens, lenses
 
 __all__ = ("difference_data", "page")
 

@@ -12,6 +12,8 @@ import math
 import time
 from collections import OrderedDict
 from contextlib import suppress
+from functools import cache
+from pathlib import Path
 from typing import Any, Protocol
 
 from starlette.applications import Starlette
@@ -25,9 +27,9 @@ from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import Camera
-from visualize.live.static import page, script, style
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
+from visualize.page.html import asset, bundle
 
 __all__ = ("CommandSink", "ReplyCallback", "application")
 
@@ -44,6 +46,12 @@ ALWAYS = frozenset({"e_stop", "cancel"})
 STALLED_S = 10.0
 """A viewer that takes nothing for so long is gone."""
 MOST_CAMERAS = 32
+ASSETS = Path(__file__).parent / "assets"
+SHARED = (
+    "dom.js", "text.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "chart.js",
+    "gestures.js", "details.js",
+)  # fmt: skip
+OWN = ("line.js", "acts.js", "question.js", "panel.js", "live.js")
 
 
 class ReplyCallback(Protocol):
@@ -113,13 +121,13 @@ class Pages:
         ]  # fmt: skip
 
     async def shell(self, request: Request) -> Response:
-        return Response(page(), media_type="text/html")
+        return Response(_page(), media_type="text/html")
 
     async def script(self, request: Request) -> Response:
-        return Response(script(), media_type="text/javascript")
+        return Response(_script(), media_type="text/javascript")
 
     async def style(self, request: Request) -> Response:
-        return Response(style(), media_type="text/css")
+        return Response(_style(), media_type="text/css")
 
     async def icon(self, request: Request) -> Response:
         return Response(status_code=204)
@@ -228,3 +236,21 @@ def _is_late(sent: str | None) -> str:
         return ""
     old = "it does not say when it was given" if math.isnan(age_s) else f"it came {age_s:.0f} s after it was given"
     return f"{old}, and orders older than {OLDEST_S:.0f} s are not carried out; look again, and give it anew"
+
+
+@cache
+def _page() -> bytes:
+    """The HTML."""
+    return (ASSETS / "live.html").read_bytes()
+
+
+@cache
+def _script() -> bytes:
+    """All scripts as one."""
+    return bundle(SHARED, [(ASSETS / name).read_text(encoding="utf-8") for name in OWN]).encode()
+
+
+@cache
+def _style() -> bytes:
+    """The review page's style, and what is particular to this one."""
+    return (asset("page.css") + (ASSETS / "live.css").read_text(encoding="utf-8")).encode()

@@ -7,8 +7,10 @@ Rule: the run is not asked, slowed or locked; the file is looked at here, and on
 from __future__ import annotations
 
 import asyncio
+import fcntl
 import itertools
 import json
+import os
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -17,8 +19,8 @@ from rai_missions.errors import DefinitionError, MissionError
 from rai_missions.journal import Header, Note, StepRow
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, Raw, chained
+from rai_missions.journal.sqlite import Lock
 from rai_missions.mission.mission import Mission
-from visualize.live.lock import is_written
 from visualize.live.run_view import RunScene
 
 __all__ = ("JournalFeed",)
@@ -87,7 +89,7 @@ class JournalFeed:
         for count in itertools.count(1):
             await asyncio.sleep(LOOKS_EVERY_S)
             asks = count % ASKS_EVERY == 0 and not (self._scene.outcome or self._scene.cut)
-            if self._stat() != self._size or (asks and not await asyncio.to_thread(is_written, self.path)):
+            if self._stat() != self._size or (asks and not await asyncio.to_thread(_is_written, self.path)):
                 wake()
 
     def _stat(self) -> tuple[object, ...]:
@@ -103,7 +105,7 @@ class JournalFeed:
 
     def _read(self) -> bool:
         """Take up what has been written since; whether that was all."""
-        size, goes_on = self._stat(), is_written(self.path)  # asked first: what was written before is read below
+        size, goes_on = self._stat(), _is_written(self.path)  # asked first: what was written before is read below
         try:
             record = Record(self.path)  # closed with the last picture that may be asked of it
             for count, raw in enumerate(record.raw(self._number)):
@@ -151,3 +153,38 @@ def _mission(header: Header, path: Path) -> Mission:
         return Mission.model_validate(json.loads(header.mission))
     except (ValueError, RecursionError) as error:
         raise DefinitionError([Fault("row 0", f"no mission can be read here: {error!s:.200}")], str(path)) from None
+
+
+def _is_written(path: Path) -> bool:
+    """Whether some process writes a journal now.
+
+    Where the file system knows no locks, the process counts that the run file beside the journal names; without a run
+    file there is nobody.
+    """
+    try:
+        about = path.stat()
+        if (about.st_dev, about.st_ino) in Lock.held:
+            return True  # to open it again here would drop this process's own locks
+        descriptor = os.open(path, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return _is_named(path)
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def _is_named(path: Path) -> bool:
+    try:
+        pid = json.loads(Path(f"{path}.watch").read_text(encoding="utf-8"))["pid"]
+        os.kill(pid, 0)
+    except PermissionError:
+        return True
+    except (OSError, ValueError, KeyError, TypeError, OverflowError):
+        return False
+    return True

@@ -6,23 +6,26 @@ Rule: a lens is data. It names states, and rows and options by JSON pointer; who
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
 from rai_missions.guards.in_state import In
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Final
-from visualize.model import Picture
+from rai_missions.states import Decision, DecisionSpec, Final, Tree
+from rai_missions.states.tree import DecisionLeaf, tree_paths
+from visualize.model import Edge, Picture
 from visualize.page.as_json import Json
-from visualize.page.lens import item, lens
-from visualize.page.model_lens import asked_of, say_lens
-from visualize.page.reachability import Roads
+from visualize.page.reachability import Reached, Roads
+from visualize.text import child_pointer
 
-__all__ = ("lenses",)
+__all__ = ("asked_of", "lens", "lenses", "questions")
 
 
 def lenses(mission: Mission, picture: Picture) -> list[Json]:
     """The four questions in the order of the page's switches."""
     roads = Roads(mission)
     return [
-        say_lens(mission, picture, roads),
+        _say_lens(mission, picture, roads),
         _operator(mission, picture),
         _stops(mission, picture, roads),
         _invariants(mission, picture, roads),
@@ -106,3 +109,150 @@ def _invariants(mission: Mission, picture: Picture, roads: Roads) -> Json:
     return lens(
         "invariants", "What must never be false?", "i", states=states, rows=rows, sections=sections or none
     )  # fmt: skip
+
+
+def item(text: str, *, state: str = "", row: str = "") -> Json:
+    """A sentence, and what it is about where that can be shown."""
+    return {"text": text} | ({"state": state} if state else {}) | ({"row": row} if row else {})
+
+
+def lens(
+    name: str, title: str, key: str, *, states: Iterable[str], rows: Iterable[str], options: Iterable[str] = (),
+    sections: Iterable[tuple[str, list[Json]]] = (),
+) -> Json:  # fmt: skip
+    """A switch of the page.
+
+    Args:
+        name: What links name it.
+        title: The question, as the switch has it.
+        key: The key that turns it.
+        states: The names of those that stay lit.
+        rows: The JSON pointers of those that stay lit.
+        options: The JSON pointers of those that stay lit.
+        sections: Heading and sentences, for beside the picture.
+    """
+    return {
+        "name": name, "title": title, "key": key,
+        "states": sorted(set(states)), "rows": sorted(set(rows)), "options": sorted(set(options)),
+        "sections": [{"heading": heading, "items": said} for heading, said in sections],
+    }  # fmt: skip
+
+
+class DecisionSite(NamedTuple):
+    """A question where it stands."""
+
+    state: str
+    place: str
+    """JSON pointer of what holds the question."""
+    asked: DecisionSpec
+    owner: str
+    """As its questions name it: the state, or `state#path` in a tree."""
+
+    @property
+    def in_tree(self) -> bool:
+        """A tree asks it, and goes on by itself."""
+        return "#" in self.owner
+
+    def options(self) -> list[str]:
+        """The JSON pointers of its options."""
+        return [child_pointer(f"{self.place}/decision", "options", name) for name in self.asked.options]
+
+
+def asked_of(mission: Mission, who: str) -> list[DecisionSite]:
+    """The questions that somebody is asked, in document order."""
+    return [each for each in questions(mission) if who in each.asked.ask]
+
+
+def questions(mission: Mission) -> Iterator[DecisionSite]:
+    """Every question of a mission, in document order."""
+    for place, name, state in mission.walk():
+        if isinstance(state, Decision):
+            yield DecisionSite(name, place, state.decision, name)
+        if isinstance(state, Tree):
+            for path, node in tree_paths(state.tree):
+                if isinstance(node, DecisionLeaf):
+                    yield DecisionSite(name, f"{place}/tree/{path}".rstrip("/"), node.decision, f"{name}#{path}")
+
+
+def _say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
+    """The switch that dims all that no model decides."""
+    asked = asked_of(mission, "agent")
+    sections, rows, direct = [], set[str](), set[str]()
+    for each in asked:
+        edges = [edge for edge in picture.edges if edge.source == each.state and (edge.option or each.in_tree)]
+        rows |= {edge.place for edge in edges}
+        direct |= {edge.target for edge in edges if edge.target}
+        sections.append((f"{each.state}: “{each.asked.question}”", list(_told(each, edges, roads))))
+    after = roads.onward(direct)
+    finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
+    at_once = roads.at_once(direct)
+    ends = [item(_end_words(name, state, direct, at_once, after), state=name) for name, state in finals]
+    sections.insert(0, ("Ends", [*ends, *_success_words(finals, at_once)]))
+    none = [("Decisions", [item("none: no model is asked anything in this mission")])]
+    states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
+    return lens(
+        "say", "Where does the model have a say?", "m", states=states if asked else (), rows=rows,
+        options=[place for each in asked for place in each.options()], sections=sections if asked else none,
+    )  # fmt: skip
+
+
+def _told(each: DecisionSite, edges: list[Edge], roads: Roads) -> Iterator[Json]:
+    asked = each.asked
+    often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
+    yield item(f"bounded: asks {', then '.join(asked.ask)}, {often} each, {_within(asked)}", state=each.state)
+    yield item(f"fallback: {asked.fallback}" if asked.fallback else "no fallback: without an answer it has failed")
+    for name, option in asked.options.items():
+        bound = f"only when {option.when.words()}" if option.when is not None else "always open"
+        fired = [edge for edge in edges if edge.option == name]
+        to = [edge.target for edge in fired if edge.target]
+        leads = f"leads to {', '.join(to)}" if to else "goes on in its tree" if each.in_tree else "does not leave"
+        yield (
+            item(f"{name}: {bound}; {leads}{_ends_after(to, roads)}", row=fired[0].place)
+            if fired
+            else item(f"{name}: {bound}; {leads}", state=each.state)
+        )
+
+
+def _within(asked: DecisionSpec) -> str:
+    """How long it takes at the most, and how that is split among those who are asked."""
+    most = f"at most {asked.deadline_s:g} s" if asked.deadline_s is not None else "no deadline"
+    if asked.within_s is not None:
+        return f"{most}, {asked.within_s:g} s at most for an attempt"
+    if asked.deadline_s is None or len(asked.ask) == 1:
+        return most
+    share = asked.deadline_s / len(asked.ask)
+    shares = ", ".join(
+        f"{share:.3g} s{'' if index else ' of these'} for the {who}" for index, who in enumerate(asked.ask)
+    )
+    return f"{most}, {shares}; an attempt has an equal share of the time that is left by then"
+
+
+def _success_words(finals: list[tuple[str, Final]], at_once: frozenset[str]) -> list[Json]:
+    said = ["no answer sets the state"]
+    for name, state in finals:
+        if name in at_once and state.final == "succeeded":
+            held = f"where {state.requires.words()} already holds, " if state.requires is not None else ""
+            said.append(f"{held}the answer ends the mission as succeeded, in '{name}'")
+    return [item(each) for each in (said if len(said) > 1 else [f"{said[0]}, and none alone makes a mission succeed"])]
+
+
+def _ends_after(targets: list[str], roads: Roads) -> str:
+    if targets and all(isinstance(roads.mission.states.get(name), Final) for name in targets):
+        return ", which ends the mission"
+    after = roads.onward(targets).states
+    finals = [name for name, state in roads.mission.states.items() if isinstance(state, Final)]
+    missed = [name for name in finals if name not in after]
+    if not targets or not missed:
+        return ""
+    return f"; from there never {', '.join(missed)}"
+
+
+def _end_words(name: str, state: Final, direct: set[str], at_once: frozenset[str], after: Reached) -> str:
+    facts = f", and only if {state.requires.words()}" if state.requires is not None else ""
+    if name in at_once:
+        behind = "" if name in direct else " where the rows behind it hold already"
+        return f"{name} ({state.final}): an answer leads there at once{behind}{facts}"
+    if name in after.states:
+        needed = "an event, what the robot reports, or time that passes must lead there"
+        return f"{name} ({state.final}): not by an answer alone: {needed}{facts}"
+    return f"{name} ({state.final}): out of reach of every answer"

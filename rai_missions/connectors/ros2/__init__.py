@@ -42,7 +42,7 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
 
 def fields_of(type_name: str, kind: Literal["msg", "srv"]) -> Mapping[str, Any] | None:
     """The fields of a message, or of a service's reply, as `describe.describe_type` tells them; None if it cannot."""
-    from rai_missions.connectors.ros2.describe_types import describe_type
+    from rai_missions.connectors.ros2.types import describe_type
 
     try:
         told = describe_type(type_name)

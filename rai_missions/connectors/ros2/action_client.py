@@ -20,8 +20,7 @@ from unique_identifier_msgs.msg import UUID
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.ros2.endpoints import NOBODY, Peers, are_replaced
 from rai_missions.connectors.ros2.goal_client import PRESS_S, QUIET_S, STEP_S, GoalClient
-from rai_missions.connectors.ros2.goal_ids import to_bytes
-from rai_missions.connectors.ros2.messages import to_data
+from rai_missions.connectors.ros2.messages import goal_id_to_bytes, to_data
 from rai_missions.connectors.ros2.node_thread import Work, guarded
 from rai_missions.connectors.ros2.rivals import Sightings
 
@@ -54,7 +53,7 @@ class Goal:
         self, client: GoalClient, goal_id: str, report: Callable[[Report], None], ended: Callable[[Goal], None]
     ) -> None:
         self._client, self.goal_id, self._report, self._ended = client, goal_id, report, ended
-        self.uuid = to_bytes(goal_id)
+        self.uuid = goal_id_to_bytes(goal_id)
         self._uuid = UUID(uuid=list(self.uuid))
         self._handle: Any = None
         self._early: list[Any] = []

@@ -15,8 +15,7 @@ from rclpy.action import ActionServer as RclpyServer
 from rclpy.action import CancelResponse, GoalResponse
 
 from rai_missions.connectors.connector import ActionServer, Report
-from rai_missions.connectors.ros2.goal_ids import to_text
-from rai_missions.connectors.ros2.messages import to_data, to_message
+from rai_missions.connectors.ros2.messages import goal_id_from_bytes, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.services import MANY
 from rai_missions.errors import ConnectorError
@@ -75,7 +74,7 @@ class Served:
 
     def arrived(self, request: Any) -> None:
         """A goal has come; `request` is its header and message."""
-        goal = _Goal(to_text(bytes(request[1].goal_id.uuid)), request)
+        goal = _Goal(goal_id_from_bytes(bytes(request[1].goal_id.uuid)), request)
         if not self._is_open or goal.goal_id in self._goals:
             self._answer(goal, GoalResponse.REJECT)
             return
@@ -88,13 +87,13 @@ class Served:
 
     def accepted(self, handle: Any) -> None:
         """rclpy has told the client that its goal was accepted."""
-        goal = self._goals[to_text(bytes(handle.goal_id.uuid))]
+        goal = self._goals[goal_id_from_bytes(bytes(handle.goal_id.uuid))]
         goal.handle = handle
         handle.execute()
 
     def cancel_wanted(self, handle: Any) -> CancelResponse:
         """A client wants a goal to end."""
-        goal = self._goals.get(to_text(bytes(handle.goal_id.uuid)))
+        goal = self._goals.get(goal_id_from_bytes(bytes(handle.goal_id.uuid)))
         if goal is None or goal.is_over:
             return CancelResponse.REJECT
         goal.is_refused = False

@@ -12,9 +12,11 @@ import weakref
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rclpy.action import get_action_names_and_types
+from rclpy.node import Node
+
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, RawMessage, Reply, Report
 from rai_missions.connectors.ros2.config import read_options
-from rai_missions.connectors.ros2.graph import listed, offered, parameters
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
 from rai_missions.connectors.ros2.msg_definitions import definition_of
 from rai_missions.connectors.ros2.names import Kind, check_name, find_type
@@ -24,6 +26,11 @@ from rai_missions.errors import ConnectorError, UsageError
 __all__ = ("Ros2Connector",)
 
 MODES: Mapping[Kind, Mode] = {"msg": "topics", "srv": "services", "action": "actions"}
+HIDDEN = "/_"
+"""Stands in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
+OF_ROS = ("use_sim_time", "start_type_description_service")
+"""Parameters that each node of ROS has."""
+OF_QUALITY = "qos_overrides."
 
 
 class Ros2Connector:
@@ -83,7 +90,7 @@ class Ros2Connector:
             ConnectorError: The connector's thread does not answer, since a callback does not return.
         """
         session = self._session
-        return {} if session is None else session.runtime.ask(lambda: listed(session.runtime.node, mode), {})
+        return {} if session is None else session.runtime.ask(lambda: _listed(session.runtime.node, mode), {})
 
     def offered(self, mode: Mode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action, this connector's own included.
@@ -92,7 +99,7 @@ class Ros2Connector:
             ConnectorError: As `listed`.
         """
         session = self._session
-        return {} if session is None else session.runtime.ask(lambda: offered(session.runtime.node, mode), {})
+        return {} if session is None else session.runtime.ask(lambda: _offered(session.runtime.node, mode), {})
 
     def parameters(self) -> Mapping[str, Any]:
         """The node's parameters that `--ros-args` gave, without those of ROS itself and of the profile.
@@ -104,7 +111,7 @@ class Ros2Connector:
         if session is None:
             return {}
         nothing: Mapping[str, Any] = {}
-        found = session.runtime.ask(lambda: parameters(session.runtime.node), nothing)
+        found = session.runtime.ask(lambda: _parameters(session.runtime.node), nothing)
         return {name: value for name, value in found.items() if name not in self._options.parameters}
 
     def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
@@ -249,3 +256,30 @@ def _stop_all() -> None:
     """Before the interpreter ends: a thread that still spins then aborts the whole process."""
     for connector in list(_running):
         connector.stop()
+
+
+def _listed(node: Node, mode: Mode) -> Mapping[str, str]:
+    """Names and types of a mode, hidden ones left out. On the node's thread only."""
+    find = {
+        "topics": node.get_topic_names_and_types,
+        "services": node.get_service_names_and_types,
+        "actions": lambda: get_action_names_and_types(node),
+    }
+    return {name: ", ".join(sorted(types)) for name, types in sorted(find[mode]()) if HIDDEN not in name}
+
+
+def _offered(node: Node, mode: Mode) -> Mapping[str, int]:
+    """How many publish on each topic, or serve each service or action; who only asks is not counted."""
+    counts = {
+        "topics": node.count_publishers,
+        "services": node.count_services,
+        "actions": lambda name: node.count_services(f"{name}/_action/send_goal"),
+    }
+    counted = {name: counts[mode](name) for name in _listed(node, mode)}
+    return {name: number for name, number in counted.items() if number}
+
+
+def _parameters(node: Node) -> Mapping[str, Any]:
+    """The values of a node's parameters but for those that ROS itself declares. On the node's thread only."""
+    found = node.get_parameters_by_prefix("")
+    return {name: each.value for name, each in found.items() if name not in OF_ROS and not name.startswith(OF_QUALITY)}

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from rai_missions.connectors.ros2.endpoints import NOBODY, are_gone, servers_of_action
-from rai_missions.connectors.ros2.in_flight_limit import InFlightLimit
 from rai_missions.connectors.ros2.node_thread import Runtime, Work
 from rai_missions.connectors.ros2.rivals import ObservedClient
-from rai_missions.connectors.ros2.services import MANY, WATCH_S
+from rai_missions.connectors.ros2.services import MANY, WATCH_S, InFlightLimit
 
 if TYPE_CHECKING:
     from rai_missions.connectors.ros2.action_client import Goal

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages from plain data and back: mappings, lists, numbers, texts, bytes, pictures.
+"""Messages from plain data and back: mappings, lists, numbers, texts, bytes, pictures; goal ids from texts.
 
 Rule: what does not fit is an error that names the field, never a message that says something else.
 """
@@ -7,22 +7,32 @@ Rule: what does not fit is an error that names the field, never a message that s
 from __future__ import annotations
 
 import math
+import string
 import sys
+import uuid
 from array import array
 from collections.abc import Callable, Hashable, Mapping
 from functools import cache
 from typing import Any
 
 from rai_missions.connectors.connector import Data
-from rai_missions.connectors.ros2.field_types import BYTES, CODES, INTEGERS, FieldType, field_type
 from rai_missions.connectors.ros2.images import PICTURES, check_picture, message_of_picture
 from rai_missions.connectors.ros2.names import find_type
+from rai_missions.connectors.ros2.types import BYTES, CODES, INTEGERS, FieldType, field_type
 from rai_missions.error_text import suggestion
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.redaction.cut import cut, shown
 
-__all__ = ("is_picture", "name_of", "to_data", "to_message", "to_message_later")
+__all__ = (
+    "goal_id_from_bytes",
+    "goal_id_to_bytes",
+    "is_picture",
+    "name_of",
+    "to_data",
+    "to_message",
+    "to_message_later",
+)
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 GREATEST = {"float": 3.4028234663852886e38, "double": sys.float_info.max}
@@ -30,6 +40,8 @@ GREATEST_SET = 3.402823466e38
 """What rclpy takes for the greatest float; as a float it is the greatest one."""
 NO_FIELD = "structure_needs_at_least_one_member"
 """What ROS gives a message that has no fields."""
+HEX = frozenset("0123456789abcdef")
+READABLE = frozenset(string.ascii_letters + string.digits + "-_./:")
 
 
 def to_message(cls: Any, data: Data, place: str = "") -> Any:
@@ -210,3 +222,18 @@ def _fields(cls: Any) -> Mapping[str, FieldType]:
 
 def _at(place: str, name: str) -> str:
     return f"{place}/{name}" if place else str(name)
+
+
+def goal_id_to_bytes(goal_id: str) -> bytes:
+    """The id of a unique_identifier_msgs/UUID: 32 hex digits as they are, up to 15 letters padded, all else hashed."""
+    if len(goal_id) == 32 and HEX.issuperset(goal_id):
+        return bytes.fromhex(goal_id)
+    if 0 < len(goal_id) < 16 and READABLE.issuperset(goal_id):
+        return goal_id.encode().ljust(16, b"\0")
+    return uuid.uuid5(uuid.NAMESPACE_URL, goal_id).bytes
+
+
+def goal_id_from_bytes(given: bytes) -> str:
+    """The id that `goal_id_to_bytes` was given, or 32 hex digits."""
+    text = given.rstrip(b"\0").decode("latin-1")
+    return text if 0 < len(text) < 16 and READABLE.issuperset(text) else given.hex()

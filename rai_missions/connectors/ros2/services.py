@@ -16,12 +16,40 @@ from rclpy.qos import QoSProfile
 
 from rai_missions.connectors.connector import Data, Reply
 from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_service, types_of_service
-from rai_missions.connectors.ros2.in_flight_limit import AT_ONCE
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
 from rai_missions.connectors.stamps import Dated
 
-__all__ = ("MANY", "Client", "Service")
+__all__ = ("AT_ONCE", "MANY", "Client", "InFlightLimit", "Service")
+
+AT_ONCE = 10
+"""The depth of a ROS service's queue where nobody says otherwise."""
+Leave = Callable[[], None]
+
+
+class InFlightLimit:
+    """Lets ten in at once; the others wait in order. On the runtime's thread only."""
+
+    def __init__(self) -> None:
+        self._inside: set[object] = set()
+        self._waiting: deque[Callable[[Leave], None]] = deque()
+
+    def enter(self, work: Callable[[Leave], None]) -> None:
+        """Do something as soon as there is room; it is given what makes the room free again, once."""
+        self._waiting.append(work)
+        self._let_in()
+
+    def _let_in(self) -> None:
+        while self._waiting and len(self._inside) < AT_ONCE:
+            key = object()
+            self._inside.add(key)
+            self._waiting.popleft()(lambda key=key: self._leave(key))  # type: ignore[misc]
+
+    def _leave(self, key: object) -> None:
+        if key in self._inside:
+            self._inside.discard(key)
+            self._let_in()
+
 
 log = logging.getLogger(__name__)
 

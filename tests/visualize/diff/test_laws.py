@@ -23,7 +23,7 @@ from rai_missions.mission.mission import Mission
 from tests.strategies import KEYS, guards, mission_documents, missions
 from tests.visualize.runs import document
 from visualize import difference
-from visualize.diff.guard_relation import relation
+from visualize.diff.fields import relation
 
 BOARD = Mission.model_validate({**document(), "blackboard": KEYS, "transitions": [], "invariants": {}}).blackboard
 

@@ -25,7 +25,7 @@ from tests.visualize.page.reading import answered, data_of, folded, journal_of
 from tests.visualize.runs import ROOT, document, hostile, run, tractor
 from visualize.page import review, review_data, run_of_steps
 from visualize.page.as_json import plain
-from visualize.page.model_lens import asked_of
+from visualize.page.lenses import asked_of
 from visualize.page.reachability import Roads
 
 LENSES = ("say", "operator", "stops", "invariants")

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A journal that gets another name, so that another run may have its old one.
+"""A journal as a file: renamed, so that another run may have its name, and copied row by row.
 
-Rule: nothing of it is lost by that: the log beside its file is folded in first, and one that is being written stays.
+Rule: no row is lost by a renaming: the log of SQLite is folded in first, and a journal that is being written stays.
+Rule: a copy has the rows as they were written, hashes and all; nothing is corrected, so a fault in them shows.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from rai_missions.errors import UsageError
-from rai_missions.journal.sqlite import Lock, SqliteError, Unbegun, log_of, open_to_write
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.journal.rows import Blob, Raw
+from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, Unbegun, log_of, open_to_write
 from rai_missions.journal.verify import read
 
-__all__ = ("free_name", "make_way", "set_aside")
+__all__ = ("copied", "free_name", "make_way", "set_aside")
 
 
 def make_way(path: Path) -> Path | None:
@@ -66,3 +69,32 @@ def _fold_in(path: Path) -> None:
         open_to_write(path, new=False).close()
     if log.exists():
         raise UsageError(f"what {log.name} holds cannot be written into {path}, so it is not moved aside; name another")
+
+
+def copied(path: Path, parts: Iterable[Raw | Blob], source: str) -> None:
+    """Write a new journal.
+
+    Args:
+        path: Where; must not be there.
+        parts: Rows, in any order, and pictures.
+        source: Where they come from, for an error.
+
+    Raises:
+        DefinitionError: A row that no journal holds, or two of one number.
+        UsageError: It cannot be written there.
+    """
+    lock, number = Lock(path, new=True), -1
+    try:
+        database = open_to_write(path, new=True)
+        try:
+            database.execute("BEGIN")
+            for part in parts:
+                number = part[0] if isinstance(part[0], int) else number
+                database.execute(ROW if isinstance(part[0], int) else BLOB, part)
+            database.execute("COMMIT")
+        except (SqliteError, OverflowError, UnicodeError) as error:
+            raise DefinitionError([Fault(f"row {number}", f"no journal has such a row: {error}")], source) from None
+        finally:
+            database.close()
+    finally:
+        lock.release()
