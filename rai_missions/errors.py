@@ -1,15 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The errors a caller can meet, by who mends them.
+"""The errors a caller can meet, by who mends them, and the words in which they say what was given and what there is.
 
 Rule: a refused proposal, an ignored event and a failed action are values, never one of these.
 """
 
 from __future__ import annotations
 
+import difflib
+import os
+import stat
 from collections.abc import Iterable
+from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError")
+__all__ = (
+    "ConnectorError",
+    "DefinitionError",
+    "Fault",
+    "MissionError",
+    "UsageError",
+    "in_words",
+    "irregular",
+    "pointer",
+    "suggestion",
+)
 
 
 class Fault(NamedTuple):
@@ -48,3 +62,49 @@ class UsageError(MissionError):
 
 class ConnectorError(MissionError):
     """The world outside is at fault: no such server, a message of the wrong shape."""
+
+
+def suggestion(given: str, known: Iterable[str]) -> str:
+    """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
+    known = sorted(set(known))
+    close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
+    return f"; there is: {shown}" if shown else ""
+
+
+def in_words(what: object) -> str:
+    """What an exception says, or whatever somebody gave as a reason; one that cannot be told in words says its type."""
+    try:
+        text = str(what)
+    except Exception:  # noqa: BLE001 - it may be anybody's, and raise anything
+        text = f"a {type(what).__name__} that cannot be told in words"
+    return str.__str__(text)
+
+
+def pointer(steps: Iterable[str | int]) -> str:
+    """A JSON pointer (RFC 6901); a lone surrogate, which no output can show, stands as its escape."""
+    text = "".join("/" + str(step).replace("~", "~0").replace("/", "~1") for step in steps)
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+SORTS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a named pipe (FIFO)"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def irregular(path: Path | str) -> str:
+    """What there is instead of a regular file, links followed: a folder, a named pipe (FIFO), a socket or a device.
+
+    Empty for a regular file, and where there is nothing or nobody can say. Nothing is opened, so nothing can block.
+    """
+    try:
+        mode = os.stat(path).st_mode
+    except (OSError, ValueError):
+        return ""
+    return next((name for is_so, name in SORTS if is_so(mode)), "")

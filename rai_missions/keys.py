@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.event import Image
 from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, fault
-from rai_missions.redaction.cut import clipped
+from rai_missions.redaction import clipped
 
 __all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "fits", "is_number", "stale_at")
 

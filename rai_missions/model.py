@@ -6,7 +6,12 @@ Rule: whatever an author can write stands in a `MissionModel`; unknown words are
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import ast
+import inspect
+import sys
+from collections.abc import Iterator, Mapping
+from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import (
@@ -24,8 +29,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from rai_missions.error_text import suggestion
-from rai_missions.errors import DefinitionError
+from rai_missions.errors import DefinitionError, suggestion
 from rai_missions.validation_errors import faults_of
 
 __all__ = (
@@ -173,10 +177,8 @@ class MissionModel(Model):
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
         """The texts below the fields explain them; pydantic would read them with every import."""
-        from rai_missions.field_docs import attribute_docs
-
         schema: dict[str, Any] = handler(core_schema)
-        properties, docs = handler.resolve_ref_schema(schema).get("properties", {}), attribute_docs(cls)
+        properties, docs = handler.resolve_ref_schema(schema).get("properties", {}), _attribute_docs(cls)
         for name, field in cls.model_fields.items():
             place = field.alias or name
             if name in docs and place in properties:
@@ -264,3 +266,42 @@ else:
 
         def __class_getitem__(cls, family: type[TaggedModel]) -> Any:
             return kind_of(family)
+
+
+Docs = Mapping[str, str]
+
+
+def _attribute_docs(kind: type[Any]) -> dict[str, str]:
+    """Attribute → the text below its annotation, those of the classes it derives from included.
+
+    A class whose source is not available, and a class inside a function, has none.
+    """
+    found: dict[str, str] = {}
+    for each in reversed(kind.__mro__):
+        found.update(_in_module(each.__module__).get(each.__qualname__, {}) if "__annotations__" in vars(each) else {})
+    return found
+
+
+@cache
+def _in_module(name: str) -> Mapping[str, Docs]:
+    """Class → attribute → text, of a whole module: to find one class in a source takes as long as to find all."""
+    try:
+        source = inspect.getsource(sys.modules[name])
+    except (KeyError, OSError, TypeError):
+        return {}
+    return dict(_classes(ast.parse(source).body, ""))
+
+
+def _classes(body: list[ast.stmt], outside: str) -> Iterator[tuple[str, Docs]]:
+    for each in body:
+        if isinstance(each, ast.ClassDef):
+            yield outside + each.name, dict(_texts(each.body))
+            yield from _classes(each.body, f"{outside}{each.name}.")
+
+
+def _texts(body: list[ast.stmt]) -> Iterator[tuple[str, str]]:
+    for attribute, text in pairwise(body):
+        if not (isinstance(attribute, ast.AnnAssign) and isinstance(attribute.target, ast.Name)):
+            continue
+        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant) and isinstance(text.value.value, str):
+            yield attribute.target.id, inspect.cleandoc(text.value.value)

@@ -12,9 +12,8 @@ from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from rai_missions.error_text import pointer, suggestion
-from rai_missions.errors import Fault
-from rai_missions.redaction.cut import shown
+from rai_missions.errors import Fault, pointer, suggestion
+from rai_missions.redaction import shown
 
 __all__ = ("faults_of",)
 

@@ -73,7 +73,7 @@ def test_there_are_files_to_look_at() -> None:
 
 # -- texts from outside are cut at one door ----------------------------------------------------------------------------
 
-DOORS = {"rai_missions/redaction/cut.py"}
+DOORS = {"rai_missions/redaction.py"}
 OF_NO_TEXT_FROM_OUTSIDE = {
     "rai_missions/journal/verify.py": "a hash",
     "rai_missions/journal/reader.py": "a hash",
@@ -83,7 +83,6 @@ OF_NO_TEXT_FROM_OUTSIDE = {
     "rai_missions/cli/progress.py": "steps, which were redacted before they became steps",
     "rai_missions/recording/json_messages.py": "steps, which were redacted before they became steps",
     "visualize/": "steps, which were redacted before they became steps",
-    "rai_missions/redaction/redact.py": "looks for secrets itself",
     "rai_missions/answerers/model/parse_reply.py:callable_name": "an option, by the mission's author",
 }
 PURE = ("rai_missions/mission/option_parameters.py", "rai_missions/keys.py", "rai_missions/states/",
@@ -122,7 +121,7 @@ def cuts(tree: ast.Module) -> Iterator[tuple[int, str]]:
 @pytest.mark.parametrize("folder", OURS)
 def test_a_text_from_outside_is_cut_at_the_door_that_redacts_it(folder: str) -> None:
     faults = [
-        f"{name}:{line}: {what}; use rai_missions.redaction.cut"
+        f"{name}:{line}: {what}; use rai_missions.redaction"
         for name, text in files(folder)
         if name not in DOORS and not name.startswith(tuple(OF_NO_TEXT_FROM_OUTSIDE))
         for line, what in cuts(exempted(name, ast.parse(text)))
@@ -135,12 +134,55 @@ def test_what_a_step_depends_on_asks_for_no_secret() -> None:
         taken = [
             alias.name
             for node in ast.walk(ast.parse(text))
-            if isinstance(node, ast.ImportFrom)
-            and node.module in ("rai_missions.redaction.cut", "rai_missions.redaction.redact")
+            if isinstance(node, ast.ImportFrom) and node.module == "rai_missions.redaction"
             for alias in node.names
         ]
         if name.startswith(PURE):
             assert set(taken) <= {"clipped", "shown"}, name
             assert text.count("shown(") == text.count("by=clipped") or "shown" not in taken, name
-        elif not name.startswith("rai_missions/redaction/cut.py"):
+        elif not name.startswith("rai_missions/redaction.py"):
             assert "clipped" not in taken, name
+
+
+# -- the rooms ---------------------------------------------------------------------------------------------------------
+
+RESERVED = {"campaign", "conversation", "planning", "voice"}
+"""Names of packages that are to come."""
+MOST_MODULES, MOST_PACKAGES = 10, 25
+
+
+def rooms(home: Path) -> tuple[set[str], set[str]]:
+    """The modules and the packages in a package; a folder of data only is neither."""
+    modules = {path.stem for path in home.glob("*.py")} - {"__init__"}
+    return modules, {path.name for path in home.iterdir() if any(path.rglob("*.py"))}
+
+
+def test_the_root_has_few_rooms() -> None:
+    modules, packages = rooms(ROOT / "rai_missions")
+    assert len(modules) <= MOST_MODULES, sorted(modules)
+    assert len(packages | RESERVED) <= MOST_PACKAGES, sorted(packages)
+
+
+def undeclared(package: Path) -> set[str]:
+    """The packages that a package imports and that its docstring does not name, itself not counted."""
+    docstring = ast.get_docstring(ast.parse((package / "__init__.py").read_text(encoding="utf-8"))) or ""
+    sentence = next((part for part in docstring.split("\n\n")[1:] if part.startswith("Imports ")), None)
+    if sentence is None:
+        return {"a paragraph that begins with 'Imports'"}
+    packages = rooms(ROOT / "rai_missions")[1] | {"visualize"}
+    taken = {
+        part
+        for path in package.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] in OURS
+        for part in (str(node.module).split(".")[:2] if "." in str(node.module) else [each.name for each in node.names])
+    }
+    return (taken & packages) - set(re.findall(r"`(\w+)`", sentence)) - set(package.relative_to(ROOT).parts[:2])
+
+
+def test_each_package_says_what_is_inside_and_what_it_may_import() -> None:
+    packages = [path.parent for folder in OURS for path in (ROOT / folder).rglob("__init__.py")]
+    lacking = {
+        str(path): missing for path in packages if path != ROOT / "rai_missions" if (missing := undeclared(path))
+    }
+    assert lacking == {}

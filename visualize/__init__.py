@@ -2,6 +2,8 @@
 """Pictures of missions, for review before a robot moves: of the graph, of a run's path, and of what a change changed.
 
 Rule: reads missions, steps and journals only, and changes nothing; Graphviz is looked for when a picture needs it.
+
+Imports `engine`, `guards`, `journal`, `mission` and `states`, and the modules of the root.
 """
 
 from visualize.build import picture

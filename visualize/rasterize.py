@@ -7,10 +7,11 @@ Rule: nothing else knows `resvg_py`. It runs in a process of its own, which alon
 from __future__ import annotations
 
 import importlib.util
-import logging
 import re
 import subprocess
 import sys
+
+from rai_missions.redaction import logger
 
 __all__ = ("can_raster", "raster")
 
@@ -26,7 +27,7 @@ with os.fdopen(os.dup(1), "wb") as out:
 LACKING = re.compile(r"No fonts with a .*?/U\+([0-9A-F]+) character")
 SHOWN = 12
 """Characters that are told one by one."""
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 
 def can_raster() -> bool:

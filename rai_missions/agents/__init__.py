@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's agents, which live between `run()` and `stop()`; each is loaded when it is first used."""
+"""The paper's agents, which live between `run()` and `stop()`; each is loaded when it is first used.
+
+Imports `answerers`, `check`, `connectors`, `embodiment`, `engine`, `journal`, `mission`, `profile`, `recording`,
+`replay`, `runtime` and `worlds`, and the modules of the root.
+"""
 
 from __future__ import annotations
 

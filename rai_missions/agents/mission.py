@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import importlib
-import logging
 import math
 import threading
 import uuid
@@ -27,7 +26,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
 from rai_missions.profile import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
 from rai_missions.recording import Recording, observers, recorded
-from rai_missions.redaction.hush import hush
+from rai_missions.redaction import Redaction, logger
 from rai_missions.replay.open_run import OpenedRun, open_run
 from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.arguments import accepted
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
 
     from rai_missions.answerers.model.process.model import ModelProcess
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 __all__ = ("MissionAgent", "RunConfig", "prepare", "run")
 
@@ -120,7 +119,7 @@ class PreparedRun:
             self.world, connector, clock = self._surroundings()
             self._header = self._head()
             self.answerers = self._answerers(connector, clock)
-            self._clean = hush().known
+            self._clean = Redaction().known
             self.recording = self._record(connector, clock)
             self.journal = self._journal()
             on_step, on_status = observers(self.recording, setting.on_step, setting.on_status)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who answers a decision's question: a model, a person, rules, a script; each is loaded when it is first used.
 
-Imports the engine's questions and proposals; knows no runner.
+Imports `check`, `connectors`, `embodiment`, `engine`, `guards`, `mission`, `profile` and `tools`, and the modules of
+the root. Knows no runner.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine.decision import Answerer, Evidence, Limits, Offer, Question
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("QUESTION", "ReplyCallback", "answer_fault", "at_once", "check_answerer")
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.answerers.terminal_input import printable
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("Blank", "blanks", "chosen", "question_lines")
 

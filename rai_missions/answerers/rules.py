@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine.decision import Question
 from rai_missions.guards.guard import Guard, Site, Test, View
 from rai_missions.keys import Key
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("RulesAnswerer",)
 

@@ -18,7 +18,7 @@ from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.question_text import Blank, blanks, chosen, question_lines
 from rai_missions.answerers.terminal_input import LineReader, in_foreground
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("OperatorAgent",)
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every fault of a mission at once, before a robot moves: rules over the graph, one file a family."""
+"""Every fault of a mission at once, before a robot moves: rules over the graph, one file a family.
+
+Imports `guards`, `mission` and `states`, and the modules of the root.
+"""
 
 from rai_missions.check.finding import Finding, Severity, exit_status, faults_of
 from rai_missions.check.rules import RULES, Rule, check

@@ -1,4 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: parsers, output for people and programs, exit statuses. Imports everything; nothing imports it."""
+"""The command line: parsers, output for people and programs, exit statuses.
+
+Imports `agents`, `answerers`, `check`, `connectors`, `engine`, `gate`, `journal`, `mission`, `node`, `profile`,
+`prove`, `recording`, `replay`, `runtime`, `visualize` and `worlds`, and the modules of the root. Nothing imports it.
+"""
 
 __all__ = ()

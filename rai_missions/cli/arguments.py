@@ -8,8 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.file_type import irregular
+from rai_missions.errors import DefinitionError, Fault, UsageError, irregular
 from rai_missions.mission.mission import Mission
 
 if TYPE_CHECKING:

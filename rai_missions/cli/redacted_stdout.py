@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from typing import Any, TextIO, cast
 
-from rai_missions.redaction.redact import Redaction
+from rai_missions.redaction import Redaction
 
 __all__ = ("redacted_output",)
 

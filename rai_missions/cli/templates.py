@@ -13,8 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rai_missions.error_text import suggestion
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile

@@ -6,7 +6,6 @@ Rule: no lock is held while somebody else's code runs, so a callback may use the
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections import defaultdict
@@ -17,10 +16,11 @@ from rai_missions.connectors.connector import ActionServer, Close, Data, Message
 from rai_missions.connectors.local_goals import Goal, Mailbox
 from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.redaction import logger
 
 __all__ = ("LocalConnector",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 MOST_ENDED = 1000
 

@@ -6,16 +6,16 @@ Rule: a goal that has ended never reports again, and a cancel is never lost, how
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections import deque
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import ActionServer, Data, Report
+from rai_missions.redaction import logger
 
 __all__ = ("Goal", "Mailbox")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
 
 

@@ -14,9 +14,8 @@ from typing import TypeVar
 
 from rai_missions.embodiment.image_file import read_picture
 from rai_missions.embodiment.urdf import Body, read_body
-from rai_missions.errors import DefinitionError, Fault
+from rai_missions.errors import DefinitionError, Fault, irregular
 from rai_missions.event import Image
-from rai_missions.file_type import irregular
 
 __all__ = ("Identity",)
 

@@ -13,7 +13,7 @@ from rai_missions.engine.nodes import Act
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.keys import Key, Stamped, fits, is_number
-from rai_missions.redaction.cut import clipped
+from rai_missions.redaction import clipped
 from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 
 __all__ = ("Act", "ActionTarget", "act_of")

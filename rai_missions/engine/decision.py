@@ -13,7 +13,7 @@ from rai_missions.event import Image
 from rai_missions.guards.guard import Test, Truth, View
 from rai_missions.mission.option_parameters import misfits
 from rai_missions.plain_data import apart
-from rai_missions.redaction.cut import clipped
+from rai_missions.redaction import clipped
 
 __all__ = ("Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "judge")
 

@@ -9,7 +9,7 @@ from collections.abc import Container
 from rai_missions.engine.hold import HOLDERS
 from rai_missions.engine.macrostep import Microsteps
 from rai_missions.engine.nodes import Node
-from rai_missions.error_text import suggestion
+from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
 
 __all__ = ("Holder",)

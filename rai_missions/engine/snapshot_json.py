@@ -25,7 +25,7 @@ from rai_missions.engine.step import (
 )
 from rai_missions.event import Event
 from rai_missions.keys import Stamped
-from rai_missions.redaction.cut import clipped, shown
+from rai_missions.redaction import clipped, shown
 
 __all__ = ("packed", "unpacked")
 

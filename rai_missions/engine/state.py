@@ -21,8 +21,7 @@ from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import CancelGoal, Cause, Move
 from rai_missions.engine.transitions import Graph
-from rai_missions.error_text import in_words
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, in_words
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Blackboard, Stamped, fits, stale_at

@@ -2,6 +2,8 @@
 """The gate: a small agent where the actuators are, which lets through only what the holder of control commands.
 
 Rule: it takes its orders from nobody's memory. Who holds control is what the gate says, by `lifecycle.py`'s rules.
+
+Imports `connectors`, `mission` and `runtime`, and the modules of the root.
 """
 
 from rai_missions.gate.config import CommandTopic, GateWords, gate_words, read_gate

@@ -6,16 +6,16 @@ Rule: looking never waits on the gate's own threads, and stops nothing; it is fo
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections.abc import Callable, Iterable
 
 from rai_missions.connectors.connector import Connector, SupportsDiscoveryCount
 from rai_missions.errors import ConnectorError
+from rai_missions.redaction import logger
 
 __all__ = ("Beside",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 LOOK_S = 2.0
 """Seconds between two looks; also how long whoever is there already may take to be found."""

@@ -12,12 +12,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from rai_missions.error_text import suggestion
-from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.errors import DefinitionError, Fault, UsageError, suggestion
 from rai_missions.gate.state import COMMANDERS, GateRules
 from rai_missions.mission.json_reader import read_json
 from rai_missions.model import Bool, Integer, Json, MissionModel, Seconds, Text, fault
-from rai_missions.redaction.cut import shown
+from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
 __all__ = ("CommandTopic", "GateWords", "command_topic", "gate_words", "leases_of", "read_gate")

@@ -8,7 +8,6 @@ holder follows the stop that ended its hold.
 from __future__ import annotations
 
 import json
-import logging
 import math
 import threading
 import time
@@ -39,13 +38,13 @@ from rai_missions.gate.state import (
     Tick,
     status_of,
 )
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut, logger
 from rai_missions.runtime.clock import Clock, Mailbox, WallClock
 from rai_missions.runtime.lifecycle import CONTROLLERS
 
 __all__ = ("GateAgent",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 STRING, EMPTY, TRIGGER = "std_msgs/msg/String", "std_msgs/msg/Empty", "std_srvs/srv/Trigger"
 

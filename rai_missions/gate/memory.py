@@ -7,17 +7,17 @@ Rule: where that is not known, though there was a gate before, the operator may 
 from __future__ import annotations
 
 import json
-import logging
 import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from rai_missions.file_type import irregular
+from rai_missions.errors import irregular
+from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import CONTROLLERS
 
 __all__ = ("Memory", "usual_path")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 
 class Memory:

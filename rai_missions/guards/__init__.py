@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Guards: conditions over what is known, one file a kind."""
+"""Guards: conditions over what is known, one file a kind.
+
+Imports the modules of the root only.
+"""
 
 from rai_missions.guards.boolean import All, Any_, Not
 from rai_missions.guards.compare import Compare

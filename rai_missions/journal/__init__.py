@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The journal: what a run did, row by row, written ahead of its effects and read back as the same values."""
+"""The journal: what a run did, row by row, written ahead of its effects and read back as the same values.
+
+Imports `engine` and the modules of the root.
+"""
 
 from rai_missions.journal.codec import decode, encode
 from rai_missions.journal.diff import difference

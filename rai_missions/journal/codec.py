@@ -14,7 +14,7 @@ from rai_missions.engine.step import Ask, Effect, Move, Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.journal.json_values import Fetch, Keep, from_json, keep_nothing, to_json
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("decode", "encode")
 

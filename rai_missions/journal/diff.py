@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.step import Step
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("difference",)
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.event import Image
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("Fetch", "Keep", "from_json", "keep_nothing", "media_type", "pictures_in", "to_json")
 

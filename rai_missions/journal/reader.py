@@ -18,7 +18,7 @@ from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal.rows import Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow, parsed, read_header
 from rai_missions.journal.sqlite import SqliteError, open_to_read
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("Record",)
 

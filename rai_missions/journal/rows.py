@@ -15,7 +15,7 @@ from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal.codec import decode
 from rai_missions.journal.json_values import Fetch, Keep, from_json, keep_nothing, to_json
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = (
     "GENESIS",

@@ -13,9 +13,8 @@ import sqlite3
 import tempfile
 from pathlib import Path
 
-from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.file_type import irregular
-from rai_missions.redaction.cut import cut
+from rai_missions.errors import DefinitionError, Fault, UsageError, irregular
+from rai_missions.redaction import cut
 
 __all__ = (
     "BLOB",

@@ -17,7 +17,7 @@ from rai_missions.journal.json_values import media_type, pictures_in
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, JournalRow, Raw, StepRow, chained
 from rai_missions.journal.sqlite import Unbegun
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("checked", "opened", "read", "verify")
 

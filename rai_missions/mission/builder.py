@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
-from rai_missions.error_text import suggestion
+from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
 from rai_missions.keys import Key
 from rai_missions.mission.references import Ref, answer, event

@@ -20,7 +20,7 @@ from rai_missions.mission.include_rules import Chain, included_file, misfits, qu
 from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, read_json
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.mission.renaming import Names, renamed
-from rai_missions.redaction.cut import shown
+from rai_missions.redaction import shown
 from rai_missions.states import Compound, Final, Include, State, Transition
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 from rai_missions.validation_errors import faults_of

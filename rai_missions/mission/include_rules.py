@@ -10,13 +10,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.error_text import pointer, suggestion
-from rai_missions.errors import DefinitionError, Fault
-from rai_missions.file_type import irregular
+from rai_missions.errors import DefinitionError, Fault, irregular, pointer, suggestion
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.keys import Key, fits
 from rai_missions.mission.mission import Mission
-from rai_missions.redaction.cut import shown
+from rai_missions.redaction import shown
 from rai_missions.states import Decision, DecisionSpec, Include, Transition
 from rai_missions.states.state import ANY_EVENT
 from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths

@@ -15,10 +15,8 @@ from math import isinf
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.error_text import pointer
-from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.file_type import irregular
-from rai_missions.redaction.cut import shown
+from rai_missions.errors import DefinitionError, Fault, UsageError, irregular, pointer
+from rai_missions.redaction import shown
 
 __all__ = ("MAX_BYTES", "MAX_DEPTH", "file_bytes", "parse_json", "read_json", "too_deep")
 

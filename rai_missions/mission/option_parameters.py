@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any
 
-from rai_missions.redaction.cut import clipped, shown
+from rai_missions.redaction import clipped, shown
 
 __all__ = ("MOST_PARTS", "misfits", "schema_fault")
 

@@ -16,7 +16,7 @@ from typing import Any
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission
-from rai_missions.redaction.cut import shown
+from rai_missions.redaction import shown
 
 __all__ = ("run_mission_file",)
 

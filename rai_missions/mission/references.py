@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from rai_missions.error_text import suggestion
-from rai_missions.redaction.cut import shown
+from rai_missions.errors import suggestion
+from rai_missions.redaction import shown
 
 if TYPE_CHECKING:
     from rai_missions.guards.guard import Guard

@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.error_text import suggestion
-from rai_missions.errors import DefinitionError
+from rai_missions.errors import DefinitionError, suggestion
 from rai_missions.mission.json_reader import parse_json
-from rai_missions.redaction.cut import cut, shown
-from rai_missions.redaction.redact import Redaction, redacted
+from rai_missions.redaction import Redaction, cut, redacted, shown
 
 __all__ = (
     "GOOD_FOR_S",

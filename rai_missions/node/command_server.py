@@ -6,18 +6,17 @@ Rule: nothing here widens what a mission allows. What the desk lets through, the
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections.abc import Callable
 
 from rai_missions.errors import MissionError
 from rai_missions.node.command import Command, CommandReply, ReplyCallback, untaken
 from rai_missions.node.run_session import RunSession
-from rai_missions.redaction.redact import Redaction
+from rai_missions.redaction import Redaction, logger
 
 __all__ = ("PATIENCE_S", "CommandServer")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 PATIENCE_S = 1.0
 """How long a service waits for the run to take an order."""

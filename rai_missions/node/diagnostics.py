@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.node.status_message import StatusMessage
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 from rai_missions.runtime.readings import SourceState, in_words
 
 __all__ = ("ERROR", "OK", "WARN", "array_of", "level")

@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Connector, Parametrized
-from rai_missions.error_text import suggestion
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import plain
 

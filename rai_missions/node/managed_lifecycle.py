@@ -6,7 +6,6 @@ Rule: one transition at a time. What takes longer than its request ends later, i
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -26,12 +25,11 @@ from rai_missions.node.lifecycle_table import (
     transition,
 )
 from rai_missions.node.names import NodeName
-from rai_missions.redaction.cut import cut
-from rai_missions.redaction.redact import Redaction
+from rai_missions.redaction import Redaction, cut, logger
 
 __all__ = ("EVENT_TYPE", "Finish", "ManagedLifecycle", "event_fields", "serve_lifecycle")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 Finish = Callable[[str], None]
 """Ends a transition: with nothing, or with why it failed; only the first call counts."""

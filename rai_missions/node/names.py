@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from rai_missions.errors import UsageError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("NodeName", "node_name")
 

@@ -6,15 +6,16 @@ Rule: what is said leaves in the order in which it was said. A backlog is bounde
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
 
+from rai_missions.redaction import logger
+
 __all__ = ("PublishQueue",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 Work = Callable[[], None]
 LONGEST_QUEUE = 10_000

@@ -7,7 +7,6 @@ The run's thread only hands over; messages are made on the outlet's.
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 import uuid
@@ -28,11 +27,11 @@ from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING
 from rai_missions.node.status_message import StatusMessage, step_fields, step_text, text_of
 from rai_missions.node.transport import LOG_TOPIC, PACKAGE, Carrier
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut, logger
 
 __all__ = ("StatusPublisher",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 IDLE = StatusMessage(0, "", "", "", "", "", "", "idle", "autonomy")

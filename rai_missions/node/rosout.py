@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.engine.step import LogLine, SayAloud, Step
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 from rai_missions.runtime.effects import MISSION_LINE
 
 __all__ = ("LOG", "LogLines", "lines_of")

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -23,12 +22,13 @@ from rai_missions.node.prerequisites import Clients
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.transport import Carrier
 from rai_missions.profile import Robot
+from rai_missions.redaction import logger
 from rai_missions.runtime.clock import Clock, HeardClock, WallClock
 from rai_missions.runtime.lifecycle import Status
 
 __all__ = ("Host",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 
 class Host:

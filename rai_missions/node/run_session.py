@@ -6,7 +6,6 @@ Rule: an order is an event in the run's mailbox like any other, and its receipt 
 
 from __future__ import annotations
 
-import logging
 import math
 import threading
 import time
@@ -16,14 +15,13 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Ask, Step
-from rai_missions.error_text import suggestion
+from rai_missions.errors import suggestion
 from rai_missions.event import Event
 from rai_missions.keys import stale_at
 from rai_missions.node.command import GOOD_FOR_S, Command, CommandReply, ReplyCallback, lasts, overdue
 from rai_missions.node.status_message import Open
 from rai_missions.profile import Robot
-from rai_missions.redaction.cut import cut
-from rai_missions.redaction.redact import Redaction
+from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.lifecycle import CONTROLLERS, Status, is_operator
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.runner import Result, Runner
@@ -31,7 +29,7 @@ from rai_missions.runtime.runner import Result, Runner
 __all__ = ("RunSession",)
 
 MOST_WAITING = 256
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": "kill"}
 """Order → the engine's command."""

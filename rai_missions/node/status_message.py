@@ -11,7 +11,7 @@ from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.journal.codec import encode
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("Open", "StatusMessage", "step_fields", "step_text", "text_of")
 

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.node.command import Command, CommandReply, read_order
 from rai_missions.node.run_session import RunSession
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("PageDesk", "PageOperator")
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Robot profiles: which topics, services and actions stand behind the names that a mission uses."""
+"""Robot profiles: which topics, services and actions stand behind the names that a mission uses.
+
+Imports `check`, `engine`, `guards`, `mission` and `states`, and the modules of the root.
+"""
 
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, missing

@@ -10,8 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.check.index import MissionIndex
-from rai_missions.error_text import pointer, suggestion
-from rai_missions.errors import Fault
+from rai_missions.errors import Fault, pointer, suggestion
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.mission.json_reader import parse_json, read_json
 from rai_missions.profile.profile import Robot
-from rai_missions.redaction.cut import shown
+from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
 __all__ = ("dump_profile", "identity_folder", "load_profile", "parse_profile")

@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any
 
-from rai_missions.error_text import pointer
-from rai_missions.errors import Fault
+from rai_missions.errors import Fault, pointer
 from rai_missions.guards.compare import Compare
 from rai_missions.guards.fresh import Fresh
 from rai_missions.guards.guard import Guard
@@ -22,7 +21,7 @@ from rai_missions.profile.convert import at_path
 from rai_missions.profile.message_types import Kind, heard
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sources import EventSource, Source
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("FieldsOf", "misnamed", "unread", "unsaid")
 

@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Literal, NamedTuple
 
 from rai_missions.check.index import MissionIndex
-from rai_missions.error_text import pointer
-from rai_missions.errors import Fault
+from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sources import EventSource, Source

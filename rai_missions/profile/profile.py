@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.error_text import suggestion
+from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
 from rai_missions.model import Json, MissionModel, Name, OneOf, Text, fault
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry

@@ -18,7 +18,7 @@ from rai_missions.guards.guard import Guard, Site, Truth, View
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import Bool, Json, MissionModel, Name, OneOf, Seconds, Text, fault
 from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("EventSource", "Source", "check_heard", "truth_of")
 

@@ -3,6 +3,8 @@
 
 Rule: whoever looks on cannot harm the run. A recording never makes it wait and never ends it; what it could not keep
 it counts and says. The library mcap is known in this room only, and comes in when a recording is written or read.
+
+Imports `connectors`, `engine`, `journal`, `mission` and `runtime`, and the modules of the root.
 """
 
 from __future__ import annotations

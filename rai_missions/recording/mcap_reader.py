@@ -22,7 +22,7 @@ from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal import Blob, Raw, copied
 from rai_missions.recording.encoder import JOURNAL_TOPIC
 from rai_missions.recording.recording import FORMAT
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("restore",)
 

@@ -7,7 +7,6 @@ Rule: once it has begun no method raises, and none waits but `close`.
 from __future__ import annotations
 
 import atexit
-import logging
 import math
 import threading
 import time
@@ -25,11 +24,12 @@ from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder,
 from rai_missions.recording.json_messages import image_in, plain, short, status_of, write_of
 from rai_missions.recording.queue import BoundedQueue, Kind, Waiting
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
+from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import Status
 
 __all__ = ("ENDING", "FORMAT", "Recording", "Summary", "check_name")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 ENDING = ".mcap"
 FORMAT = "1"

@@ -6,17 +6,17 @@ Rule: who holds control is what the robot says. Where it says so on a source of 
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import Connector, Reply
 from rai_missions.event import Event
 from rai_missions.profile import Robot, ServiceEntry
+from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import is_operator
 
 __all__ = ("Handovers",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 ANSWERED_S = 10.0
 """A handover that is not answered by then has failed."""

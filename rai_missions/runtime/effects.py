@@ -6,7 +6,6 @@ Rule: it never waits and never judges. Each thing that comes back carries the nu
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partial
@@ -28,14 +27,13 @@ from rai_missions.engine.step import (
     StopBehaviour,
     Withdraw,
 )
-from rai_missions.error_text import in_words
-from rai_missions.errors import MissionError
+from rai_missions.errors import MissionError, in_words
 from rai_missions.event import Event
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.keys import Key
 from rai_missions.profile import Robot, plain
 from rai_missions.profile.profile import endpoints
-from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.redaction import cut, cut_repr, logger
 from rai_missions.runtime.behaviours import Behaviours
 from rai_missions.runtime.control_handover import Handovers
 from rai_missions.runtime.goals import Goals, outcome_of, told
@@ -46,7 +44,7 @@ from rai_missions.states.tree import BehaviourLeaf
 
 __all__ = ("MISSION_LINE", "EffectExecutor")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 MISSION_LINE = "mission_line"
 """Field of a log record whose text stands in the step as well."""

@@ -6,7 +6,6 @@ Rule: a goal's id follows from run, owner and start, so that a run that goes on 
 
 from __future__ import annotations
 
-import logging
 import threading
 import uuid
 from collections.abc import Callable, Mapping
@@ -15,13 +14,13 @@ from typing import Any
 
 from rai_missions.connectors.connector import Connector, Reply, Report
 from rai_missions.engine.step import CancelGoal, StartGoal
-from rai_missions.error_text import in_words
+from rai_missions.errors import in_words
 from rai_missions.profile import ActionEntry, Robot, ServiceEntry, plain
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut, logger
 
 __all__ = ("Goals", "outcome_of", "told")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 CANCELED_S = 5.0
 """How long other calls wait for the reply of the service that ends a composed action."""

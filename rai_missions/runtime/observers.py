@@ -7,7 +7,6 @@ Rule: what it receives it passes on with its stamp; what it cannot understand is
 from __future__ import annotations
 
 import json
-import logging
 import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping
@@ -18,12 +17,12 @@ from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.keys import Key, fits
 from rai_missions.profile import EventSource, Robot, Source, unread, unsaid
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr, logger
 from rai_missions.runtime.readings import Readings, SourceState, in_words
 
 __all__ = ("RobotListener",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 Hear = Callable[[Message], None]
 Poll = tuple[str, str, float, str]

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rai_missions.keys import Key
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("Readings", "SourceState", "in_words", "refused")
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import logging
 import math
 import uuid
 from collections import deque
@@ -26,7 +25,7 @@ from rai_missions.event import Event, Tick
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, actions_of, missing, terms
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut, logger
 from rai_missions.replay.rebuild import default_ticker
 from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.arguments import accepted
@@ -41,7 +40,7 @@ from rai_missions.runtime.result import Commands, Result
 
 __all__ = ("Commands", "Result", "Runner")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 T = TypeVar("T")
 SURVEYED_S = 3.0

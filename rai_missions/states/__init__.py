@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""States: what a mission can be in, one file a kind."""
+"""States: what a mission can be in, one file a kind.
+
+Imports `guards` and the modules of the root.
+"""
 
 from rai_missions.states.action import Action
 from rai_missions.states.call import Call

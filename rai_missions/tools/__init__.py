@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tools over a connector, for models and for programs; each part is loaded when it is first used."""
+"""Tools over a connector, for models and for programs; each part is loaded when it is first used.
+
+Imports `connectors` and the modules of the root.
+"""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from rai_missions.connectors.connector import Close, Connector, Data, Message, Mode, Reply
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 from rai_missions.tools.allowlist import Allowed, Deed
 from rai_missions.tools.latest import Latest
 

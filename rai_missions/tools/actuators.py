@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import Data, Reply
 from rai_missions.errors import UsageError
-from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.redaction import cut, cut_repr
 from rai_missions.tools.access import Reach, until
 from rai_missions.tools.goals import Goals, Standing
 from rai_missions.tools.result import Said

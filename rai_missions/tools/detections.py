@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.errors import ConnectorError
-from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("Box", "Detection", "detections_of")
 

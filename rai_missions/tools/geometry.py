@@ -6,7 +6,6 @@ Rule: nothing here changes anything on the robot; what cannot be measured is unk
 
 from __future__ import annotations
 
-import logging
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -14,6 +13,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import Message
 from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.redaction import logger
 from rai_missions.tools.access import Heard, Reach, until
 from rai_missions.tools.detections import Detection, detections_of
 from rai_missions.tools.latest import Latest
@@ -23,7 +23,7 @@ from rai_missions.tools.transforms import Found, Frames, Transform
 
 __all__ = ("Measuring",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 TF_TYPE = "tf2_msgs/msg/TFMessage"
 TOPICS = (("/tf", False), ("/tf_static", True))

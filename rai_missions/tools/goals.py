@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.connectors.connector import Data, Report
 from rai_missions.errors import UsageError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 from rai_missions.tools.access import Reach
 from rai_missions.tools.latest import Latest
 

@@ -16,7 +16,7 @@ from rai_missions.connectors.ros2.images import PICTURES
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 from rai_missions.image import png
-from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("LARGEST", "block", "image_of")
 

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.errors import ConnectorError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 from rai_missions.tools.transforms import Transform, Vector
 
 __all__ = ("Camera", "Range", "camera_of", "cloud_points", "depth_points", "ranged")

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
 from rai_missions.event import Image
-from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("LONGEST", "Said", "at_path", "outline")
 

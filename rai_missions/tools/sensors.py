@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import Mode
 from rai_missions.errors import UsageError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 from rai_missions.tools.access import Heard, Reach, until
 from rai_missions.tools.images import block, image_of
 from rai_missions.tools.result import Said, at_path

@@ -6,7 +6,6 @@ Rule: whatever goes wrong is told to whoever called, as data; no exception of ou
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from typing import Any, Literal
 
@@ -14,12 +13,12 @@ from langchain_core.tools import BaseTool, ToolException
 from pydantic import BaseModel, Field, ValidationError
 
 from rai_missions.errors import MissionError
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut, logger
 from rai_missions.tools.result import Said
 
 __all__ = ("RobotTool",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 
 def _failed(fault: ToolException) -> str:

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("Found", "Frames", "Quaternion", "Transform", "Vector", "product", "rotated", "stamp_of")
 

@@ -2,6 +2,8 @@
 """Behaviour trees on py_trees: the only door to it.
 
 Rule: py_trees is loaded when the first tree is compiled. Its clock, its blackboard and its threads are never used.
+
+Imports `engine`, `guards` and `states`, and the modules of the root.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@ Rule: what it says reaches the mission as an Event of kind `behaviour`, and in n
 
 from __future__ import annotations
 
-import logging
 from types import TracebackType
 from typing import Any
 
@@ -14,13 +13,13 @@ from py_trees.behaviour import Behaviour
 
 from rai_missions.engine.activities.ticker import Status
 from rai_missions.errors import UsageError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr, logger
 from rai_missions.states.tree import BehaviourLeaf, factory_name
 from rai_missions.trees.nodes import INVALID, RUNNING, WORDS
 
 __all__ = ("LiveBehaviour",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 
 class LiveBehaviour:

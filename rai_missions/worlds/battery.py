@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.errors import UsageError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("Battery",)
 

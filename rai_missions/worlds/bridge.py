@@ -6,7 +6,6 @@ Rule: what this machine has no types for is left out, and said; the rest of the 
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, cast
 
@@ -20,12 +19,12 @@ from rai_missions.connectors.connector import (
     SupportsPreconnect,
 )
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut, logger
 from rai_missions.worlds.world import World
 
 __all__ = ("CLOCK", "Front", "Stage", "company")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 CLOCK, CLOCK_TYPE = "/clock", "rosgraph_msgs/msg/Clock"
 FLUSH = 20

@@ -13,7 +13,7 @@ import pytest
 from rai_missions.engine.activities import decision as asking
 from rai_missions.engine.decision import Verdict
 from rai_missions.mission.mission import Mission
-from rai_missions.redaction.redact import Redaction
+from rai_missions.redaction import Redaction
 from rai_missions.testing import ScriptedModel
 from tests.drills.hostility import CANARIES, DEEDS, HostileModel
 from tests.drills.missions_run import Drill, Trial, try_one
@@ -68,7 +68,7 @@ def test_without_redaction_the_drill_finds_the_secrets(tmp_path: Path, monkeypat
     secret = CANARIES["HF_TOKEN"]
     assert not any(found(tmp_path, f'{{"option": "{secret}"}}'))
     monkeypatch.setattr(Redaction, "text", lambda self, text: text)
-    monkeypatch.setattr("rai_missions.redaction.cut.redacted", lambda text: text)
+    monkeypatch.setattr("rai_missions.redaction.redacted", lambda text: text)
     (tmp_path / "again").mkdir()
     assert any(f"'{secret}' stands in run.journal" in each for each in found(tmp_path / "again", secret))
 

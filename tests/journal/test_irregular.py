@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.cli.main import main
-from rai_missions.file_type import irregular
+from rai_missions.errors import irregular
 
 INNER = {"name": "inner", "initial": "a", "states": {"a": {"final": "failed"}}}
 OUTER = {"name": "outer", "initial": "a", "states": {

@@ -18,7 +18,6 @@ from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import StartGoal
 from rai_missions.journal import Header, Journal
-from rai_missions.redaction.hush import hush
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer
 from tests.runtime.stages import KEYS, Book, Rig, mission, robot
 
@@ -148,7 +147,6 @@ def unspeakable(*_: Any, **__: Any) -> None:
 
 
 def test_an_exception_that_cannot_be_told_in_words_is_one_like_any_other() -> None:
-    hush()
     asking = Rig(ASKING, answerers={"agent": Unspoken()})
     assert asking.run().outcome == "failed" and asking.entered[-1] == "lost"
     calling = Rig(CALLING, connector=Connector(call=unspeakable))

@@ -39,8 +39,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.node import MissionNode
 from rai_missions.node.transport import Carrier
 from rai_missions.profile import Robot
-from rai_missions.redaction.hush import hush
-from rai_missions.redaction.redact import Redaction
+from rai_missions.redaction import Redaction, logger
 from rai_missions.replay.replay import replay
 from tests.node.scenes import Client
 from tests.security.test_secrets import texts
@@ -361,13 +360,11 @@ def test_a_logger_that_is_made_later_tells_no_secret_either(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
-    hush()
-    hush()
-    logger = logging.getLogger(f"rai_missions.made_later_{id(caplog)}")
+    made = logger(f"rai_missions.made_later_{id(caplog)}")
     try:
         raise ValueError("canary-key-4b1d")
     except ValueError:
-        logger.exception("it said %s", "canary-key-4b1d")
+        made.exception("it said %s", "canary-key-4b1d")
     assert "made_later" in caplog.text and "canary" not in caplog.text
 
 

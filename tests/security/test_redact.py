@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.redaction.redact import Redaction
+from rai_missions.redaction import Redaction
 
 letters = st.text("abcdefghijklmnopqrstuvwxyzABCDEFXYZ0123456789", min_size=12, max_size=40)
 KEYS = st.one_of(

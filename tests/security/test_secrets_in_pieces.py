@@ -32,8 +32,7 @@ from rai_missions.journal import read
 from rai_missions.mission.mission import Mission
 from rai_missions.node.command import read_order
 from rai_missions.profile import Robot
-from rai_missions.redaction.cut import clipped, cut, cut_repr, first_line, shown
-from rai_missions.redaction.redact import redacted
+from rai_missions.redaction import clipped, cut, cut_repr, first_line, redacted, shown
 from tests.security.test_leaks import STRING, TRIGGER, files, log_of
 
 PIECE = 8

@@ -2,6 +2,8 @@
 """The live page: a run in a browser while it goes on, served beside it, and the operator's hands on it.
 
 Rule: the engine waits for nobody. It leaves its steps in a queue; what a viewer costs, the server pays.
+
+Imports `engine`, `journal` and `mission`, and the modules of the root.
 """
 
 from visualize.live.feed import Feed, RunFeed

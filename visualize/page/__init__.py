@@ -2,6 +2,8 @@
 """The review page: a mission, what may happen in it and what did, as one HTML file that needs nothing else.
 
 Rule: what is shown is data. It stands in the page as JSON, is put on the screen as text alone, and nothing of it runs.
+
+Imports `engine`, `guards`, `journal`, `mission` and `states`, and the modules of the root.
 """
 
 from visualize.page.chart_data import chart_data

@@ -21,14 +21,13 @@ from rai_missions.answerers.model.deadlines import DeadlineWatch
 from rai_missions.answerers.model.output_modes import Mode
 from rai_missions.answerers.model.parse_reply import ParsedReply
 from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.secrets import secrets_of
 from rai_missions.answerers.model.tool_calls import is_read_only
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError
 from rai_missions.model import suggestion
-from rai_missions.redaction.cut import cut, first_line
-from rai_missions.redaction.hush import hush
-from rai_missions.redaction.redact import Redaction, held_by
+from rai_missions.redaction import Redaction, cut, first_line
 
 __all__ = ("DecisionAgent",)
 
@@ -75,7 +74,7 @@ class DecisionAgent:
                     f"the tool '{tool.name}' is not marked as one that only looks ({marks}): a decision takes no other"
                 )
         own = isinstance(model, BaseChatModel)
-        self._redaction: Redaction = hush(held_by(model) if own else ())
+        self._redaction = Redaction(secrets_of(model) if own else ())
         self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
         self._manner = ModelConfig(
             self._chat,

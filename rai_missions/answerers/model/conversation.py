@@ -19,7 +19,7 @@ from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.model.prompt import messages_of
 from rai_missions.answerers.model.tool_calls import Looked, look_up, shown
 from rai_missions.embodiment.identity import Identity
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("ModelConfig", "ModelConversation")
 

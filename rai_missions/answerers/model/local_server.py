@@ -19,9 +19,8 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import UsageError
-from rai_missions.file_type import irregular
-from rai_missions.redaction.redact import variables
+from rai_missions.errors import UsageError, irregular
+from rai_missions.redaction import variables
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel

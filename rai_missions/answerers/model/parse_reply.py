@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.redaction import cut, cut_repr
 
 if TYPE_CHECKING:
     from langchain_core.messages import AIMessage

@@ -19,7 +19,7 @@ from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.event import Image
 from rai_missions.image import png
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("messages_of", "quoted")
 

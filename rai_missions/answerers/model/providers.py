@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from rai_missions.errors import UsageError
 from rai_missions.model import suggestion
-from rai_missions.redaction.cut import first_line
+from rai_missions.redaction import first_line
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel

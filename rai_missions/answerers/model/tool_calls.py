@@ -14,7 +14,7 @@ from langchain_core.messages import HumanMessage, ToolMessage
 from langchain_core.tools import BaseTool
 
 from rai_missions.answerers.model.prompt import quoted
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 from rai_missions.tools.result import outline
 
 __all__ = ("Looked", "is_read_only", "look_up", "shown")

@@ -6,23 +6,22 @@ Rule: without `tools` in the profile a model has none, and one that acts is neve
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from rai_missions.check.index import MissionIndex
 from rai_missions.connectors.connector import Connector
-from rai_missions.error_text import suggestion
-from rai_missions.errors import DefinitionError, Fault
+from rai_missions.errors import DefinitionError, Fault, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
+from rai_missions.redaction import logger
 
 if TYPE_CHECKING:
     from rai_missions.tools import Toolbox
 
 __all__ = ("open_toolbox",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 
 def open_toolbox(

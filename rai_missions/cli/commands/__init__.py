@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each command of the command line does, one room a family; a room is loaded when its command runs."""
+"""What each command of the command line does, one room a family; a room is loaded when its command runs.
+
+Imports `agents`, `answerers`, `check`, `connectors`, `engine`, `gate`, `journal`, `mission`, `node`, `profile`,
+`prove`, `recording`, `replay`, `runtime`, `visualize` and `worlds`, and the modules of the root.
+"""
 
 from __future__ import annotations
 

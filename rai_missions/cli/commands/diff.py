@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rai_missions.cli.arguments import warn
-from rai_missions.errors import MissionError, UsageError
-from rai_missions.file_type import irregular
+from rai_missions.errors import MissionError, UsageError, irregular
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 

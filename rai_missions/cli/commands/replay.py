@@ -13,7 +13,7 @@ from rai_missions.cli.arguments import warn
 from rai_missions.cli.progress import Lines
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.files import load
-from rai_missions.redaction.cut import first_line
+from rai_missions.redaction import first_line
 
 if TYPE_CHECKING:
     from rai_missions.mission.mission import Mission

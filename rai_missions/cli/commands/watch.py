@@ -20,8 +20,7 @@ from urllib.parse import urlsplit
 
 from rai_missions.cli.arguments import warn
 from rai_missions.cli.commands.run_page import opened, place_of
-from rai_missions.errors import MissionError, UsageError
-from rai_missions.file_type import irregular
+from rai_missions.errors import MissionError, UsageError, irregular
 
 __all__ = ("found", "serving", "watch")
 

@@ -2,6 +2,8 @@
 """What this machine has, what it lacks, and how to get it.
 
 Rule: whatever may crash or hang is tried in a process of its own, within seconds.
+
+Imports `agents`, `connectors`, `profile` and `worlds`, and the modules of the root.
 """
 
 from __future__ import annotations

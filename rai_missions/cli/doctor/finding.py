@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
-from rai_missions.redaction.cut import cut
+from rai_missions.redaction import cut
 
 __all__ = ("Finding", "Tried", "tried")
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rai_missions.agents.mission import REMOTE
 from rai_missions.cli.doctor.finding import Finding, Tried, tried
 from rai_missions.connectors.connector import Mode
-from rai_missions.error_text import suggestion
+from rai_missions.errors import suggestion
 from rai_missions.profile import Robot, misnamed
 from rai_missions.profile.message_types import Kind, heard, typed
 from rai_missions.worlds.world import WORLDS

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The connector to an MQTT 5 broker; importing this room loads nothing of paho."""
+"""The connector to an MQTT 5 broker; importing this room loads nothing of paho.
+
+Imports the modules of the root only.
+"""
 
 from __future__ import annotations
 

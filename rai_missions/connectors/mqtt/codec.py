@@ -11,7 +11,7 @@ from typing import Any
 from rai_missions.connectors.connector import Data
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
-from rai_missions.redaction.cut import cut, cut_repr
+from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("decode", "encode")
 

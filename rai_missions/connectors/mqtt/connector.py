@@ -8,7 +8,6 @@ so no lock of ours is held while paho is called.
 from __future__ import annotations
 
 import importlib
-import logging
 import socket
 import threading
 import time
@@ -21,10 +20,11 @@ from rai_missions.connectors.connector import ActionServer, Close, Data, Message
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.redaction import logger
 
 __all__ = ("MqttConnector",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 OPTIONS = ("host", "port")
 PATIENCE_S = 5.0

@@ -2,6 +2,8 @@
 """The connector to ROS 2, over the real rclpy; importing this room loads nothing of ROS.
 
 Rule: rclpy is known in this room only, and comes in when a connector is opened.
+
+Imports the modules of the root only.
 """
 
 from __future__ import annotations

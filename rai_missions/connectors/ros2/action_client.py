@@ -7,7 +7,6 @@ server, and what is accepted too late is canceled.
 
 from __future__ import annotations
 
-import logging
 import time
 from collections.abc import Callable
 from typing import Any, Literal
@@ -23,10 +22,11 @@ from rai_missions.connectors.ros2.goal_client import PRESS_S, QUIET_S, STEP_S, G
 from rai_missions.connectors.ros2.messages import goal_id_to_bytes, to_data
 from rai_missions.connectors.ros2.node_thread import Work, guarded
 from rai_missions.connectors.ros2.rivals import Sightings
+from rai_missions.redaction import logger
 
 __all__ = ("End", "Goal")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 CLEAR_S = 5.0
 """How long a new goal waits until it is known of a lost one that it runs no more."""

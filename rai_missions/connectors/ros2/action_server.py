@@ -6,7 +6,6 @@ Rule: nothing is awaited. rclpy keeps one core busy for as long as a coroutine w
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
@@ -19,10 +18,11 @@ from rai_missions.connectors.ros2.messages import goal_id_from_bytes, to_data, t
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.services import MANY
 from rai_missions.errors import ConnectorError
+from rai_missions.redaction import logger
 
 __all__ = ("Served",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 ENDS = frozenset({"succeeded", "failed", "canceled", "lost"})
 KEPT_S = 10

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, get_args, get_type_hints
 
-from rai_missions.error_text import suggestion
-from rai_missions.errors import UsageError
-from rai_missions.redaction.cut import shown
+from rai_missions.errors import UsageError, suggestion
+from rai_missions.redaction import shown
 
 __all__ = ("Options", "QosProfile", "read_options")
 

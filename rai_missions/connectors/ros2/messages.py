@@ -19,10 +19,9 @@ from rai_missions.connectors.connector import Data
 from rai_missions.connectors.ros2.images import PICTURES, check_picture, message_of_picture
 from rai_missions.connectors.ros2.names import find_type
 from rai_missions.connectors.ros2.types import BYTES, CODES, INTEGERS, FieldType, field_type
-from rai_missions.error_text import suggestion
-from rai_missions.errors import ConnectorError
+from rai_missions.errors import ConnectorError, suggestion
 from rai_missions.event import Image
-from rai_missions.redaction.cut import cut, shown
+from rai_missions.redaction import cut, shown
 
 __all__ = (
     "goal_id_from_bytes",

@@ -9,8 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
-from rai_missions.error_text import suggestion
-from rai_missions.errors import ConnectorError
+from rai_missions.errors import ConnectorError, suggestion
 
 __all__ = ("Kind", "check_name", "find_type", "why_absent")
 

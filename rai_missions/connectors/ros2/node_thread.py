@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import logging
 import threading
 import time
 import uuid
@@ -29,10 +28,11 @@ from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.executor import SingleThreadExecutor
 from rai_missions.connectors.ros2.fastdds import carried
 from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.redaction import logger
 
 __all__ = ("Runtime", "Work", "guarded")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 T = TypeVar("T")
 Work = Callable[[], None]

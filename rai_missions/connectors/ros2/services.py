@@ -6,7 +6,6 @@ Rule: no more requests are on their way to one service than its queue holds; the
 
 from __future__ import annotations
 
-import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -19,6 +18,7 @@ from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_s
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
 from rai_missions.connectors.stamps import Dated
+from rai_missions.redaction import logger
 
 __all__ = ("AT_ONCE", "MANY", "Client", "InFlightLimit", "Service")
 
@@ -51,7 +51,7 @@ class InFlightLimit:
             self._let_in()
 
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 MANY = QoSProfile(depth=100)
 WATCH_S = 0.5

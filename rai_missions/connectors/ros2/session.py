@@ -7,7 +7,6 @@ each call is answered once and each goal has an end.
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -24,12 +23,13 @@ from rai_missions.connectors.ros2.services import Client, Service
 from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
 from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import UsageError
+from rai_missions.redaction import logger
 
 __all__ = ("Session",)
 
 Kind = TypeVar("Kind", bound=Goal)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 NAMESAKE_S = 1.5
 """After so long whoever is there is known."""

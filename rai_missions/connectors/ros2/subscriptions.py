@@ -6,7 +6,6 @@ Rule: whoever joins later hears what a reader of their own would: of a latched t
 
 from __future__ import annotations
 
-import logging
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -24,10 +23,11 @@ from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.offers import offered_quality
 from rai_missions.connectors.ros2.publishers import profile
 from rai_missions.connectors.stamps import Dated
+from rai_missions.redaction import logger
 
 __all__ = ("Listener", "Subscriptions")
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 LOOKS_S = (1.0, 2.0, 7.0)
 """When it is asked why nothing is heard, each counted from the time before."""

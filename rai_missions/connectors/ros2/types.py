@@ -10,7 +10,7 @@ from typing import Any
 
 from rai_missions.connectors.ros2.names import EXAMPLE, Kind, find_type
 from rai_missions.errors import ConnectorError
-from rai_missions.redaction.cut import cut_repr
+from rai_missions.redaction import cut_repr
 
 __all__ = ("BYTES", "CODES", "INTEGERS", "FieldType", "describe_type", "field_type")
 

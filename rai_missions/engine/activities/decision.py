@@ -16,7 +16,7 @@ from rai_missions.engine.step import Ask, Withdraw
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.keys import fits
-from rai_missions.redaction.cut import clipped
+from rai_missions.redaction import clipped
 from rai_missions.states.decision import Decision, DecisionSpec
 from rai_missions.states.tree import DecisionLeaf
 

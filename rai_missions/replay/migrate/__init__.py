@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a run that was cut short goes on in a mission that has changed: by an explicit map, or not at all."""
+"""How a run that was cut short goes on in a mission that has changed: by an explicit map, or not at all.
+
+Imports `engine`, `guards`, `journal`, `mission`, `profile` and `states`, and the modules of the root.
+"""
 
 from rai_missions.replay.migrate.map import Map, load_map, map_schema
 from rai_missions.replay.migrate.migrate import Migrated, follow, migrate

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from rai_missions.error_text import suggestion
-from rai_missions.errors import Fault
+from rai_missions.errors import Fault, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.replay.migrate.map import Map

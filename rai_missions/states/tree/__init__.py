@@ -2,6 +2,8 @@
 """A behaviour tree as data, under py_trees' own names; what ticks it is given to the chart.
 
 Rule: nothing here knows py_trees. A tree's state is a frozen value from which a ticker rebuilds.
+
+Imports `guards` and the modules of the root.
 """
 
 from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf, factory_name

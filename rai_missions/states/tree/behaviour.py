@@ -10,7 +10,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 
 from rai_missions.errors import UsageError
 from rai_missions.model import fault
-from rai_missions.redaction.cut import clipped
+from rai_missions.redaction import clipped
 from rai_missions.states.tree.node import TreeNode
 
 __all__ = ("ONLY_IN_PYTHON", "BehaviourLeaf", "Factory", "factory_name")

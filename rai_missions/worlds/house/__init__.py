@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot with wheels and a lidar among the rooms of a house, on MuJoCo, with a navigation shaped like Nav2's."""
+"""A robot with wheels and a lidar among the rooms of a house, on MuJoCo, with a navigation shaped like Nav2's.
+
+Imports `connectors` and the modules of the root.
+"""
 
 from rai_missions.worlds.opengl import choose_renderer
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A tractor works the alleys of an orchard, on MuJoCo."""
+"""A tractor works the alleys of an orchard, on MuJoCo.
+
+Imports `connectors` and the modules of the root.
+"""
 
 from rai_missions.worlds.opengl import choose_renderer
 

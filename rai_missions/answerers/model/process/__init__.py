@@ -5,6 +5,8 @@
 watches its memory and ends everything that descends from it. `life` is the engine's end of one such process, `model`
 the model that is asked, whichever process it lives in now. `frames` and `words` are what goes over the pipes: the
 engine believes nothing of what comes back.
+
+Imports the modules of the root only.
 """
 
 from __future__ import annotations

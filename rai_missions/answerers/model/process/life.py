@@ -26,8 +26,7 @@ from rai_missions.answerers.model.chat import Abilities, Absent, Ended, Spent
 from rai_missions.answerers.model.parse_reply import Said
 from rai_missions.answerers.model.process.frames import CHUNK, Broken, Inlet, outward
 from rai_missions.answerers.model.process.words import abilities_in, said_in
-from rai_missions.redaction.cut import cut
-from rai_missions.redaction.redact import secrets_kept, variables
+from rai_missions.redaction import cut, secrets_held, variables
 
 __all__ = ("Call", "Life")
 
@@ -262,7 +261,7 @@ class Life:
             "model": self._model,
             "environment": variables(secret=True),
             "path": _path(),
-            "secrets": secrets_kept(),
+            "secrets": secrets_held(),
         }
         threading.Thread(target=self._write, args=(orders, first), name="model's orders", daemon=True).start()
         return replies

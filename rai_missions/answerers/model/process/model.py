@@ -7,7 +7,6 @@ Rule: whatever the model does – hang, hold its interpreter's lock, crash, take
 from __future__ import annotations
 
 import itertools
-import logging
 import threading
 import time
 from collections.abc import Sequence
@@ -20,10 +19,11 @@ from rai_missions.answerers.model.parse_reply import Said
 from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.model.process.life import PATIENCE_S, Life
 from rai_missions.answerers.model.process.words import packed
+from rai_missions.redaction import logger
 
 __all__ = ("ModelProcess",)
 
-log = logging.getLogger(__name__)
+log = logger(__name__)
 
 GIB = 2**30
 PROMPT_S, HEED_S = 0.5, 2.0

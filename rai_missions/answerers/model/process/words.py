@@ -15,8 +15,7 @@ from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage, To
 from rai_missions.answerers.model.chat import Abilities, Raised, Spent
 from rai_missions.answerers.model.parse_reply import CALLS, LONGEST, Said, plain, too_long, too_many
 from rai_missions.answerers.model.process.frames import Broken
-from rai_missions.redaction.cut import cut
-from rai_missions.redaction.redact import Redaction, redacted
+from rai_missions.redaction import Redaction, cut, redacted
 
 __all__ = ("abilities_in", "ability_words", "messages_in", "packed", "reply_words", "said_in")
 

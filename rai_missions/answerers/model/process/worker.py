@@ -11,9 +11,12 @@ import os
 import sys
 import threading
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.answerers.model.process.frames import outward, read_frame
+
+if TYPE_CHECKING:
+    from rai_missions.redaction import Redaction
 
 __all__ = ("work",)
 
@@ -45,9 +48,10 @@ def work(request_fd: int, reply_fd: int) -> None:
     first = read_frame(request_fd)
     if first is None:
         return
-    model = _opened(first[0], outlet)
-    if model is None:
+    opened = _opened(first[0], outlet)
+    if opened is None:
         return
+    model, _redactions = opened  # what the model's keys are is hidden for as long as these live
     talks: dict[int, tuple[Any, Open]] = {}
     while (order := read_frame(request_fd)) is not None:
         message, blobs = order
@@ -63,27 +67,26 @@ def work(request_fd: int, reply_fd: int) -> None:
         threading.Thread(target=_answer, args=given, name=f"question {number}", daemon=True).start()
 
 
-def _opened(order: Mapping[str, Any], outlet: Outlet) -> Any:
-    """The model, as the engine's process would have opened it; None where it cannot be opened."""
+def _opened(order: Mapping[str, Any], outlet: Outlet) -> tuple[Any, list[Redaction]] | None:
+    """The model, as the engine's process would have opened it, and what hides its keys; None where it cannot be."""
     os.environ.update(order["environment"])
     sys.path[:] = order["path"]
     from rai_missions.answerers.model.chat import Abilities
     from rai_missions.answerers.model.process.words import ability_words
     from rai_missions.answerers.model.providers import open_model
-    from rai_missions.redaction.cut import cut
-    from rai_missions.redaction.hush import hush
-    from rai_missions.redaction.redact import held_by
+    from rai_missions.answerers.model.secrets import secrets_of
+    from rai_missions.redaction import Redaction, cut
 
-    hush(order["secrets"])
+    opened = [Redaction(order["secrets"])]
     try:
         model = open_model(order["model"])
-        hush(held_by(model))
+        opened.append(Redaction(secrets_of(model)))
         words = ability_words(Abilities.of(model))
     except BaseException as error:  # noqa: BLE001 - whatever the provider's package raises, the model is not there
         outlet.send({"absent": cut(error, 400)})
         return None
     outlet.send(words)
-    return model
+    return model, opened
 
 
 def _answer(

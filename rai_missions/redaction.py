@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a secret is, a text without secrets, and the one place where a text from outside is cut.
+
+Rule: a value known as a secret is hidden wherever it comes from; what only looks like a key is hidden in words that
+were made up: those of a model, its provider, an exception or the log. Secrets are removed from the whole text first,
+and then it is cut, so that no half of a secret is left. The parts of a step were redacted before they entered it, and
+the chart depends on nothing but its events: there `clipped` cuts without asking for secrets, and only there.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import re
+import threading
+import traceback
+import weakref
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache
+from typing import Any
+from urllib.parse import quote, quote_plus, unquote, urlsplit
+
+from rai_missions.errors import in_words
+
+__all__ = (
+    "Redaction",
+    "clipped",
+    "cut",
+    "cut_repr",
+    "first_line",
+    "is_secret_name",
+    "logger",
+    "passwords_in",
+    "redacted",
+    "secrets_held",
+    "shown",
+    "variables",
+)
+
+HIDDEN = "[hidden]"
+SHORTEST = 6
+"""A shorter value is no secret, and hiding it would garble the text."""
+NUMBERS = frozenset({int, float, bool})
+DEEPEST_DATA = 100
+"""Objects and lists inside each other; the same is the bound of what is read as JSON."""
+VARIABLES = (
+    "API_KEY",
+    "ACCESS_KEY",
+    "SECRET_KEY",
+    "PRIVATE_KEY",
+    "TOKEN",
+    "SECRET",
+    "PASSWORD",
+    "PASSWD",
+    "PASSPHRASE",
+)
+"""How the names of variables end whose values are secrets: `OPENAI_API_KEY`, `HF_TOKEN`, `PGPASSWORD`."""
+SHAPES = re.compile(
+    r"\b(?:sk|pk|rk|gsk|xai|pplx|hf|r8|ghp|gho|ghs|github_pat|glpat|xox[abp])[-_][A-Za-z0-9_\-]{6,}"
+    r"|\bAIza[A-Za-z0-9_\-]{10,}|\bAKIA[A-Z0-9]{12,}"
+    r"|\beyJ[A-Za-z0-9_\-]{8,}\.[A-Za-z0-9_\-]{4,}(?:\.[A-Za-z0-9_\-]*)?"
+    r"|(?<=://)[^\s/@:\"']*:[^\s/@\"']+(?=@)"
+    r"|(?i:(?<=bearer )|(?<=basic ))(?=\S*[0-9=]|\S+[A-Z])[A-Za-z0-9_\-.+/=]{6,}"
+    r"|(?i:(?<=api[-_ ]key[:=])|(?<=apikey[:=])|(?<=api[-_ ]key[:=] ))[^\s\"',;&]{6,}"
+)
+"""What keys look like, by the prefixes that their issuers give them, or by the words before them."""
+_living: weakref.WeakSet[Redaction] = weakref.WeakSet()
+"""Every redaction that something still holds: what prints a text may know neither a model nor its run."""
+_turn = threading.RLock()
+"""For those who add to `_living` and those who read it; a signal may log on the thread that is adding."""
+
+
+def redacted(text: str) -> str:
+    """The text without secrets, and without what UTF-8 cannot write down (half a surrogate pair)."""
+    text = text.encode("utf-8", "replace").decode()
+    return SHAPES.sub(HIDDEN, _without(text, _known()))
+
+
+def secrets_held() -> list[str]:
+    """The values that the redactions in this process hide, besides those of variables."""
+    with _turn:
+        return sorted({secret for each in _living for secret in each.secrets})
+
+
+def variables(*, secret: bool) -> dict[str, str]:
+    """The variables of this process that hold a secret, or those that hold none: what others may read of a process."""
+    return {name: value for name, value in os.environ.items() if any(_of_variable(name, value)) is secret}
+
+
+def is_secret_name(name: str) -> bool:
+    """Whether a variable or a field of this name holds a secret."""
+    return name.upper().endswith(VARIABLES)
+
+
+class Redaction:
+    """Hides secrets: by their shape, by the values of variables such as `OPENAI_API_KEY`, and by the values given here.
+
+    The values given are secrets in the whole process for as long as this object lives, and no longer: what opens a
+    model holds the redaction of its keys, and so does each thread that may still print one of them.
+
+    Args:
+        secrets: Values never to be shown, such as a model's own keys.
+    """
+
+    def __init__(self, secrets: Iterable[str] = ()) -> None:
+        self.secrets = frozenset(secrets)
+        with _turn:
+            _living.add(self)
+        self._at_first = _known()
+
+    def text(self, text: str) -> str:
+        """As `redacted`."""
+        return redacted(text)
+
+    def json(self, value: Any) -> Any:
+        """A JSON value in which no text holds a secret."""
+        if isinstance(value, str):
+            return self.text(value)
+        if isinstance(value, Mapping):
+            return {self.text(name): self.json(item) for name, item in value.items()}
+        return [self.json(item) for item in value] if isinstance(value, list) else value
+
+    def known(self, value: Any, depth: int = 0) -> Any:
+        """A value in which no text holds what was known for a secret when this was made; all else stays as it is.
+
+        Args:
+            value: Plain data.
+            depth: How deep in it this is; what is deeper than any message is hidden unseen.
+        """
+        if not self._at_first:
+            return value
+        if depth > DEEPEST_DATA:
+            return HIDDEN
+        if isinstance(value, str):
+            return _without(value, self._at_first)
+        if isinstance(value, Mapping):
+            return {self.known(name): self.known(item, depth + 1) for name, item in value.items()}
+        if isinstance(value, list) or type(value) is tuple:
+            if NUMBERS.issuperset(map(type, value)):  # a scan or a map, and many of them a second
+                return value
+            return type(value)(self.known(item, depth + 1) for item in value)
+        return value
+
+
+def _values() -> Iterator[str]:
+    yield from secrets_held()
+    for name, value in os.environ.items():
+        yield from _of_variable(name, value)
+
+
+def _known() -> tuple[str, ...]:
+    return _forms(tuple(sorted(set(_values()))))
+
+
+@lru_cache(maxsize=8)
+def _forms(secrets: tuple[str, ...]) -> tuple[str, ...]:
+    """The values, the longest first, in every notation; of one with several lines each line as well."""
+    parts = {part for secret in secrets for part in (secret, *_lines(secret))}
+    found = {form for part in parts for form in _spellings(part)}
+    return tuple(sorted(found, key=len, reverse=True))
+
+
+def _without(text: str, secrets: Iterable[str]) -> str:
+    for secret in secrets:
+        if secret in text:
+            text = text.replace(secret, HIDDEN)
+    return text
+
+
+def _of_variable(name: str, value: str) -> Iterator[str]:
+    if is_secret_name(name):
+        yield value
+    elif "://" in value:
+        yield from passwords_in(value)
+
+
+def passwords_in(text: str) -> Iterator[str]:
+    """The password in an address, such as a proxy's, as it is written there and as it is meant."""
+    try:
+        password = urlsplit(text).password
+    except ValueError:
+        return
+    if password:
+        yield from {password, unquote(password)}
+
+
+def _lines(secret: str) -> Iterator[str]:
+    """The lines of a secret that has several, such as a private key: each of them alone is a secret."""
+    lines = secret.splitlines()
+    return (line for line in lines if len(lines) > 1)
+
+
+def _spellings(secret: str) -> Iterator[str]:
+    """A secret as it is, and as JSON, Python and addresses write it; also where one quotes the other."""
+    secret = secret.strip()
+    if len(secret) >= SHORTEST:
+        yield secret
+        for form in {*_written(secret)}:
+            yield form
+            yield from _written(form)
+
+
+def _written(text: str) -> Iterator[str]:
+    plain = json.dumps(text, ensure_ascii=False)[1:-1]
+    yield from (plain, json.dumps(text)[1:-1], plain.replace("/", "\\/"), repr(text)[1:-1])
+    yield repr(f"\"'{text}")[len("'\"\\'") : -1]  # Python escapes one of both quotes where a text has both
+    yield repr(text.encode("utf-8", "replace"))[2:-1]
+    yield from (quote(text, safe=""), quote(text), quote_plus(text))
+
+
+MARGIN = 1_000
+"""Characters beyond the longest secret that are looked at, for those that are known by their shape."""
+
+
+def cut(what: object, length: int) -> str:
+    """A thing in words, without secrets, in so many characters at the most.
+
+    Args:
+        what: A text, an exception, or any other object.
+        length: Characters.
+    """
+    text = in_words(what)
+    beyond = max(map(len, _known()), default=0) + MARGIN
+    window = length + beyond
+    while True:
+        clean = redacted(text[:window])
+        if window >= len(text) or len(clean) >= length + beyond:
+            return clean[:length]
+        window *= 2
+
+
+def cut_repr(what: object, length: int) -> str:
+    """As Python writes it, without secrets, in so many characters at the most."""
+    try:
+        text = repr(what)
+    except Exception:  # noqa: BLE001 - it may be anything, and raise anything
+        text = f"<{type(what).__name__}>"
+    return cut(text, length)
+
+
+def first_line(what: object, length: int = 300) -> str:
+    """The first line of an exception or a text, without secrets; empty where there is none."""
+    lines = cut(what, 10 * length).strip().splitlines()
+    return lines[0][:length] if lines else ""
+
+
+def clipped(text: str, length: int) -> str:
+    """The beginning of a text in which there is no secret any more, since it is a part of a step."""
+    return text[:length]
+
+
+def shown(value: Any, length: int = 60, *, by: Callable[[str, int], str] = cut) -> str:
+    """A value as its author wrote it, cut short; text in single quotes.
+
+    Args:
+        value: Plain data.
+        length: Characters.
+        by: How it is cut: `clipped` inside a step.
+    """
+    if isinstance(value, str):
+        return f"'{_short(value, length, by)}'"
+    if isinstance(value, Mapping | list | tuple):
+        kind, count = ("an object", "words") if isinstance(value, Mapping) else ("a list", "items")
+        if len(value) > 4:
+            return f"{kind} of {len(value)} {count}"
+    try:
+        text = json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError, RecursionError):
+        text = repr(value)
+    return _short(text, length, by)
+
+
+def _short(text: str, length: int, by: Callable[[str, int], str]) -> str:
+    """Half a surrogate pair, which no output can show, stands as its escape."""
+    text = text.encode("utf-8", "backslashreplace").decode()
+    found = by(text, length + 1)
+    return found if len(found) <= length else found[: length - 1] + "…"
+
+
+def logger(name: str) -> logging.Logger:
+    """A module's logger, which writes no secret, tracebacks included."""
+    made = logging.getLogger(name)
+    made.addFilter(_clean)
+    return made
+
+
+def _clean(record: logging.LogRecord) -> bool:
+    """Remove the secrets from a record; one without secrets stays as it is."""
+    try:
+        words = record.getMessage()
+    except Exception:  # noqa: BLE001 - what is logged may come from any program, and raise anything
+        record.msg, record.args = f"{record.msg} (its values cannot be written as text)", None
+        words = record.getMessage()
+    if (clean := redacted(words)) != words:
+        record.msg, record.args = clean, None
+    if record.exc_info and record.exc_info[0] is not None:
+        trace = "".join(traceback.format_exception(*record.exc_info)).rstrip()
+        if (clean := redacted(trace)) != trace:
+            record.exc_info, record.exc_text = None, clean
+    return True
