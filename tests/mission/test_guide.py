@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,23 +21,31 @@ from rai_missions.states import State, Transition
 from rai_missions.states.effects import Effect
 
 GUIDE = (Path(__file__).parents[2] / "docs/guide/format.md").read_text(encoding="utf-8")
-BLOCK = re.compile(r"(?:<!-- (?P<kind>\w+), one a line -->\n)?```json\n(?P<text>.*?)```", re.DOTALL)
+BLOCK = re.compile(r"(?:<!-- (?P<kind>\w+) -->\n)?```json\n(?P<text>.*?)```", re.DOTALL)
 READ: dict[str, tuple[Any, str]] = {
     "key": (Key.model_validate, "Key"),
     "state": (State.read, "State"),
-    "row": (Transition.model_validate, "Transition"),
+    "transition": (Transition.model_validate, "Transition"),
     "guard": (Guard.read, "Guard"),
     "effect": (Effect.read, "Effect"),
 }
-LINES = [
-    (block["kind"], line) for block in BLOCK.finditer(GUIDE) if block["kind"] for line in block["text"].splitlines()
-]
 
 
-@pytest.mark.parametrize(("kind", "line"), LINES)
-def test_every_line_of_the_guide_is_what_it_says(kind: str, line: str) -> None:
+def values(text: str) -> Iterator[Any]:
+    """The JSON values of a block, one after the other."""
+    decoder = json.JSONDecoder()
+    while text := text.lstrip():
+        value, end = decoder.raw_decode(text)
+        yield value
+        text = text[end:]
+
+
+SHOWN = [(block["kind"], value) for block in BLOCK.finditer(GUIDE) if block["kind"] for value in values(block["text"])]
+
+
+@pytest.mark.parametrize(("kind", "given"), SHOWN, ids=[f"{kind}-{next(iter(value))}" for kind, value in SHOWN])
+def test_every_value_of_the_guide_is_what_its_comment_names(kind: str, given: dict[str, Any]) -> None:
     read, definition = READ[kind]
-    given = json.loads(line)
     made = read(given)
     assert read(made.written()) == made
     schema = mission_schema()
@@ -45,7 +54,7 @@ def test_every_line_of_the_guide_is_what_it_says(kind: str, line: str) -> None:
 
 def test_the_guide_shows_every_kind_there_is() -> None:
     for kind, family in (("state", State), ("guard", Guard), ("effect", Effect)):
-        shown = {type(READ[kind][0](json.loads(line))) for each, line in LINES if each == kind}
+        shown = {type(READ[kind][0](value)) for each, value in SHOWN if each == kind}
         history, negation = {family.kinds.get("history")}, {family.kinds.get("not")}
         assert set(family.kinds.values()) - shown <= history | negation
 
