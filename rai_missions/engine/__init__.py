@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pure chart: SCXML's rules, activities, time and completion, layer by layer.
+"""The pure engine: functions over a program and a run's state, behind `Chart`; what an event does is a Step.
 
 Imports `guards`, `mission` and `states`, and the modules of the root.
 """
 
 from rai_missions.engine.chart import NOT_STARTED, Chart, Snapshot
-from rai_missions.engine.state import Named
+from rai_missions.engine.program import Named
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")

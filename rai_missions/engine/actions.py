@@ -1,46 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Written effects compiled to acts on a chart.
+"""Written effects compiled to acts on a run.
 
-Rule: an act changes the blackboard, the internal queue or the timers, or adds an effect to the step; it tells nobody.
+Rule: an act changes the blackboard, the internal queue or the timers, or adds an effect to the step; nothing is
+performed here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from functools import partial
+from typing import Any
 
+from rai_missions.engine.blackboard import known, note_news, write_key
 from rai_missions.engine.nodes import Act
+from rai_missions.engine.program import Program
+from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
-from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.engine.timers import drop, next_number, set_timer
+from rai_missions.guards.guard import Operand, Site
 from rai_missions.keys import Key, Stamped, fits, is_number
 from rai_missions.redaction import clipped
 from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 
-__all__ = ("Act", "ActionTarget", "act_of")
-
-
-class ActionTarget(Protocol):
-    """What acts work on: the chart."""
-
-    @property
-    def view(self) -> View: ...
-
-    written: list[tuple[str, Any]]
-    effects: list[Any]
-    notes: list[str]
-
-    def raise_event(self, name: str, data: Mapping[str, Any]) -> None: ...
-
-    def raise_later(
-        self, name: str, data: Mapping[str, Any], after_s: float, timer: str | None, state: str = ""
-    ) -> None: ...
-
-    def drop(self, timer: str) -> None: ...
-
-    def write_key(self, key: str, value: Any) -> bool: ...
-
-    def next_call(self, service: str) -> int: ...
-
+__all__ = ("Act", "act_of")
 
 _new = tuple.__new__
 
@@ -50,17 +32,34 @@ def stamped(value: Any, at: float) -> Stamped:
     return _new(Stamped, (value, at))
 
 
-def act_of(effect: Effect, place: str, state: str, keys: Mapping[str, Key]) -> Act:
-    """The act of an effect that stands at a place of a mission, in a state."""
+def act_of(effect: Effect, place: str, state: str, keys: Mapping[str, Key], *, has_trees: bool = False) -> Act:
+    """The act of an effect at a place of a mission, in a state.
+
+    Args:
+        effect: As the mission has it.
+        place: Its JSON pointer.
+        state: The state that it belongs to.
+        keys: The blackboard.
+        has_trees: Trees may look at what it writes.
+    """
     site = Site(place, keys, state)
     if isinstance(effect, Set):
-        return _set(effect, site)
+        return _noted(effect.set, _set(effect, site)) if has_trees else _set(effect, site)
     if isinstance(effect, Raise):
         return _raise(effect, site)
     if isinstance(effect, Drop):
         timer = effect.drop
-        return lambda chart: chart.drop(timer)
-    return _told(effect, site)
+        return lambda program, run: drop(run, timer)
+    return _performed(effect, site)
+
+
+def _noted(key: str, act: Act) -> Act:
+    def noted(program: Program, run: RunState) -> None:
+        before = known(program, run, key)
+        act(program, run)
+        note_news(program, run, key, before)
+
+    return noted
 
 
 def _set(effect: Set, site: Site) -> Act:
@@ -72,24 +71,28 @@ def _set(effect: Set, site: Site) -> Act:
         return _copy(name, effect.source, site)
     value = effect.value
     if key is None or fits(key, value):
-        return lambda chart: chart.write_key(name, value)
+        return partial(_write, name, value)
 
-    def put(chart: ActionTarget) -> None:
-        chart.view.board[name] = stamped(value, chart.view.at)
-        chart.written.append((name, value))
+    def put(program: Program, run: RunState) -> None:
+        run.board[name] = stamped(value, run.at)
+        run.draft.written.append((name, value))
 
     return put
+
+
+def _write(name: str, value: Any, program: Program, run: RunState) -> None:
+    write_key(program, run, name, value)
 
 
 def _copy(name: str, source: str, site: Site) -> Act:
     operand = Operand(source, site)
 
-    def copy(chart: ActionTarget) -> None:
-        value = operand.read(chart.view)
+    def copy(program: Program, run: RunState) -> None:
+        value = operand.read(run)
         if value is not None:
-            chart.write_key(name, value)
+            write_key(program, run, name, value)
         else:
-            chart.notes.append(f"'{name}' was not set: {source} is unknown")
+            run.draft.notes.append(f"'{name}' was not set: {source} is unknown")
 
     return copy
 
@@ -99,47 +102,54 @@ def _add(name: str, key: Key | None, amount: float) -> Act:
     amount = int(amount) if key is not None and key.type == "integer" and amount == int(amount) else amount
     kind = int if isinstance(amount, int) and key is not None and key.type == "integer" else None
 
-    def add(chart: ActionTarget) -> None:
-        view = chart.view
-        board = view.board
+    def add(program: Program, run: RunState) -> None:
+        board = run.board
         entry = board.get(name)
         old = entry[0] if entry is not None else 0
         if old.__class__ is kind:
             value = old + amount
-            board[name] = stamped(value, view.at)
-            chart.written.append((name, value))
+            board[name] = stamped(value, run.at)
+            run.draft.written.append((name, value))
         elif is_number(old):
-            chart.write_key(name, old + amount)
+            write_key(program, run, name, old + amount)
         else:
-            chart.notes.append(f"'{name}' was not written: nothing can be added to {clipped(repr(old), 80)}")
+            run.draft.notes.append(f"'{name}' was not written: nothing can be added to {clipped(repr(old), 80)}")
 
     return add
 
 
 def _raise(effect: Raise, site: Site) -> Act:
     name, data, after_s, timer = effect.event, dict(effect.data), effect.after_s, effect.id
-    if after_s is None:
-        return lambda chart: chart.raise_event(name, filled(data, chart.view, site) if data else {})
-    state = site.state
-    return lambda chart: chart.raise_later(name, filled(data, chart.view, site) if data else {}, after_s, timer, state)
+
+    def at_once(program: Program, run: RunState) -> None:
+        run.draft.internal.append(Trigger(name, filled(data, run, site) if data else {}))
+
+    def later(program: Program, run: RunState) -> None:
+        assert after_s is not None
+        control = program.graph.nodes[site.state].control if site.state else None
+        key = ("raise", timer if timer is not None else run.order + 1)
+        set_timer(run, key, after_s, name, filled(data, run, site) if data else None, control)
+
+    return at_once if after_s is None else later
 
 
-def _told(effect: Effect, site: Site) -> Act:
-    """Effects that the performer carries out."""
+def _performed(effect: Effect, site: Site) -> Act:
+    """Effects that are carried out once the step is written down."""
     if isinstance(effect, Call):
         service, request = effect.call, effect.request
 
-        def call(chart: ActionTarget) -> None:
-            number = chart.next_call(service)
-            chart.effects.append(CallService(number, "", service, filled(request, chart.view, site)))
+        def call(program: Program, run: RunState) -> None:
+            number = next_number(run)
+            run.calls[number] = service
+            run.draft.effects.append(CallService(number, "", service, filled(request, run, site)))
 
         return call
     if isinstance(effect, Publish):
         topic, message = effect.publish, effect.message
-        return lambda chart: chart.effects.append(PublishMessage(topic, filled(message, chart.view, site)))
+        return lambda program, run: run.draft.effects.append(PublishMessage(topic, filled(message, run, site)))
     if isinstance(effect, Say):
-        said = SayAloud(effect.say)
-        return lambda chart: chart.effects.append(said)
+        sentence = SayAloud(effect.say)
+        return lambda program, run: run.draft.effects.append(sentence)
     assert isinstance(effect, Log)
     line = LogLine(effect.log)
-    return lambda chart: chart.effects.append(line)
+    return lambda program, run: run.draft.effects.append(line)

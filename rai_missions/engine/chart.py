@@ -1,38 +1,47 @@
 # SPDX-License-Identifier: Apache-2.0
 """The pure semantics: what a mission makes of an event, as a Step.
 
-Rule: everything that decides is in here or below. The same mission, events and times give the same Steps.
+Rule: everything that decides is a function over a `Program` and a `RunState`; `Chart` holds the two. The same mission,
+events and times give the same Steps.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine import snapshot
+from rai_missions.engine.activities.goal_ledger import OpenGoal, awaited, loose
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.activities.tree import questions_in
+from rai_missions.engine.configuration import CompiledStep, Configuration
+from rai_missions.engine.decision import Question
+from rai_missions.engine.events import NOT_STARTED
+from rai_missions.engine.handover import settle_holds
+from rai_missions.engine.hold import held_by, holder_of, live
+from rai_missions.engine.macrostep import complete, enabled
+from rai_missions.engine.program import Named
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.snapshot import Saving, Snapshot
-from rai_missions.engine.state import Named
-from rai_missions.engine.step import Step
+from rai_missions.engine.snapshot import Snapshot
+from rai_missions.engine.state import StepDraft
+from rai_missions.engine.step import Cause, Step
+from rai_missions.engine.stepping import begin_run, close, compiled, fresh, make_step
+from rai_missions.engine.surroundings import Surroundings
+from rai_missions.engine.timing import look_ahead
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth
-from rai_missions.keys import Stamped, fits, stale_at
+from rai_missions.guards.guard import Truth, View
+from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
-NOT_STARTED = "the mission has not been started"
-"""Why an event before the start changes nothing."""
-
 _new = tuple.__new__
 
 
-class Chart(Saving):
+class Chart:
     """One run of a mission, as far as rules decide it.
 
     Args:
@@ -40,62 +49,34 @@ class Chart(Saving):
         ticker: Who ticks trees (`rai_missions.trees.PyTrees()`); needed only where the mission has one.
         terms: What is known of the robot: which actions exclude each other, when a composed one has succeeded.
         named: The predicates that `{"named": …}` guards name.
+        surroundings: What a proof leaves open, and where it watches.
 
     Raises:
         UsageError: The mission has a tree and no ticker was given, or names a predicate that was not.
     """
 
-    # -- the public face ------------------------------------------------------------------------------------------
+    def __init__(
+        self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
+        named: Named | None = None, surroundings: Surroundings | None = None,
+    ) -> None:  # fmt: skip
+        self.program = compiled(mission, ticker, facts=terms, named=named, surroundings=surroundings)
+        self.state = fresh(self.program)
 
-    @property
-    def active(self) -> frozenset[str]:
-        """The names of the active states, ancestors included."""
-        return self.view.active
+    @classmethod
+    def restore(
+        cls, mission: Mission, saved: Snapshot, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
+        named: Named | None = None,
+    ) -> Chart:  # fmt: skip
+        """A chart that continues where a snapshot was taken."""
+        chart = cls(mission, ticker, terms=terms, named=named)
+        snapshot.put_back(chart.program, chart.state, saved)
+        return chart
 
-    @property
-    def at(self) -> float:
-        """Now, in seconds on the run's clock."""
-        return self.view.at
+    def snapshot(self) -> Snapshot:
+        """All that the run remembers, as values that later steps do not change."""
+        return snapshot.snapshot(self.program, self.state)
 
-    @property
-    def wake_at(self) -> float | None:
-        """The earliest instant at which time alone can change something."""
-        return None if self._wake == math.inf else self._wake
-
-    @property
-    def unheard(self) -> tuple[str, ...]:
-        """The robot keys that the start waits for: never received, or stale whenever they were."""
-        keys, board = self.mission.blackboard.items(), self.view.board
-        waited = (name for name, key in keys if key.source == "robot" and not key.optional)
-        return tuple(name for name in waited if name not in board or name in self._outdated)
-
-    @property
-    def open_goals(self) -> int:
-        """How many goals have an end that has not been confirmed and that the run waits for."""
-        return self._ledger.awaited
-
-    @property
-    def loose_goals(self) -> tuple[OpenGoal, ...]:
-        """The goals that may still be executing, and that no cancel can be relied on to end."""
-        return self._ledger.loose
-
-    @property
-    def awaited(self) -> frozenset[int]:
-        """The numbers of goals, calls, questions and behaviours whose end the run still waits for."""
-        each = (machine.awaits(state) for _, machine, state in self._live())
-        return frozenset(self._ledger.goals).union(self._calls, *each)
-
-    @property
-    def waiting(self) -> Mapping[str, str]:
-        """State → who must have control before what it does can begin, or begin again."""
-        each = {name: self._graph.nodes[name].control for name in (*self._pending, *self._laid_by)}
-        return {name: holder for name, holder in each.items() if holder is not None}
-
-    @property
-    def wanted(self) -> frozenset[str]:
-        """Who must have control for what waits to begin."""
-        wanted = (self._graph.nodes[name].control for name in self._pending)
-        return frozenset(holder for holder in wanted if holder is not None)
+    # -- steps ----------------------------------------------------------------------------------------------------
 
     def start(self, at: float = 0.0) -> Step:
         """Enter the mission.
@@ -105,23 +86,11 @@ class Chart(Saving):
         """
         if self.mode != "ready":
             raise UsageError(f"the mission was started before; it is {self.mode}")
-        self._clear()
-        view = self.view
-        view.at = max(at, view.at)
-        for name, key in self.mission.blackboard.items():
-            if key.initial is not None and key.source != "robot" and view.board[name].at < view.at:
-                view.board[name] = Stamped(view.board[name].value, view.at)
-        self.mode, self._held_since = "running", view.at
-        self._frozen = dict.fromkeys(self._held_controls(), view.at)
-        if self._graph.root.clocked:
-            view.entered[""] = view.at
-        self._after_rows(self._graph.root)
-        self._jump(self._graph.start(self._memory))
-        self._complete(None)
-        return self._close(Event("start", at, kind="command"))
+        begin_run(self.program, self.state, at)
+        return close(self.program, self.state, Event("start", at, kind="command"))
 
     def write(self, key: str, value: Any, at: float | None = None, *, stamp: float | None = None) -> Step:
-        """Tell the blackboard what a key is.
+        """Write what a key is to the blackboard.
 
         Args:
             key: Its name.
@@ -132,210 +101,258 @@ class Chart(Saving):
         Raises:
             UsageError: The mission has no such key.
         """
-        if key not in self.mission.blackboard:
-            raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.mission.blackboard)}")
+        if key not in self.program.keys:
+            raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.program.keys)}")
         data = {"value": value} if stamp is None else {"value": value, "stamp": stamp}
-        return self.send(Event(key, self.view.at if at is None else at, data, "write"))
+        return self.send(Event(key, self.at if at is None else at, data, "write"))
 
     def send(self, event: Event) -> Step:
         """Let an event happen: everything due before it first, then it, to completion.
 
-        One whose time has passed already happens now.
+        One whose time has passed already happens now. An event that does nothing but fire transitions without timers,
+        activities and ends takes the short way.
 
         Raises:
             UsageError: Its time is not a finite number of seconds.
         """
+        state = self.state
         name, at, data, kind, _ = event
-        if kind != "event" or not self._quick or at >= self._wake:
-            return self._send(event)
-        view = self.view
-        if at > view.at:
-            view.at = at
+        if kind != "event" or not state.quick or at >= state.wake:
+            return make_step(self.program, state, event)
+        if at > state.at:
+            state.at = at
         else:
-            at = view.at
-        config = self._config
+            at = state.at
+        config = state.config
         plan = config.plans.get(name)
         if plan is None:
-            plan = config.plan(name, declared=name in self._declared)
+            plan = config.plan(name, declared=name in self.program.declared)
         if not plan:
-            return self._send(event) if name not in self._declared else self._quiet(event, at)
-        view.event = data
+            is_declared = name in self.program.declared
+            return self._quiet(event, at, ()) if is_declared else make_step(self.program, state, event)
+        state.event = data
         looked: list[tuple[str, Truth]] = []
-        rows = self._enabled(plan, looked)
+        rows = enabled(state, plan, looked)
         if not rows:
             return self._quiet(event, at, tuple(looked))
         leap = config.leaps.get((tuple(rows), name))
-        if leap is None or not leap.plain or not leap.shifts.isdisjoint(self._listening):
-            return self._send(event)
-        self._config = leap.config
-        view.active = leap.config.active
-        self.seq += 1
-        wake = None if self._wake == math.inf else self._wake
-        if not leap.acts:
-            return _new(Step, (self.seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", (), ()))
-        return self._acted(event, leap, looked)
+        if leap is None or not leap.plain or not leap.shifts.isdisjoint(state.listening):
+            return make_step(self.program, state, event)
+        state.config = leap.config
+        state.active = leap.config.active
+        if leap.acts:
+            return self._acted(event, leap, looked)
+        state.seq = seq = state.seq + 1
+        wake = None if state.wake == math.inf else state.wake
+        return _new(Step, (seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", (), ()))
 
     def _acted(self, event: Event, leap: CompiledStep, looked: list[tuple[str, Truth]]) -> Step:
-        """The end of a quick step that does something on the way."""
+        """The end of a step on the short way that does something."""
+        state, program, draft = self.state, self.program, self.state.draft
         for act in leap.acts:
-            act(self)
-        written = self.written
-        if self._internal or (written and self._listening):
-            self.seq -= 1
-            self.moves.append(leap.move)
-            self.looked += looked
-            self._complete(None)
-            return self._close(event)
+            act(program, state)
+        written = draft.written
+        if draft.internal or (written and state.listening):
+            draft.moves.append(leap.move)
+            draft.looked += looked
+            complete(program, state, None)
+            return close(program, state, event)
+        state.seq += 1
         step: Step = _new(Step, (
-            self.seq, self.view.at, event, leap.moves, tuple(looked), tuple(written), None,
-            None if self._wake == math.inf else self._wake, tuple(self.effects), "", tuple(self.notes), (),
+            state.seq, state.at, event, leap.moves, tuple(looked), tuple(written), None,
+            None if state.wake == math.inf else state.wake, tuple(draft.effects), "", tuple(draft.notes), (),
         ))  # fmt: skip
         written.clear()
-        if self.effects or self.notes or self._news:
-            self._clear()
+        if draft.effects or draft.notes or draft.news:
+            state.draft = StepDraft()
         return step
 
-    def _quiet(self, event: Event, at: float, looked: tuple[tuple[str, Truth], ...] = ()) -> Step:
-        """A step in which no row fired."""
-        self.seq += 1
-        wake = None if self._wake == math.inf else self._wake
-        return _new(Step, (self.seq, at, event, (), looked, (), None, wake, (), "", (), ()))
-
-    @classmethod
-    def restore(
-        cls, mission: Mission, saved: Snapshot, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
-        named: Named | None = None,
-    ) -> Chart:  # fmt: skip
-        """A chart that goes on where a snapshot was taken."""
-        chart = cls(mission, ticker, terms=terms, named=named)
-        chart._stand(saved)
-        return chart
+    def _quiet(self, event: Event, at: float, looked: tuple[tuple[str, Truth], ...]) -> Step:
+        """A step in which no transition fired."""
+        state = self.state
+        state.seq += 1
+        wake = None if state.wake == math.inf else state.wake
+        return _new(Step, (state.seq, at, event, (), looked, (), None, wake, (), "", (), ()))
 
     def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:
-        """Take over what quiet steps wrote, without stepping: a replay stands where the run stood then.
+        """Take over what quiet steps wrote, without stepping: a replay is where the run was then.
 
         Args:
             writes: Key, value and stamp.
             at: The time until which nothing else happened.
             seq: The number of the last step until then.
         """
-        writes = tuple(writes)
-        if not writes and seq == self.seq:
+        state, writes = self.state, tuple(writes)
+        if not writes and seq == state.seq:
             return
         for key, value, stamp in writes:
-            self.view.board[key] = Stamped(value, stamp)
-        self.view.at, self.seq = max(self.view.at, at), seq
-        self._look_ahead()
+            state.board[key] = Stamped(value, stamp)
+        state.at, state.seq = max(state.at, at), seq
+        look_ahead(self.program, state)
 
-    # -- one step -------------------------------------------------------------------------------------------------
+    def settle_holds(self) -> None:
+        """Give what is held, now, the time that it had left: what begins from here on counts from the same instant."""
+        settle_holds(self.program, self.state)
 
-    def _send(self, event: Event) -> Step:
-        if not math.isfinite(event.at):
-            raise UsageError(f"'{event.name}' cannot happen at {event.at} s; give a finite number of seconds")
-        self._clear()
-        at = max(event.at, self.view.at)
-        if event.kind == "command" and event.name == "take_up":
-            self._present = float(event.data.get("present", at))
-            self._hear_anew(event.data.get("heard", {}))  # before time goes on: nothing is stale that was heard again
-        if self.mode == "ready":
-            self.view.at = at
-            if event.kind == "write":
-                self._receive(event)
-            elif event.kind == "control":
-                self._control(event)
-            elif event.kind == "command" and event.name in ("cancel", "kill", "take_up", "migrate"):
-                self._command(event)
-            else:
-                self._refused = NOT_STARTED
-            return self._close(event)
-        self._catch_up(at)
-        self.view.at = at
-        self._handle(event)
-        return self._close(event)
+    def standing(self, targets: Iterable[str]) -> tuple[Configuration, list[str]]:
+        """The configuration in which these states are active, and the pairs of states in it that exclude each other.
 
-    def _close(self, event: Event) -> Step:
-        if self._given_up:
-            self._take_back()
-        self.seq += 1
-        changed = self.moves or self.effects or self.notes or self._touched or self._refused
-        is_quiet = not changed and event.kind in ("write", "tick") and self.mode == "running"
-        if is_quiet:
-            self._wake = self.view.at if self._unfinished() else self._next_instant()
-        else:
-            self._look_ahead()
-        is_over = self.outcome is not None and self.mode == "ended"
-        why = self.why if is_over and (self._ended or not self._refused) else self._refused
-        step: Step = _new(Step, (
-            self.seq, self.view.at, event, tuple(self.moves), tuple(self.looked), tuple(self.written), self.outcome,
-            None if self._wake == math.inf else self._wake, tuple(self.effects), why, tuple(self.notes), self._resting,
-        ))  # fmt: skip
-        asked = self.looked and any(place.startswith("named:") for place, _ in self.looked)
-        self.quiet = not (changed or asked) and event.kind in ("write", "tick")
-        self._clear()
-        return step
+        Args:
+            targets: Their names; what is inside them is entered by default.
+        """
+        return snapshot.standing(self.program, targets)
 
-    def _look_ahead(self) -> None:
-        """What the next event finds: whether it can take the short way, what it may change, what time alone does."""
-        self._quick = self.mode == "running" and self._final is None and self.outcome is None and not self._named
-        self._quick = self._quick and not self._frozen
-        self._listening = self._reads() if self.mode != "ended" else frozenset()
-        self._quick = self._quick and not self._resting
-        self._wake = self.view.at if self._unfinished() else self._next_instant()
+    def broken(self) -> Iterator[tuple[str, str]]:
+        """The invariants that are false now: name, and what each says."""
+        return snapshot.broken(self.program, self.state)
 
-    def _handle(self, event: Event) -> None:
-        self._tree_rounds.clear()
-        kind = event.kind
-        if kind in ("tick", "feedback"):
-            return
-        if kind == "command":
-            self._command(event)
-        elif kind in ("accepted", "result"):
-            self._report(event)
-        elif kind in ("refused", "lost", "contested", "stray", "over"):
-            self._watch_goal(event)
-        elif self.outcome is not None:
-            self._refused = "the mission has ended"
-        elif kind == "write":
-            self._write(event)
-        elif kind == "control":
-            self._control(event)
-        elif self._final is not None and self.mode != "paused":
-            self._refused = f"the mission is ending in '{self._final.name}'"
-        else:
-            self._happen(event)
+    # -- what is known of the run ---------------------------------------------------------------------------------
 
-    def _receive(self, event: Event) -> None:
-        """A write before the start; a reading that is stale as it comes is no reason to begin."""
-        name, board = event.name, self.view.board
-        is_known = name in board and name not in self._outdated
-        self._write(event)
-        if not is_known and name in board:
-            is_fresh = self.view.at < stale_at(self.mission.blackboard[name], board[name])
-            (self._outdated.discard if is_fresh else self._outdated.add)(name)
+    @property
+    def mission(self) -> Mission:
+        """The mission."""
+        return self.program.mission
 
-    def _write(self, event: Event) -> None:
-        key = self.mission.blackboard.get(event.name)
-        value = event.data.get("value")
-        stamp = min(float(event.data.get("stamp", event.at)), self.view.at)
-        if key is None:
-            self._refused = f"the mission has no key '{event.name}'{suggestion(event.name, self.mission.blackboard)}"
-            return
-        if why := fits(key, value):
-            self._refused = f"'{event.name}' was not written: {why}"
-            return
-        entry = self.view.board.get(event.name)
-        if entry is not None and entry.at > stamp:
-            self._refused = f"'{event.name}' was not written: {entry.at - stamp:.3g} s older than what is known"
-            return
-        before = self.known(event.name) if self._has_trees else None
-        self.view.board[event.name] = Stamped(value, stamp)
-        self.written.append((event.name, value))
-        if event.name not in self._listening and "*" not in self._listening:
-            return
-        if self._has_trees:
-            self.note_news(event.name, before)
-        if self.mode == "paused":
-            self._check_invariants()
-        elif self.mode != "ready":
-            self._poll()
-            self._complete(None)
+    @property
+    def terms(self) -> RobotFacts:
+        """What is known of the robot."""
+        return self.program.facts
+
+    @property
+    def view(self) -> View:
+        """What guards see of the run."""
+        return self.state
+
+    @property
+    def at(self) -> float:
+        """Now, in seconds on the run's clock."""
+        return self.state.at
+
+    @property
+    def seq(self) -> int:
+        """Steps so far."""
+        return self.state.seq
+
+    @property
+    def mode(self) -> str:
+        """`ready`, `running`, `paused`, `canceling` or `ended`."""
+        return self.state.mode
+
+    @property
+    def active(self) -> frozenset[str]:
+        """The names of the active states, ancestors included."""
+        return self.state.active
+
+    @property
+    def outcome(self) -> str | None:
+        """How the mission ended; None while it runs."""
+        return self.state.outcome
+
+    @property
+    def why(self) -> str:
+        """The rule that decided the outcome."""
+        return self.state.why
+
+    @property
+    def cause(self) -> Cause:
+        """What has ended the mission, where no rule of it did."""
+        return self.state.cause
+
+    @property
+    def false_invariant(self) -> str:
+        """The name of the invariant that has ended the mission; empty for any other end."""
+        return self.state.false_invariant
+
+    @property
+    def quiet(self) -> bool:
+        """The last step did nothing but write the blackboard: it need not be written down by itself."""
+        return self.state.quiet
+
+    @property
+    def wake_at(self) -> float | None:
+        """The earliest instant at which time alone can change something."""
+        return None if self.state.wake == math.inf else self.state.wake
+
+    @property
+    def unheard(self) -> tuple[str, ...]:
+        """The robot keys that the start waits for: never received, or stale whenever they were."""
+        state, waited = (
+            self.state,
+            (name for name, key in self.program.keys.items() if key.source == "robot" and not key.optional),
+        )
+        return tuple(name for name in waited if name not in state.board or name in state.outdated)
+
+    @property
+    def questions(self) -> tuple[Question, ...]:
+        """Those that are open, the oldest first, each with the time that it has by now."""
+        found = (each for _, _, activity in live(self.program, self.state) for each in questions_in(activity))
+        return tuple(sorted(found, key=lambda question: question.number))
+
+    @property
+    def awaited(self) -> frozenset[int]:
+        """The numbers of goals, calls, questions and behaviours whose end the run still waits for."""
+        each = (machine.awaits(activity) for _, machine, activity in live(self.program, self.state))
+        return frozenset(self.state.goals).union(self.state.calls, *each)
+
+    @property
+    def open_goals(self) -> int:
+        """How many goals have an end that has not been confirmed and that the run waits for."""
+        return awaited(self.state.goals)
+
+    @property
+    def loose_goals(self) -> tuple[OpenGoal, ...]:
+        """The goals that may still be executing, and that no cancel can be relied on to end."""
+        return loose(self.state.goals)
+
+    # -- who has control ------------------------------------------------------------------------------------------
+
+    @property
+    def holder(self) -> str:
+        """Who holds control: `autonomy`, `agent`, `operator` or `nobody`."""
+        return holder_of(self.program, self.state)
+
+    @property
+    def taken(self) -> bool:
+        """The operator holds it and has taken it, rather than been given it by the mission."""
+        return self.state.taken
+
+    @property
+    def waiting(self) -> Mapping[str, str]:
+        """State → who must have control before what it does can begin, or begin again."""
+        nodes, state = self.program.graph.nodes, self.state
+        each = {name: nodes[name].control for name in (*state.pending, *state.laid_by)}
+        return {name: holder for name, holder in each.items() if holder is not None}
+
+    @property
+    def wanted(self) -> frozenset[str]:
+        """Who must have control for what waits to begin."""
+        wanted = (self.program.graph.nodes[name].control for name in self.state.pending)
+        return frozenset(holder for holder in wanted if holder is not None)
+
+    @property
+    def held_by(self) -> str:
+        """`operator`, who has taken control, or `nobody`; empty while the mission is not held."""
+        return held_by(self.state)
+
+    @property
+    def held_since(self) -> float | None:
+        """Since when, in seconds on the run's clock; None while the mission is not held."""
+        return self.state.held_since if self.held_by else None
+
+    @property
+    def held(self) -> frozenset[str]:
+        """The active states that wait until the operator gives control back."""
+        state = self.state
+        return frozenset(node.name for node in state.config.nodes if state.frozen and node.control in state.frozen)
+
+    @property
+    def paused_at(self) -> float | None:
+        """Since when no question loses time; None while the run is not paused."""
+        return self.state.paused_at if self.mode == "paused" else None
+
+    def still_since(self, name: str) -> float | None:
+        """Since when the time of a state stands still, in seconds on the run's clock; None while it runs."""
+        state, control = self.state, self.program.graph.nodes[name].control
+        instants = [state.paused_at] if self.mode == "paused" else []
+        instants += [state.frozen[control]] if control in state.frozen else []
+        return min(instants, default=None)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pause, resume, cancel and kill: what a person may do to any mission, drawn in none."""
+"""Pause, resume, cancel and kill: what a person may do to any mission, drawn in none; and a run that is resumed.
+
+Rule: in which mode a command makes sense is read from `modes`, and nowhere else.
+"""
 
 from __future__ import annotations
 
@@ -8,164 +11,168 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.activities.tree import is_settling, questions_in
-from rai_missions.engine.holder import Holder
-from rai_missions.engine.state import Trigger
-from rai_missions.event import KINDS, Event
+from rai_missions.engine.blackboard import known, note_news
+from rai_missions.engine.completion import check_invariants, end, kill
+from rai_missions.engine.handover import ask_back, lay_down
+from rai_missions.engine.hold import awake, drop_reports, held_controls, holder_of, is_held, run_at, shift
+from rai_missions.engine.macrostep import complete, jump
+from rai_missions.engine.modes import refusal
+from rai_missions.engine.program import Program
+from rai_missions.engine.reports import handle_late
+from rai_missions.engine.running import poll
+from rai_missions.engine.snapshot import control_of, put_back
+from rai_missions.engine.snapshot_json import unpacked
+from rai_missions.engine.state import RunState
+from rai_missions.engine.step import Move
+from rai_missions.engine.timers import late_s
+from rai_missions.engine.timing import look_ahead
+from rai_missions.event import Event
 from rai_missions.keys import Stamped, fits
 from rai_missions.model import suggestion
 
-__all__ = ("Modes",)
+__all__ = ("receive_command", "resync")
+
+COMMANDS = ("pause", "resume", "cancel", "kill")
+"""What a person may order."""
 
 
-class Modes(Holder):
-    """A chart that obeys commands."""
+def receive_command(program: Program, state: RunState, event: Event) -> None:
+    """Obey a command, or say why not."""
+    by = str(event.data.get("by", "")) or "command"
+    if event.name == "take_up":
+        _continue(program, state)
+    elif event.name == "migrate" and state.mode == "ready":
+        _migrate(program, state, event.data)
+    elif event.name not in COMMANDS and state.outcome is None:
+        state.draft.refused = f"no command '{event.name}'{suggestion(event.name, COMMANDS)}"
+    elif why := refusal(state.mode, event.name):
+        state.draft.refused = why
+    elif event.name == "kill":
+        kill(program, state, f"killed by {by}")
+    elif event.name == "cancel":
+        _cancel(program, state, by)
+    elif event.name == "pause":
+        _pause(program, state)
+    else:
+        _resume(program, state)
 
-    def _command(self, event: Event) -> None:
-        by = str(event.data.get("by", "")) or "command"
-        if event.name == "take_up":
-            self._touched = True  # what the robot has said since was noted before
-            if self.mode == "paused":
-                self._begin_new()
-                self._check_invariants()
-            elif self.mode != "ready" and self.outcome is None:
-                self._ask_again()
-                self._begin_new()
-                self._due = frozenset(self._running)  # each may have read what is not known any more
-                self._poll()
-                self._complete(None)
-        elif event.name == "migrate" and self.mode == "ready":
-            self._migrate(event.data)
-        elif self.outcome is not None:
-            self._refused = "the mission has ended"
-        elif event.name == "kill":
-            self._kill(f"killed by {by}")
-        elif event.name == "cancel":
-            self._cancel(by)
-        elif event.name == "pause":
-            self._pause()
-        elif event.name == "resume":
-            self._resume()
-        else:
-            self._refused = f"no command '{event.name}'{suggestion(event.name, ('pause', 'resume', 'cancel', 'kill'))}"
 
-    def _hear_anew(self, heard: Mapping[str, Any]) -> None:
-        """Another process goes on: what the robot said to the one before counts no more, if it can grow stale at all.
+def _cancel(program: Program, state: RunState, by: str) -> None:
+    drop_reports(state, None)
+    if state.mode == "paused":
+        shift(program, state, state.at - state.paused_at)
+    state.suspended = state.laid_by = ()
+    state.mode, state.why = "canceling", f"canceled by {by}"
+    state.cancel_by = state.at + program.mission.cancel_s
+    if program.mission.on_cancel is None or not state.config.atomic:
+        return end(program, state, "canceled", state.why)
+    state.final = None
+    target = program.graph.nodes[program.mission.on_cancel]
+    jump(program, state, program.graph.flee(state.config, target, state.memory, "cancel"))
+    complete(program, state, None)
 
-        Args:
-            heard: Key → its value and stamp, as the robot says it now.
-        """
-        keys, board = self.mission.blackboard, self.view.board
-        before = (
-            {name: self.known(name) for name, key in keys.items() if key.source == "robot"} if self._has_trees else {}
-        )
-        for name in [name for name in board if keys[name].source == "robot" and keys[name].max_age_s is not None]:
-            del board[name]
-        for name, (value, at) in heard.items():
-            if name in keys and not fits(keys[name], value):
-                board[name] = Stamped(value, float(at))
-                self.written.append((name, value))
-        for name, known in before.items():
-            self.note_news(name, known)
-        self._look_ahead()
 
-    def _ask_again(self) -> None:
-        """Give what another process asks for once more its time.
+def _pause(program: Program, state: RunState) -> None:
+    state.mode, state.paused_at = "paused", state.at
+    nodes = program.graph.nodes
+    state.suspended = tuple(name for name in list(state.running) if lay_down(program, state, nodes[name]))
+    state.draft.notes.append("paused")
 
-        A handover has all of it; a question, and what waits for facts to confirm a result, has what was left of it.
-        """
-        for name, machine, state in self._awake() if self.late_s else ():
-            if any(questions_in(state)) or is_settling(state):
-                self._running[name] = machine.shifted(state, self.late_s)
-        for name in self._settling:
-            self._settling[name] += 0.0 if self._is_held(self._graph.nodes[name]) else self.late_s
-        for name, until in self._pending.items():
-            node = self._graph.nodes[name]
-            if node.state is not None and until < math.inf and not self._is_held(node):
-                self._pending[name] = max(until, self.view.at + node.state.handover_s)
 
-    def _begin_new(self) -> None:
-        """Begin what a migration has brought: `entry` where nothing was before, and what runs there."""
-        unbegun, self._unbegun = self._unbegun, ()
-        for name, is_new in unbegun:
-            node = self._graph.nodes[name]
-            for act in node.entry if is_new else ():
-                act(self)
-            if (node.activity or node.control) and node in self._config.atomic:
-                self._starting.append(node)
-        if self.mode == "paused":
-            self._suspended += tuple(node.name for node in self._starting)
-            self._starting = []
+def _resume(program: Program, state: RunState) -> None:
+    nodes, draft = program.graph.nodes, state.draft
+    shift(program, state, state.at - state.paused_at)
+    state.mode, draft.goal_ended = "running", True
+    draft.notes.append("resumed")
+    draft.starting += [nodes[name] for name in state.suspended]
+    for name in [name for name in state.pending if nodes[name].control == holder_of(program, state)]:
+        del state.pending[name]
+        draft.starting += [nodes[name]] if name not in state.running else []
+    queue, state.queue, state.suspended = state.queue, (), ()
+    draft.due |= frozenset(state.running)  # each may have read what has changed since
+    ask_back(program, state)
+    complete(program, state, None)
+    for event in queue:
+        handle_late(program, state, event)
 
-    def _migrate(self, data: Mapping[str, Any]) -> None:
-        """Stand where a run of another mission stood."""
-        raise NotImplementedError
 
-    def _look_ahead(self) -> None:
-        """See what the next event may change."""
-        raise NotImplementedError
+# -- another process, another mission ---------------------------------------------------------------------------------
 
-    def _cancel(self, by: str) -> None:
-        if self.mode == "canceling":
-            self._refused = "it is being canceled already"
-            return
-        self._hear_kept(None)
-        if self.mode == "paused":
-            self._make_up_pause()
-        self._suspended = self._laid_by = ()
-        self.mode, self.why = "canceling", f"canceled by {by}"
-        self._cancel_by = self.view.at + self.mission.cancel_s
-        if self.mission.on_cancel is None or not self._config.atomic:
-            self._end("canceled", self.why)
-            return
-        self._final = None
-        target = self._graph.nodes[self.mission.on_cancel]
-        self._jump(self._graph.flee(self._config, target, self._memory, "cancel"))
-        self._complete(None)
 
-    def _pause(self) -> None:
-        if self.mode != "running":
-            self._refused = f"only a running mission can be paused; it is {self.mode}"
-            return
-        self.mode, self._paused_at = "paused", self.view.at
-        self._suspended = tuple(name for name in list(self._running) if self._lay_down(self._graph.nodes[name]))
-        self.notes.append("paused")
+def resync(program: Program, state: RunState, event: Event) -> None:
+    """Another process continues: what the robot reported to the one before is forgotten, if it can grow stale at all.
 
-    def _resume(self) -> None:
-        if self.mode != "paused":
-            self._refused = f"only a paused mission can be resumed; it is {self.mode}"
-            return
-        self._make_up_pause()
-        self.mode, self._ledger.changed = "running", True
-        self.notes.append("resumed")
-        self._starting += [self._graph.nodes[name] for name in self._suspended]
-        for name in [name for name in self._pending if self._graph.nodes[name].control == self.holder]:
-            del self._pending[name]
-            self._starting += [self._graph.nodes[name]] if name not in self._running else []
-        queue, self._queue, self._suspended = self._queue, (), ()
-        self._due |= frozenset(self._running)  # each may have read what has changed since
-        self._ask_back()
-        self._complete(None)
-        for event in queue:
-            self._handle_late(event)
+    It comes before time goes on: nothing is stale that was received again.
+    """
+    state.present = float(event.data.get("present", max(event.at, state.at)))
+    keys, board, received = program.keys, state.board, event.data.get("heard", {})
+    robot = [name for name, key in keys.items() if key.source == "robot"] if program.has_trees else []
+    before = {name: known(program, state, name) for name in robot}
+    for name in [name for name in board if keys[name].source == "robot" and keys[name].max_age_s is not None]:
+        del board[name]
+    for name, (value, at) in received.items():
+        if name in keys and not fits(keys[name], value):
+            board[name] = Stamped(value, float(at))
+            state.draft.written.append((name, value))
+    for name, value in before.items():
+        note_news(program, state, name, value)
+    look_ahead(program, state)
 
-    def _make_up_pause(self) -> None:
-        """Time goes on: for held states from where it stood when the run was paused."""
-        by_s = self.view.at - self._paused_at
-        self._shift(by_s)
-        self._frozen = {control: since + by_s for control, since in self._frozen.items()}
 
-    def _happen(self, event: Event) -> None:
-        """Something of the world outside, unless nobody knows it; while paused it waits."""
-        name, kind = event.name, event.kind
-        if kind == "event" and name not in self._declared:
-            self._refused = f"the mission declares no event '{name}'{suggestion(name, self._declared)}"
-        elif kind not in ("event", "doubt", "proposal", "behaviour"):
-            self._refused = f"there is no event of kind '{kind}'{suggestion(kind, KINDS)}"
-        elif self.mode == "paused":
-            self._wait_out_pause(event)
-        elif kind in ("event", "doubt"):
-            self._heard(Trigger(name, event.data))
-        elif self._is_for_held(event.number):
-            self._keep(event)
-        elif not self._dispatch(event) and kind == "proposal":
-            self._refused = f"stale: question {event.number} is no longer asked"
+def _continue(program: Program, state: RunState) -> None:
+    state.draft.touched = True  # what the robot has reported since was noted before
+    if state.mode == "paused":
+        _begin_new(program, state)
+        check_invariants(program, state)
+    elif state.mode != "ready" and state.outcome is None:
+        _ask_again(program, state)
+        _begin_new(program, state)
+        state.draft.due = frozenset(state.running)  # each may have read what is not known any more
+        poll(program, state)
+        complete(program, state, None)
+
+
+def _ask_again(program: Program, state: RunState) -> None:
+    """Give what another process asks for once more its time.
+
+    A handover has all of it; a question, and what waits for facts to confirm a result, has what was left of it.
+    """
+    nodes, by_s = program.graph.nodes, late_s(state)
+    for name, machine, activity in awake(program, state) if by_s else ():
+        if any(questions_in(activity)) or is_settling(activity):
+            state.running[name] = machine.shifted(activity, by_s)
+    for name in state.settling:
+        state.settling[name] += 0.0 if is_held(state, nodes[name]) else by_s
+    for name, until in state.pending.items():
+        node = nodes[name]
+        if node.state is not None and until < math.inf and not is_held(state, node):
+            state.pending[name] = max(until, state.at + node.state.handover_s)
+
+
+def _begin_new(program: Program, state: RunState) -> None:
+    """Begin what a migration has brought: `entry` where nothing was before, and what runs there."""
+    unbegun, state.unbegun, draft = state.unbegun, (), state.draft
+    for name, is_new in unbegun:
+        node = program.graph.nodes[name]
+        for act in node.entry if is_new else ():
+            act(program, state)
+        if (node.activity or node.control) and node in state.config.atomic:
+            draft.starting.append(node)
+    if state.mode == "paused":
+        state.suspended += tuple(node.name for node in draft.starting)
+        draft.starting = []
+
+
+def _migrate(program: Program, state: RunState, data: Mapping[str, Any]) -> None:
+    """Be where a run of another mission was; what is new begins when the run is resumed."""
+    graph = program.graph
+    put_back(program, state, unpacked(data["stands"]))
+    state.frozen = dict.fromkeys(held_controls(program, state), run_at(state))
+    state.timers = {key: timer._replace(control=control_of(program, key, timer)) for key, timer in state.timers.items()}
+    clocked = {name for name, node in (*graph.nodes.items(), ("", graph.root)) if node.clocked}
+    state.entered = {name: at for name, at in state.entered.items() if name in clocked}
+    state.unbegun = tuple(data["begins"])
+    state.draft.effects += unpacked(data["under_way"])
+    state.draft.notes += data["notes"]
+    nodes = sorted(state.config.nodes, key=lambda node: node.index)
+    state.draft.moves.append(Move((), (), tuple(node.name for node in nodes if node.state is not None), "migrate"))

@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
 
 from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.nodes import Act, CompiledTransition, Condition, Node
+from rai_missions.engine.nodes import Act, CompiledTransition, Condition, Content, Node
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.mission.mission import Mission
@@ -27,10 +26,10 @@ class Compiled:
 
     Args:
         mission: One that `check` finds no fault in; names that do not resolve raise `KeyError`.
-        compile_effect: Makes an act of a written effect; given by the chart, since acts work on it.
+        content: How effects, and the entry of lists and finals, are compiled.
     """
 
-    def __init__(self, mission: Mission, compile_effect: Callable[[Any, str, str], Act]) -> None:
+    def __init__(self, mission: Mission, content: Content) -> None:
         self.mission = mission
         self.root = Node("", "", None, None, 0)
         self.nodes: dict[str, Node] = {}
@@ -44,8 +43,8 @@ class Compiled:
         self.options = {
             name for _, _, state in mission.walk() for name in (state.outcomes() if state.word == "decision" else ())
         }
+        self._content = content
         self._add(mission.states, self.root, "/states")
-        self._act = compile_effect
         self._link()
         self.controls = frozenset(node.control for node in self.order if node.control is not None)
         """Whose control its states need."""
@@ -120,7 +119,9 @@ class Compiled:
             node.timed = node.timed or transition.after_s is not None
 
     def _acts(self, effects: Iterable[Effect], place: str, node: Node) -> tuple[Act, ...]:
-        return tuple(self._act(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects))
+        return tuple(
+            self._content.effect(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects)
+        )
 
     def condition(self, guard: Guard, place: str, state: str) -> Condition:
         """A guard compiled for a place; the states whose age it asks for are clocked from now on."""

@@ -38,6 +38,7 @@ class Configuration:
     __slots__ = (
         "active",
         "atomic",
+        "controls",
         "eventless",
         "holds",
         "instants",
@@ -55,6 +56,8 @@ class Configuration:
         self.key = tuple(node.index for node in atomic)
         self.nodes = {each for node in atomic for each in (node, *node.ancestors)} or {root}
         self.active = frozenset(node.name for node in self.nodes if node.state is not None)
+        self.controls = frozenset(node.control for node in self.nodes if node.control is not None)
+        """Whose control the active states need."""
         self.plans: dict[str, tuple[tuple[CompiledTransition, ...], ...]] = {}
         self.leaps: dict[Any, CompiledStep] = {}
         self.eventless = self._candidates(lambda row: row.transition.eventless)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run to completion: which rows a trigger fires, what taking them leaves and enters, until nothing is enabled.
+"""Run to completion: which transitions a trigger fires, what taking them leaves and enters, until nothing is enabled.
 
 Source: W3C SCXML (REC-scxml-20150901), appendix D, `mainEventLoop`, `selectTransitions`, `microstep`.
 """
@@ -9,183 +9,253 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rai_missions.engine.completion import Endings
+from rai_missions.engine.activities.activity import Outcome
+from rai_missions.engine.completion import check_invariants, end, set_item, settle_final, settle_nested
 from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.hold import event_of, free, is_held, keep_trigger, wait_out_pause
 from rai_missions.engine.nodes import CompiledTransition, Node
-from rai_missions.engine.state import Trigger
+from rai_missions.engine.program import Program
+from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
+from rai_missions.engine.state import RunState, Trigger
+from rai_missions.engine.timers import late_s, now_of, set_timer
+from rai_missions.guards.guard import Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 
-__all__ = ("MOST_MICROSTEPS", "Microsteps")
+__all__ = ("MOST_MICROSTEPS", "complete", "enabled", "jump", "react", "set_timers")
 
 MOST_MICROSTEPS = 10_000
 """Microsteps at one instant; a mission that wants more runs in circles."""
+ACTING = ("running", "canceling")
+"""The modes in which transitions are taken."""
 
 
-class Microsteps(Endings):
-    """A chart that takes rows."""
+def react(program: Program, state: RunState, trigger: Trigger) -> None:
+    """A macrostep of its own: after a pause, if there is one; after the end, nothing."""
+    if state.outcome is not None:
+        return
+    if state.mode == "paused":
+        wait_out_pause(program, state, event_of(state, trigger))
+    elif state.mode in ACTING:
+        complete(program, state, trigger)
 
-    def _heard(self, trigger: Trigger) -> None:
-        """A macrostep of its own: after a pause, if there is one; after the end, nothing."""
-        if self.outcome is not None:
+
+def enabled(
+    state: RunState, plan: tuple[tuple[CompiledTransition, ...], ...], looked: list[tuple[str, Truth]]
+) -> list[CompiledTransition]:
+    """The first transition of each chain whose guard is true (SCXML: selectTransitions)."""
+    rows: list[CompiledTransition] = []
+    for chain in plan:
+        for row in chain:
+            test = row.test
+            if test is not None:
+                value = test(state)
+                looked.append((row.place, value))
+                if value is not True:
+                    continue
+            if row not in rows:
+                rows.append(row)
+            break
+    return rows
+
+
+def complete(program: Program, state: RunState, trigger: Trigger | None) -> None:
+    """Take what is enabled until nothing is (SCXML: mainEventLoop)."""
+    draft, seen = state.draft, set[Any]()
+    draft.macrosteps, draft.microsteps = draft.macrosteps + 1, 0
+    while draft.microsteps < MOST_MICROSTEPS:
+        draft.microsteps += 1
+        if _is_over(program, state):
             return
-        if self.mode == "paused":
-            self._wait_out_pause(self._event_of(trigger))
-        elif self.mode in ("running", "canceling"):
-            self._complete(trigger)
-
-    def _complete(self, trigger: Trigger | None) -> None:
-        """Take what is enabled until nothing is (SCXML: mainEventLoop)."""
-        seen: set[Any] = set()
-        left = MOST_MICROSTEPS
-        while left > 0:
-            left -= 1
-            if self.outcome is not None or self.mode not in ("running", "canceling"):
-                return
-            if self._final is not None:
-                return self._settle_final()
-            if trigger is not None:
-                self._answer(trigger)
-                trigger = None
-                continue
-            if self._config.holds or self._always_held:
-                self._hold()
-            waiting = self._config.eventless if not self._frozen else self._free(self._config.eventless)
-            if waiting and (rows := self._enabled(waiting, self.looked)):
-                circle = (self._config.key, tuple(row.place for row in rows), len(self.written), len(self._internal))
-                if circle in seen:
-                    return self._circle()
-                seen.add(circle)
-                self._take(rows, "")
-            elif self._internal:
-                trigger = self._internal.popleft()
-                seen.clear()
-            elif self._starting:
-                self._begin_starting()
-            elif self._poll():
-                left += 1  # what machines do ends by itself
-            else:
-                break
+        if trigger is not None:
+            _answer(program, state, trigger)
+            trigger = None
+            continue
+        config = state.config
+        if config.holds or program.always_held:
+            _hold(program, state)
+        waiting = config.eventless if not state.frozen else free(state, config.eventless)
+        if waiting and (rows := enabled(state, waiting, draft.looked)):
+            circle = (config.key, tuple([row.place for row in rows]), len(draft.written), len(draft.internal))
+            if circle in seen:
+                return _end_circle(program, state)
+            seen.add(circle)
+            _take(program, state, rows, "")
+        elif draft.internal:
+            trigger = draft.internal.popleft()
+            seen.clear()
+        elif draft.starting:
+            begin_starting(program, state)
+        elif poll(program, state):
+            draft.microsteps -= 1  # what activities do ends by itself
         else:
-            return self._circle()
-        self._settle_nested()
-        if self._internal:
-            return self._complete(None)
-        self._check_invariants()
+            break
+    else:
+        return _end_circle(program, state)
+    if state.settling:
+        settle_nested(program, state)
+        if draft.internal:
+            return complete(program, state, None)
+    check_invariants(program, state)
 
-    def _circle(self) -> None:
-        states = " → ".join(dict.fromkeys(name for move in self.moves[-50:] for name in move.entered))
-        self._end("failed", f"a cycle without end: {states or 'internal events'}", cause="cycle")
 
-    def _answer(self, trigger: Trigger) -> None:
-        """Find the rows that a trigger fires, and take them."""
-        view, source = self.view, trigger.source
-        if trigger.name == "round" and source is not None and source.is_each:
-            return self._next_round(source) if not self._is_held(source) else self._keep_trigger(trigger)
-        view.event, option = trigger.data, False
-        if trigger.row is not None:
-            plan: tuple[tuple[CompiledTransition, ...], ...] = ((trigger.row,),)
-        elif source is None:
-            declared = trigger.name in self._declared
-            found = self._config.plans.get(trigger.name)
-            plan = found if found is not None else self._config.plan(trigger.name, declared=declared)
-        else:
-            option = trigger.name in (source.state.options if source.family == "decision" else ())  # type: ignore[union-attr]
-            view.answer = trigger.data if option else view.answer
-            plan = self._config.outcome_plan(
-                source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded"
-            )
-        free = plan if not self._frozen else self._free(plan)
-        rows = self._enabled(free, self.looked)
-        if rows:
-            self._take(rows, trigger.name)
-        elif self._frozen and free != plan:
-            self._keep_trigger(trigger)
-        elif source is not None:
-            self._unanswered(trigger, source)
-        elif trigger.name in BUILT_IN_EVENTS or self.moves:
-            self.notes.append(f"no row took '{trigger.name}'") if trigger.row is None else None
+def _is_over(program: Program, state: RunState) -> bool:
+    """Whether no transition is taken any more; a final that was reached is given the chance to count."""
+    if state.outcome is not None or state.mode not in ACTING:
+        return True
+    if state.final is None:
+        return False
+    settle_final(program, state)
+    return True
 
-    def _unanswered(self, trigger: Trigger, source: Node) -> None:
-        """An outcome that no row handles: unless it is a success, it is the mission's failure."""
-        if trigger.name == "succeeded":
-            if source.activity:
-                self.notes.append(f"no row took 'succeeded' of '{source.name}'")
-        elif trigger.climbs and source in self._config.nodes:
-            why = f"{source.name}: {trigger.name}" + (f" ({trigger.why})" if trigger.why else "")
-            self._end("failed", why)
 
-    def _take(self, rows: list[CompiledTransition], trigger: str) -> None:
-        self._jump(self._graph.leap(self._config, tuple(rows), self._memory, trigger))
+def _end_circle(program: Program, state: RunState) -> None:
+    states = " → ".join(dict.fromkeys(name for move in state.draft.moves[-50:] for name in move.entered))
+    end(program, state, "failed", f"a cycle without end: {states or 'internal events'}", cause="cycle")
 
-    def _jump(self, leap: CompiledStep) -> None:
-        """Make one microstep."""
-        for node in leap.exited:
-            self._exit(node)
-        self._memory.update(leap.remember)
-        self._config = leap.config
-        self.view.active = leap.config.active
-        self._shifted |= leap.shifts
-        self.moves.append(leap.move)
-        for act in leap.acts:
-            act(self)
-        for node in leap.entered:
-            self._enter(node)
 
-    def _exit(self, node: Node) -> None:
-        if node.timed:
-            self._timers.pop(("timeout", node.name), None)
-            for row in node.rows:
-                self._timers.pop(("after", row.place), None)
-        if node.name in self._running:
-            self._leave_activity(node)
-        self._forget_waiting(node)
-        if self._rounds.pop(node.name, None) is not None:
-            for trigger in [each for each in self._internal if each.name == "round" and each.source is node]:
-                self._internal.remove(trigger)  # a round that is left is not begun anew
-        if node.clocked:
-            self.view.entered.pop(node.name, None)
-        if self.view.held:
-            for row in node.rows:
-                for memory in row.condition.holds if row.condition else ():
-                    self.view.held.pop(memory, None)
-        if node in self._starting:
-            self._starting.remove(node)
+# -- transitions ------------------------------------------------------------------------------------------------------
 
-    def _forget_waiting(self, node: Node) -> None:
-        """What a state that is left waited for makes no difference any more."""
-        if self._pending.pop(node.name, math.inf) < math.inf:
-            self._given_up.add(node.control)
-        self._settling.pop(node.name, None)
-        if self._laid_by:
-            self._laid_by = tuple(name for name in self._laid_by if name != node.name)
 
-    def _enter(self, node: Node) -> None:
-        if node.clocked:
-            self.view.entered[node.name] = self._now_of(node.control)
-        if node.timed:
-            self._after_rows(node)
-        if (node.activity or node.control) and node in self._config.atomic:
-            self._starting.append(node)
-        if node.is_each and node in self._config.atomic:
-            self._next_round(node)
+def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
+    """Find the transitions that a trigger fires, and take them."""
+    source, config = trigger.source, state.config
+    if trigger.name == "round" and source is not None and source.is_each:
+        return (keep_trigger if is_held(state, source) else _begin_round)(program, state, trigger)
+    state.event, option = trigger.data, False
+    if trigger.row is not None:
+        plan: tuple[tuple[CompiledTransition, ...], ...] = ((trigger.row,),)
+    elif source is None:
+        found = config.plans.get(trigger.name)
+        plan = found if found is not None else config.plan(trigger.name, declared=trigger.name in program.declared)
+    else:
+        option = trigger.name in (source.state.options if source.family == "decision" else ())  # type: ignore[union-attr]
+        state.answer = trigger.data if option else state.answer
+        plan = config.outcome_plan(
+            source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded"
+        )
+    open_plan = plan if not state.frozen else free(state, plan)
+    rows = enabled(state, open_plan, state.draft.looked)
+    if rows:
+        _take(program, state, rows, trigger.name)
+    elif state.frozen and open_plan != plan:
+        keep_trigger(program, state, trigger)
+    elif source is not None:
+        _unanswered(program, state, trigger, source)
+    elif trigger.row is None and (trigger.name in BUILT_IN_EVENTS or state.draft.moves):
+        state.draft.notes.append(f"no row took '{trigger.name}'")
 
-    def _after_rows(self, node: Node) -> None:
-        if node.state is not None and node.state.timeout_s is not None:
-            limit_s = node.state.timeout_s
-            self._set_timer(("timeout", node.name), self.late_s + limit_s, f"{limit_s:g}", None, node.control)
+
+def _begin_round(program: Program, state: RunState, trigger: Trigger) -> None:
+    assert trigger.source is not None
+    _next_round(program, state, trigger.source)
+
+
+def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Node) -> None:
+    """An outcome that no transition handles: unless it is a success, it is the mission's failure."""
+    if trigger.name == "succeeded":
+        if source.activity:
+            state.draft.notes.append(f"no row took 'succeeded' of '{source.name}'")
+    elif trigger.climbs and source in state.config.nodes:
+        why = f"{source.name}: {trigger.name}" + (f" ({trigger.why})" if trigger.why else "")
+        end(program, state, "failed", why)
+
+
+def _take(program: Program, state: RunState, rows: list[CompiledTransition], trigger: str) -> None:
+    jump(program, state, program.graph.leap(state.config, tuple(rows), state.memory, trigger))
+
+
+def jump(program: Program, state: RunState, step: CompiledStep) -> None:
+    """Make one microstep."""
+    if not program.surroundings.before_step(state, step):
+        return _end_circle(program, state)
+    for node in step.exited:
+        _exit(program, state, node)
+    if step.remember:
+        state.memory.update(step.remember)
+    state.config = step.config
+    state.active = step.config.active
+    state.draft.shifted |= step.shifts
+    state.draft.moves.append(step.move)
+    for act in step.acts:
+        act(program, state)
+    for node in step.entered:
+        _enter(program, state, node)
+
+
+def _exit(program: Program, state: RunState, node: Node) -> None:
+    if node.timed:
+        state.timers.pop(("timeout", node.name), None)
         for row in node.rows:
-            if row.transition.after_s is not None:
-                self._set_timer(("after", row.place), row.transition.after_s, "after_s", None, node.control)
+            state.timers.pop(("after", row.place), None)
+    if node.name in state.running:
+        leave_activity(program, state, node)
+    _forget_waiting(state, node)
+    if node.clocked:
+        state.entered.pop(node.name, None)
+    if state.held:
+        for row in node.rows:
+            for memory in row.condition.holds if row.condition else ():
+                state.held.pop(memory, None)
+    if node in state.draft.starting:
+        state.draft.starting.remove(node)
 
-    def _hold(self) -> None:
-        """Remember since when the guards inside `held` have been true."""
-        for memory, test in (*self._config.holds.items(), *self._always_held.items()):
-            if self._frozen and self._graph.memories.get(memory) in self._frozen:
-                continue
-            true = test(self.view) is True
-            if true is not (memory in self.view.held):
-                self._touched = True
-                if true:
-                    self.view.held[memory] = self.view.at
-                else:
-                    del self.view.held[memory]
+
+def _forget_waiting(state: RunState, node: Node) -> None:
+    """What a state that is left waited for makes no difference any more."""
+    name, internal = node.name, state.draft.internal
+    if state.pending.pop(name, math.inf) < math.inf:
+        state.draft.given_up.add(node.control)
+    state.settling.pop(name, None)
+    if state.laid_by:
+        state.laid_by = tuple(each for each in state.laid_by if each != name)
+    if node.is_each and state.rounds.pop(name, None) is not None:
+        for trigger in [each for each in internal if each.name == "round" and each.source is node]:
+            internal.remove(trigger)  # a round that is left does not begin again
+
+
+def _enter(program: Program, state: RunState, node: Node) -> None:
+    if node.control is not None:
+        program.surroundings.before_entry(state, node)
+    if node.clocked:
+        state.entered[node.name] = now_of(state, node.control)
+    if node.timed:
+        set_timers(state, node)
+    if (node.activity or node.control) and node in state.config.atomic:
+        state.draft.starting.append(node)
+    if node.is_each and node in state.config.atomic:
+        _next_round(program, state, node)
+
+
+def set_timers(state: RunState, node: Node) -> None:
+    """Start what a state, or the mission, waits for from its entry on."""
+    if node.state is not None and node.state.timeout_s is not None:
+        limit_s = node.state.timeout_s
+        set_timer(state, ("timeout", node.name), late_s(state) + limit_s, f"{limit_s:g}", None, node.control)
+    for row in node.rows:
+        if row.transition.after_s is not None:
+            set_timer(state, ("after", row.place), row.transition.after_s, "after_s", None, node.control)
+
+
+def _next_round(program: Program, state: RunState, node: Node) -> None:
+    """Make the next item of a list the current one; after the last one the `each` succeeds."""
+    program.surroundings.before_round(state, node)
+    items, index = state.rounds[node.name]
+    if index < len(items):
+        if set_item(program, state, node, items[index]):
+            jump(program, state, program.graph.reenter(state.config, node, state.memory))
+    elif not any(trigger.source is node for trigger in state.draft.internal):
+        state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
+
+
+def _hold(program: Program, state: RunState) -> None:
+    """Remember since when the guards inside `held` have been true."""
+    for memory, test in (*state.config.holds.items(), *program.always_held.items()):
+        if state.frozen and program.graph.memories.get(memory) in state.frozen:
+            continue
+        is_true = test(state) is True
+        if is_true is not (memory in state.held):
+            state.draft.touched = True
+            if is_true:
+                state.held[memory] = state.at
+            else:
+                del state.held[memory]

@@ -12,12 +12,23 @@ from rai_missions.states.final import Final
 from rai_missions.states.history import History
 from rai_missions.states.state import State, Transition
 
-__all__ = ("Act", "CompiledTransition", "Condition", "Memory", "Node")
+__all__ = ("Act", "CompiledTransition", "Condition", "Content", "Memory", "Node")
 
-Act = Callable[[Any], None]
-"""An effect compiled: does its work on the chart it is given."""
+Act = Callable[[Any, Any], None]
+"""An effect compiled: does its work on the program and the state of the run that it is given."""
 Memory = Mapping[int, tuple["Node", ...]]
 """Index of a history state → the states it leads back to."""
+
+
+class Content(NamedTuple):
+    """How a mission's executable content is compiled."""
+
+    effect: Callable[[Any, str, str], Act]
+    """Of an effect, the place where it is written and its state."""
+    enter_each: Callable[[Any], Act]
+    """Of a state that goes through a list, as it is entered."""
+    reach_final: Callable[[Any, tuple[Any, ...]], Act]
+    """Of a final, as it is entered, and the parallel states that have all their regions in a final then."""
 
 
 class Condition(NamedTuple):

@@ -1,202 +1,229 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What states run while they are active: started when control allows, heard, and ended when they are left."""
+"""What states run while they are active: started when control allows, informed, and ended when they are left."""
 
 from __future__ import annotations
 
-from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Machine, Turn, concerns
-from rai_missions.engine.activities.factory import Bench, machine_of
-from rai_missions.engine.activities.tree import limit_of, questions_in
-from rai_missions.engine.decision import Question
-from rai_missions.engine.hold import Hold
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rai_missions.engine.activities import goal_ledger
+from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, concerns
+from rai_missions.engine.activities.tree import limit_of
+from rai_missions.engine.activities.tree_rounds import Rounds
+from rai_missions.engine.blackboard import write_key
+from rai_missions.engine.hold import awake, drop_reports, holder_of, is_held, live
 from rai_missions.engine.nodes import Node
-from rai_missions.engine.state import Trigger
-from rai_missions.engine.step import Handover
+from rai_missions.engine.program import Program
+from rai_missions.engine.state import RunState, Trigger
+from rai_missions.engine.step import CancelGoal, Handover
+from rai_missions.engine.timers import begins_at, next_number
 from rai_missions.event import Event
 
-__all__ = ("Activities",)
-
-WATCHED = {
-    "refused": "its server refuses to cancel it",
-    "lost": "its server is gone",
-    "contested": "more than one server has it",
-    "stray": "it is executing although its end was reported; it is canceled",
-    "over": "it is executing nowhere any more",
-}
-"""What is noted of a goal where its server gives no words."""
+__all__ = (
+    "Host", "begin", "begin_starting", "cancel_goals", "dispatch", "leave_activity", "outcome_of", "poll", "reads",
+    "request_control", "resting", "take_back", "unfinished",
+)  # fmt: skip
 
 
-class Activities(Hold):
-    """A chart that runs the machines of its states."""
+class Host:
+    """What activities may call (`ActivityHost`)."""
 
-    @property
-    def questions(self) -> tuple[Question, ...]:
-        """Those that are open, the oldest first, each with the time that it has by now."""
-        found = (each for _, _, state in self._live() for each in questions_in(state))
-        return tuple(sorted(found, key=lambda question: question.number))
+    __slots__ = ("_program", "view")
+
+    def __init__(self, program: Program, state: RunState) -> None:
+        self._program, self.view = program, state
 
     @property
-    def paused_at(self) -> float | None:
-        """Since when no question loses time; None while the run is not paused."""
-        return self._paused_at if self.mode == "paused" else None
+    def begins_at(self) -> float:
+        return begins_at(self.view)
 
-    def _machine(self, node: Node) -> Machine | None:
-        if node.name not in self._machines:
-            assert node.state is not None
-            bench = Bench(node.name, node.name, node.place, self.mission.blackboard, self.terms, self._ticker)
-            self._machines[node.name] = machine_of(node.state, bench)
-        return self._machines[node.name]
+    def next_number(self) -> int:
+        return next_number(self.view)
 
-    def _begin_starting(self) -> None:
-        """Start the activities of the states that are still active; first those whose control is where it belongs."""
-        nodes, self._starting = sorted(self._starting, key=lambda node: node.index), []
-        for node in nodes:
-            if node not in self._config.atomic:  # left meanwhile, or an `each` in whose round another stands
-                continue
-            if self._frozen and self._is_held(node):
-                self._laid_by = (*self._laid_by, node.name)
-            elif node.control is not None and node.control != self.holder:
-                self._request_control(node)
-            else:
-                self._begin(node)
+    def open_goal(self, owner: str, action: str, cancel_s: float) -> int:
+        number = next_number(self.view)
+        self.view.goals[number] = goal_ledger.Goal(number, owner, action, cancel_s)
+        return number
 
-    def _request_control(self, node: Node, until: float | None = None) -> None:
-        assert node.state is not None and node.control is not None
-        self._ask_for(node.control)
-        self._pending[node.name] = self.begins_at + node.state.handover_s if until is None else until
+    def close_goal(self, number: int) -> None:
+        state = self.view
+        state.draft.goal_ended = state.goals.pop(number, None) is not None or state.draft.goal_ended
 
-    def _ask_for(self, holder: str) -> None:
-        self._asked, request = holder, Handover(holder)
-        if request not in self.effects:
-            self.effects.append(request)
+    def obstruction(self, action: str) -> str:
+        return goal_ledger.obstruction(self.view.goals, self._program.facts, action)
 
-    def _take_back(self) -> None:
-        """Ask for control where it is: what asked for it elsewhere was left before it came, and nobody else waits."""
-        if self.outcome is None and self.holder not in ("operator", "nobody"):
-            wanted = {self._graph.nodes[name].control for name in self._pending}
-            if self._given_up - wanted - {self.holder}:
-                self._asked = self.holder
-                self.effects.append(Handover(self.holder))
+    def write_key(self, key: str, value: Any, by: str = "") -> bool:
+        return write_key(self._program, self.view, key, value, by)
 
-    def _begin(self, node: Node) -> None:
-        machine = self._machine(node) if node.activity else None
-        if machine is not None:
-            turn = machine.begin(self)
-            self._running[node.name] = turn.state
-            self._turn(node.name, turn)
+    def rounds(self, owner: str, loops: int) -> Rounds:
+        rounds = self.view.draft.tree_rounds
+        if owner not in rounds:
+            rounds[owner] = Rounds(loops)
+        return rounds[owner]
 
-    def _turn(self, name: str, turn: Turn) -> None:
-        """Take over what a machine has made of something."""
-        self._touched = True
-        for key, value in turn.writes:
-            self.write_key(key, value)
-        self._emit(turn.effects)
-        self.notes += turn.notes
-        if turn.outcome is None:
-            self._running[name] = turn.state
-            return
-        self._running.pop(name, None)
-        self._pending.pop(name, None)
-        node = self._graph.nodes[name]
-        self._timers.pop(("timeout", name), None)
-        if turn.outcome.why and node.family != "decision":
-            self.notes.append(f"{name} {turn.outcome.name}: {turn.outcome.why}")
-        self._internal.append(self._outcome_of(node, turn.outcome))
 
-    def _leave_activity(self, node: Node) -> None:
-        state = self._running.pop(node.name, None)
-        machine = self._machines.get(node.name)
-        if state is not None and machine is not None:
-            if self._kept or self._queue:
-                self._hear_kept(machine.awaits(state))
-            turn = machine.leave(state, self)
-            self._emit(turn.effects)
-            self.notes += turn.notes
+def outcome_of(node: Node, outcome: Outcome) -> Trigger:
+    """The trigger by which a state reports an outcome."""
+    return Trigger(outcome.name, outcome.data, node, why=outcome.why)
 
-    def _poll(self) -> bool:
-        """Let those machines look whom a key, a state, a goal's end or the time concerns; whether one spoke."""
-        if self.outcome is not None or self.mode == "paused":
-            return False
-        if not (self._due or self._ledger.changed or self._shifted or self._news or self._polled < len(self.written)):
-            return False
-        changed = self._shifted.union({GOALS} if self._ledger.changed else NO_KEYS)
-        keys = frozenset(key for key, _ in self.written[self._polled :]).union(changed, self._news)
-        due, self._due, self._polled, self._ledger.changed = self._due, NO_KEYS, len(self.written), False
-        news, self._news, self._shifted, spoke = self._news, {}, set(), False
-        for name, machine, state in self._awake() if keys or due else ():
-            if not (name in due or concerns(machine.reads(state), keys)):
-                continue
-            of_others = changed | {key for key, by in news.items() if by != name}
-            tick = Event("tick", self.view.at, {"keys": keys, "news": frozenset(of_others)}, "tick")
-            turn = machine.hear(state, tick, self)
-            if turn is not None:
-                self._turn(name, turn)
-                spoke = True
-        return spoke
 
-    @property
-    def _resting(self) -> tuple[str, ...]:
-        """The states whose trees rest at a limit."""
-        return tuple(name for name, state in self._running.items() if limit_of(state)) if self._has_trees else ()
+# -- started and left -------------------------------------------------------------------------------------------------
 
-    def _unfinished(self) -> frozenset[str]:
-        """The states whose trees have rounds left that follow at this instant."""
-        found = (name for name, state in self._running.items() if limit_of(state) == "rounds")
-        return frozenset(found) if self._has_trees else NO_KEYS
 
-    def _dispatch(self, event: Event) -> bool:
-        """Tell the machine that waits for it; whether one did."""
-        for name, machine, state in self._live():
-            turn = machine.hear(state, event, self)
-            if turn is not None:
-                self._turn(name, turn)
-                self._poll()
-                self._complete(None)
-                return True
+def begin_starting(program: Program, state: RunState) -> None:
+    """Start the activities of the states that are still active; first those whose control is where it belongs."""
+    draft = state.draft
+    nodes, draft.starting = sorted(draft.starting, key=lambda node: node.index), []
+    for node in nodes:
+        if node not in state.config.atomic:  # left meanwhile, or an `each` in whose round another is active
+            continue
+        if state.frozen and is_held(state, node):
+            state.laid_by = (*state.laid_by, node.name)
+        elif node.control is not None and node.control != holder_of(program, state):
+            request_control(state, node)
+        else:
+            begin(program, state, node)
+
+
+def request_control(state: RunState, node: Node) -> None:
+    """Ask for the control that a state needs; it waits so long as its `handover_s` says."""
+    assert node.state is not None and node.control is not None
+    state.asked, request = node.control, Handover(node.control)
+    if request not in state.draft.effects:
+        state.draft.effects.append(request)
+    state.pending[node.name] = begins_at(state) + node.state.handover_s
+
+
+def take_back(program: Program, state: RunState) -> None:
+    """Ask for control where it is: what asked for it elsewhere was left before it came, and nothing else waits."""
+    given_up = state.draft.given_up
+    if given_up and state.outcome is None and (holder := holder_of(program, state)) not in ("operator", "nobody"):
+        wanted = {program.graph.nodes[name].control for name in state.pending}
+        if given_up - wanted - {holder}:
+            state.asked = holder
+            state.draft.effects.append(Handover(holder))
+
+
+def begin(program: Program, state: RunState, node: Node) -> None:
+    """Start a state's activity."""
+    machine = program.machine(node) if node.activity else None
+    if machine is not None:
+        turn = machine.begin(Host(program, state))
+        state.running[node.name] = turn.state
+        _turn(program, state, node.name, turn)
+
+
+def leave_activity(program: Program, state: RunState, node: Node) -> None:
+    """End what a state runs."""
+    activity = state.running.pop(node.name, None)
+    machine = program.machines.get(node.name)
+    if activity is not None and machine is not None:
+        if state.kept or state.queue:
+            drop_reports(state, machine.awaits(activity))
+        turn = machine.leave(activity, Host(program, state))
+        _emit(state, turn.effects)
+        state.draft.notes += turn.notes
+
+
+# -- informed ---------------------------------------------------------------------------------------------------------
+
+
+def _turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
+    """Take over what a machine has made of something."""
+    state.draft.touched = True
+    for key, value in turn.writes:
+        write_key(program, state, key, value)
+    _emit(state, turn.effects)
+    state.draft.notes += turn.notes
+    if turn.outcome is None:
+        state.running[name] = turn.state
+        return
+    state.running.pop(name, None)
+    state.pending.pop(name, None)
+    node = program.graph.nodes[name]
+    state.timers.pop(("timeout", name), None)
+    if turn.outcome.why and node.family != "decision":
+        state.draft.notes.append(f"{name} {turn.outcome.name}: {turn.outcome.why}")
+    state.draft.internal.append(outcome_of(node, turn.outcome))
+
+
+def _emit(state: RunState, effects: Iterable[Any]) -> None:
+    for effect in effects:
+        if isinstance(effect, CancelGoal):
+            cancel_goals(state, (effect.number,))
+        else:
+            state.draft.effects.append(effect)
+
+
+def cancel_goals(state: RunState, numbers: Iterable[int]) -> None:
+    """End goals: a cancel is sent for each that was accepted, for the others once they are."""
+    for number in tuple(numbers):
+        state.draft.effects += goal_ledger.cancel(state.goals, number, begins_at(state))
+
+
+def poll(program: Program, state: RunState) -> bool:
+    """Let those activities look whom a key, a state, a goal's end or the time concerns; whether one acted."""
+    draft = state.draft
+    if not (draft.due or draft.goal_ended or draft.shifted or draft.news or draft.polled < len(draft.written)):
         return False
+    if state.outcome is not None or state.mode == "paused":
+        return False
+    changed = draft.shifted.union({GOALS} if draft.goal_ended else NO_KEYS)
+    keys = frozenset(key for key, _ in draft.written[draft.polled :]).union(changed, draft.news)
+    due, draft.due, draft.polled, draft.goal_ended = draft.due, NO_KEYS, len(draft.written), False
+    news, draft.news, draft.shifted = draft.news, {}, set()
+    return bool(state.running) and _informed(program, state, keys, due, changed, news)
 
-    def _report(self, event: Event) -> None:
-        """An action's server or a service has said something."""
-        number = event.number
-        known = number in self._ledger.goals
-        if self.mode == "paused" and any(getattr(state, "number", 0) == number for state in self._running.values()):
-            return self._wait_out_pause(event)
-        if self._is_for_held(number):
-            return self._keep(event)
-        self.effects += self._ledger.hear(event)
-        if number in self._calls and event.kind == "result":
-            service = self._calls.pop(number)
-            if event.name != "succeeded":
-                why = str(event.data.get("why", event.name))
-                self.notes.append(f"call of '{service}' failed: {why}")
-                self._heard(Trigger("call_failed", {"call": service, "why": why}))
-            return
-        if self.outcome is not None or not self._dispatch(event):
-            if not known:
-                self._refused = f"stale: nothing that was started as {number} is running"
-                return
-            if event.kind == "result":
-                self.notes.append(f"goal {number} has ended: {event.name}")
-            if (self._poll() or self._internal) and self.outcome is None:
-                self._complete(None)
 
-    def _watch_goal(self, event: Event) -> None:
-        """What a goal's servers do outside its course: refuse a cancel, be two, execute it after its end, stop it."""
-        why = str(event.data.get("why", "")) or WATCHED[event.kind]
-        known = event.number in self._ledger.goals
-        if not known and event.kind != "stray":
-            self._refused = f"stale: nothing that was started as {event.number} is running"
-            return
-        self.notes.append(f"goal {event.number} of '{event.name}': {why}")
-        self.effects += self._ledger.hear(event)
-        self._poll()
-        if self._internal and self.outcome is None:
-            self._complete(None)
+def _informed(
+    program: Program, state: RunState, keys: frozenset[str], due: frozenset[str], changed: frozenset[str] | set[str],
+    news: Mapping[str, str],
+) -> bool:  # fmt: skip
+    has_acted = False
+    for name, machine, activity in awake(program, state):
+        if not (name in due or concerns(machine.reads(activity), keys)):
+            continue
+        of_others = changed | {key for key, by in news.items() if by != name}
+        tick = Event("tick", state.at, {"keys": keys, "news": frozenset(of_others)}, "tick")
+        turn = machine.hear(activity, tick, Host(program, state))
+        if turn is not None:
+            _turn(program, state, name, turn)
+            has_acted = True
+    return has_acted
 
-    def _reads(self) -> frozenset[str]:
-        """What may change something now when it changes: keys, and states that a machine asks for."""
-        reads = self._config.reads | self._graph.invariant_reads
-        for _, machine, state in self._live():
-            reads |= machine.reads(state)
-        if self._settling or self._final is not None:
-            reads |= frozenset({"*"})
-        return reads
+
+def dispatch(program: Program, state: RunState, event: Event) -> bool:
+    """Give an event to the activity that waits for it; whether one did."""
+    for name, machine, activity in live(program, state):
+        turn = machine.hear(activity, event, Host(program, state))
+        if turn is not None:
+            _turn(program, state, name, turn)
+            poll(program, state)
+            return True
+    return False
+
+
+# -- what follows -----------------------------------------------------------------------------------------------------
+
+
+def resting(program: Program, state: RunState) -> tuple[str, ...]:
+    """The states whose trees rest at a limit."""
+    found = state.running.items() if program.has_trees and state.running else ()
+    return tuple(name for name, activity in found if limit_of(activity))
+
+
+def unfinished(program: Program, state: RunState) -> frozenset[str]:
+    """The states whose trees have rounds left that follow at this instant."""
+    if not program.has_trees or not state.running:
+        return NO_KEYS
+    return frozenset(name for name, activity in state.running.items() if limit_of(activity) == "rounds")
+
+
+def reads(program: Program, state: RunState) -> frozenset[str]:
+    """What may change something now when it changes: keys, and states that an activity asks for."""
+    found = state.config.reads | program.graph.invariant_reads
+    for _, machine, activity in live(program, state):
+        found |= machine.reads(activity)
+    if state.settling or state.final is not None:
+        found |= frozenset({"*"})
+    return found

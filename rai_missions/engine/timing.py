@@ -5,139 +5,168 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
+from itertools import chain
 
+from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import NO_KEYS, Outcome
-from rai_missions.engine.commands import Modes
-from rai_missions.engine.macrostep import MOST_MICROSTEPS
-from rai_missions.engine.state import Timer, Trigger
+from rai_missions.engine.completion import check_invariants, end
+from rai_missions.engine.hold import awake
+from rai_missions.engine.macrostep import MOST_MICROSTEPS, complete, react
+from rai_missions.engine.program import Program
+from rai_missions.engine.running import leave_activity, outcome_of, poll, reads, resting, unfinished
+from rai_missions.engine.state import RunState, Timer, TimerKey, Trigger
 from rai_missions.engine.step import CancelGoal
+from rai_missions.guards.guard import Instant
 
-__all__ = ("Instants",)
+__all__ = ("catch_up", "look_ahead", "look_for_time", "next_instant", "pass_instant")
 
 
-class Instants(Modes):
-    """A chart that knows what time alone does."""
+def catch_up(program: Program, state: RunState, at: float) -> None:
+    """Let everything that was due until `at` happen, each at its own instant."""
+    if at < state.wake:
+        return
+    same, moved, draft = 0, False, state.draft
+    if rounds := unfinished(program, state):
+        draft.due, moved = rounds, True
+        pass_instant(program, state)
+    while (due := next_instant(program, state)) <= at and same < MOST_MICROSTEPS:
+        same, moved = same + 1 if due <= state.at else 0, True
+        draft.due = unfinished(program, state).union(_woken(program, state, due))
+        state.at = max(state.at, due)
+        pass_instant(program, state)
+    if same >= MOST_MICROSTEPS:
+        _end_endless(program, state)
+    if moved:
+        state.listening = reads(program, state)  # what comes now finds what time has made of it
 
-    def _catch_up(self, at: float) -> None:
-        """Let everything that was due until `at` happen, each at its own instant."""
-        if at < self._wake:
-            return
-        same, moved = 0, False
-        if unfinished := self._unfinished():
-            self._due, moved = unfinished, True
-            self._instant()
-        while (due := self._next_instant()) <= at and same < MOST_MICROSTEPS:
-            same, moved = same + 1 if due <= self.view.at else 0, True
-            self._due = self._unfinished().union(self._woken(due))
-            self.view.at = max(self.view.at, due)
-            self._instant()
-        if same >= MOST_MICROSTEPS:
-            self._endless()
-        if moved:
-            self._listening = self._reads()  # what comes now finds what time has made of it
 
-    def _woken(self, due: float) -> Iterable[str]:
-        """The states whose machines asked for an instant not later than this."""
-        for name, machine, state in self._awake() if self._running else ():
-            if machine.wake_at(state, self.view) <= due:
-                yield name
+def _woken(program: Program, state: RunState, due: float) -> Iterable[str]:
+    """The states whose activities asked for an instant not later than this."""
+    for name, machine, activity in awake(program, state) if state.running else ():
+        if machine.wake_at(activity, state) <= due:
+            yield name
 
-    def _endless(self) -> None:
-        where = ", ".join(sorted(self.view.active))
-        self._end("failed", f"timers without end in {where}", cause="cycle")
 
-    def _instant(self) -> None:
-        """What time alone does now."""
-        self._tree_rounds.clear()
-        now = self.view.at
-        if self.mode == "paused":
-            self._give_up_goals()
-            self._check_invariants()
-            return
-        if self.mode == "canceling" and now >= self._cancel_by:
-            self._end("canceled", "the cancel took longer than cancel_s")
-        machines, self._due = self._due, NO_KEYS  # their turn comes after that of all timers
-        for _ in range(MOST_MICROSTEPS):
-            due = [(timer.due, timer.order, key) for key, timer in self._timers.items()
-                   if timer.due <= now and timer.control not in self._frozen]  # fmt: skip
-            if self.outcome is not None or not due:
-                break
-            key = min(due)[2]
-            self._fire(key, self._timers.pop(key))
-        else:
-            return self._endless()
-        for name in [name for name, until in self._pending.items() if until <= now]:
-            if self._pending.get(name, math.inf) > now:
-                continue  # the one before led out of it, or anew into it
-            del self._pending[name]
-            node = self._graph.nodes[name]
-            self._given_up.add(node.control)
-            self._leave_activity(node)
-            self._heard(
-                self._outcome_of(node, Outcome("rejected", why=f"{node.control} was not given control in time"))
-            )
-        self._give_up_goals()
-        self._due = machines
-        self._poll()
-        self._complete(None)
+def _end_endless(program: Program, state: RunState) -> None:
+    end(program, state, "failed", f"timers without end in {', '.join(sorted(state.active))}", cause="cycle")
 
-    def _give_up_goals(self) -> None:
-        """Goals whose end nobody has confirmed in time are orphans from now on."""
-        for goal in self._ledger.overdue(self.view.at):
-            self.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
-            if goal.phase == "withdrawn":  # nobody may hear its acceptance any more, so the server is told beforehand
-                self.effects.append(CancelGoal(goal.number, goal.action))
-            self._heard(Trigger("orphaned", {"action": goal.action, "number": goal.number}))
 
-    def _fire(self, key: tuple[str, Any], timer: Timer) -> None:
-        kind, which = key
-        self._touched = True
-        if kind == "after":
-            self._heard(Trigger("after_s", {}, row=self._graph.rows[which]))
-        elif kind == "timeout":
-            node = self._graph.nodes[which]
-            self._leave_activity(node)
-            self._heard(self._outcome_of(node, Outcome("timed_out", why=f"{timer.name} s have passed")))
-        else:
-            self._heard(Trigger(timer.name, timer.data))
+def pass_instant(program: Program, state: RunState) -> None:
+    """What time alone does now."""
+    draft, now = state.draft, state.at
+    draft.tree_rounds.clear()
+    if state.mode == "paused":
+        _give_up_goals(program, state)
+        check_invariants(program, state)
+        return
+    if state.mode == "canceling" and now >= state.cancel_by:
+        end(program, state, "canceled", "the cancel took longer than cancel_s")
+    due, draft.due = draft.due, NO_KEYS  # the activities' turn comes after that of all timers
+    for _ in range(MOST_MICROSTEPS):
+        ringing = [(timer.due, timer.order, key) for key, timer in state.timers.items()
+                   if timer.due <= now and timer.control not in state.frozen]  # fmt: skip
+        if state.outcome is not None or not ringing:
+            break
+        key = min(ringing)[2]
+        _ring(program, state, key, state.timers.pop(key))
+    else:
+        return _end_endless(program, state)
+    _reject_late_handovers(program, state)
+    _give_up_goals(program, state)
+    draft.due = due
+    poll(program, state)
+    complete(program, state, None)
 
-    def _deadline(self, soonest: float) -> float:
-        """The next one of timers, handovers and finals, but for what stands still; at the latest the one given."""
-        frozen, nodes = self._frozen, self._graph.nodes
-        for timer in self._timers.values():
-            if timer.due < soonest and not (frozen and timer.control in frozen):
-                soonest = timer.due
-        for until in self._pending.values():
-            soonest = min(soonest, until)
-        for name, until in self._settling.items():
-            if until < soonest and (not frozen or self._final is not None or nodes[name].control not in frozen):
-                soonest = until
+
+def _reject_late_handovers(program: Program, state: RunState) -> None:
+    """States that were not given control in time report that they were rejected."""
+    now = state.at
+    for name in [name for name, until in state.pending.items() if until <= now]:
+        if state.pending.get(name, math.inf) > now:
+            continue  # the one before led out of it, or into it again
+        del state.pending[name]
+        node = program.graph.nodes[name]
+        state.draft.given_up.add(node.control)
+        leave_activity(program, state, node)
+        rejected = Outcome("rejected", why=f"{node.control} was not given control in time")
+        react(program, state, outcome_of(node, rejected))
+
+
+def _give_up_goals(program: Program, state: RunState) -> None:
+    """Goals whose end was not confirmed in time are orphans from now on."""
+    for goal in goal_ledger.overdue(state.goals, state.at) if state.goals else ():
+        state.draft.goal_ended = True
+        state.draft.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
+        if goal.phase == "withdrawn":  # nothing may wait for its acceptance any more: the server is told beforehand
+            state.draft.effects.append(CancelGoal(goal.number, goal.action))
+        react(program, state, Trigger("orphaned", {"action": goal.action, "number": goal.number}))
+
+
+def _ring(program: Program, state: RunState, key: TimerKey, timer: Timer) -> None:
+    kind, which = key
+    state.draft.touched = True
+    if kind == "after":
+        react(program, state, Trigger("after_s", {}, row=program.graph.rows[which]))
+    elif kind == "timeout":
+        node = program.graph.nodes[which]
+        leave_activity(program, state, node)
+        react(program, state, outcome_of(node, Outcome("timed_out", why=f"{timer.name} s have passed")))
+    else:
+        react(program, state, Trigger(timer.name, timer.data))
+
+
+# -- what comes next --------------------------------------------------------------------------------------------------
+
+
+def look_ahead(program: Program, state: RunState) -> None:
+    """What the next event finds: whether it can take the short way, what it may change, what time alone does."""
+    is_running = state.mode == "running" and state.final is None and state.outcome is None
+    state.quick = is_running and not program.named and not state.frozen and not resting(program, state)
+    state.listening = reads(program, state) if state.mode != "ended" else NO_KEYS
+    look_for_time(program, state)
+
+
+def look_for_time(program: Program, state: RunState) -> None:
+    """When time alone does something: at once, where the rounds of a tree follow at this instant."""
+    state.wake = state.at if unfinished(program, state) else next_instant(program, state)
+
+
+def next_instant(program: Program, state: RunState) -> float:
+    """The earliest instant at which time alone can change something."""
+    soonest = goal_ledger.next_overdue(state.goals) if state.goals else math.inf
+    if state.mode == "ended" or state.mode == "ready":
+        return soonest if state.mode == "ended" else math.inf
+    for _, condition in program.invariants:
+        soonest = _soonest(state, condition.instants, soonest)
+    if state.mode == "paused":
         return soonest
-
-    def _next_instant(self) -> float:
-        """The earliest instant at which time alone can change something."""
-        now, soonest = self.view.at, self._ledger.wake_at()
-        if self.mode == "ended" or self.mode == "ready":
-            return soonest if self.mode == "ended" else math.inf
-        for _, condition in self._invariants:
-            for instant in condition.instants:
-                soonest = min(soonest, _later(instant(self.view), now))
-        if self.mode == "paused":
-            return soonest
-        soonest = min(soonest, self._cancel_by)
-        soonest = self._deadline(soonest)
-        for instant in self._config.instants:
-            soonest = min(soonest, _later(instant(self.view), now))
-        if self._settling or self._final is not None:
-            finals = {self._final, *(self._graph.nodes[name] for name in self._settling)}
-            for requires in [final.requires for final in finals if final is not None and final.requires is not None]:
-                for instant in requires.instants:
-                    soonest = min(soonest, _later(instant(self.view), now))
-        for _, machine, state in self._awake() if self._running else ():
-            soonest = min(soonest, machine.wake_at(state, self.view))
-        return soonest
+    soonest = _soonest(state, state.config.instants, min(_deadline(program, state), soonest, state.cancel_by))
+    if state.settling or state.final is not None:
+        finals = {state.final, *(program.graph.nodes[name] for name in state.settling)}
+        requires = [final.requires for final in finals if final is not None and final.requires is not None]
+        soonest = _soonest(state, chain.from_iterable(each.instants for each in requires), soonest)
+    for _, machine, activity in awake(program, state) if state.running else ():
+        soonest = min(soonest, machine.wake_at(activity, state))
+    return soonest
 
 
-def _later(instant: float, now: float) -> float:
-    return instant if instant > now else math.inf
+def _soonest(state: RunState, instants: Iterable[Instant], soonest: float) -> float:
+    """The earliest of these that is yet to come, and of what is known already."""
+    for instant in instants:
+        if soonest > (due := instant(state)) > state.at:
+            soonest = due
+    return soonest
+
+
+def _deadline(program: Program, state: RunState) -> float:
+    """The next one of timers, handovers and finals, but for what stands still."""
+    soonest, frozen, nodes = math.inf, state.frozen, program.graph.nodes
+    for timer in state.timers.values():
+        if timer.due < soonest and not (frozen and timer.control in frozen):
+            soonest = timer.due
+    for until in state.pending.values():
+        soonest = min(soonest, until)
+    for name, until in state.settling.items():
+        if until < soonest and (not frozen or state.final is not None or nodes[name].control not in frozen):
+            soonest = until
+    return soonest

@@ -148,13 +148,13 @@ class Graph(Compiled):
         """The acts of entering one node; a final tells of its parent's end, and of a parallel state's with it."""
         node = into[index]
         if node.is_each:
-            yield lambda chart: chart.enter_each(node)
+            yield self._content.enter_each(node)
         yield from node.entry
         if node.is_final and node.parent is not None:
             so_far = (config.nodes - exited) | set(into[: index + 1])
             outer = node.parent if node.parent.is_parallel else node.parent.parent
             complete = tuple(self.complete(outer, so_far))
-            yield lambda chart: chart.reach_final(node, complete)
+            yield self._content.reach_final(node, complete)
 
     def complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
         """The parallel states that have all their regions in a final now, inner first."""

@@ -125,9 +125,9 @@ class _Proving:
     def proof(self) -> Proof:
         while True:
             space = self._explored(progress=self._progress)
-            if space.is_whole and self._has_more(space.chart):
+            if space.is_whole and self._has_more(space.environment):
                 continue
-            found = claims(self._few, space, is_sampled=bool(space.chart.values.learned.sampled))
+            found = claims(self._few, space, is_sampled=bool(space.environment.world.values.learned.sampled))
             short = self._short(space) if space.levels and space.is_whole else []
             ways = {} if short else {each.name: self._told(space, each) for each in found if each.has_run}
             if None in ways.values() and space.is_whole:
@@ -137,9 +137,10 @@ class _Proving:
             self._rounds |= {loop: min(2 * self._rounds[loop], loop.rounds) for loop in short}
             self._few = with_rounds(self._mission, self._rounds)
 
-    def _has_more(self, chart: Environment) -> bool:
+    def _has_more(self, environment: Environment) -> bool:
         """Have all the rounds of trees explored that may rest at the limit of a step; whether some were left out."""
-        resting = may_rest(self._mission, chart.at_once, chart.restarted)
+        seen = environment.instruments
+        resting = may_rest(self._mission, seen.at_once, seen.restarted)
         more = {
             loop: loop.rounds for loop, many in self._rounds.items() if loop.state in resting and many < loop.rounds
         }
@@ -154,7 +155,7 @@ class _Proving:
 
     def _proof(self, space: Space, found: list[Property], told: dict[str, list[TraceStep] | None]) -> Proof:
         """What was found out, once the rounds that were explored stand for all."""
-        chart, ways = space.chart, {name: run for name, run in told.items() if run is not None}
+        world, ways = space.environment.world, {name: run for name, run in told.items() if run is not None}
         found = [
             each if each.name not in told or each.name in ways else Property(each.name, "explored") for each in found
         ]
@@ -165,8 +166,8 @@ class _Proving:
             claims=tuple(found), ways=ways, states=space.states, steps=space.steps, depth=space.depth,
             farthest=max(space.distances(space.ends), default=0), is_whole=space.is_whole,
             stopped=space.meter.stopped, done=space.done,
-            assumed=tuple(sorted(chart.assumed)), in_pause=tuple(sorted(space.in_pause)),
-            predicates=tuple(sorted(chart.predicates)), sampled=chart.values.learned.sampled,
+            assumed=tuple(sorted(world.assumed)), in_pause=tuple(sorted(space.in_pause)),
+            predicates=tuple(sorted(world.predicates)), sampled=world.values.learned.sampled,
             alike={str(loop): loop.rounds for loop, many in self._rounds.items() if many < loop.rounds},
             never=tuple(name for name in names if name not in space.entered) if space.is_whole else (),
             seconds=time.perf_counter() - self._began,
@@ -177,22 +178,24 @@ class _Proving:
         progress: Callable[[int, int], None] = lambda found, done: None,
     ) -> Space:  # fmt: skip
         left = self._limits.seconds - (time.perf_counter() - self._began)
-        space = Space(self._chart(self._few, is_calm=is_calm), self._limits._replace(seconds=left), progress,
+        space = Space(self._environment(self._few, is_calm=is_calm), self._limits._replace(seconds=left), progress,
                       wanted=wanted)  # fmt: skip
         space.explore()
         return space
 
-    def _chart(self, mission: Mission, *, is_calm: bool = False) -> Environment:
-        chart = Environment(mission, self._ticker, terms=self._terms)
-        chart.is_calm, chart.loops = is_calm, tuple(self._rounds)
-        return chart
+    def _environment(self, mission: Mission, *, is_calm: bool = False) -> Environment:
+        environment = Environment(mission, self._ticker, terms=self._terms, is_calm=is_calm)
+        environment.codec.loops = tuple(self._rounds)
+        return environment
 
     def _told(self, space: Space, claim: Property) -> list[TraceStep] | None:
         """The shortest run to where a claim is refuted, with all the rounds of its loops; None where it has no such."""
         run = scenes(space, claim)
         if not self._rounds:
             return run
-        few, every = (self._chart(each, is_calm=space.chart.is_calm) for each in (self._few, self._mission))
+        few, every = (
+            self._environment(each, is_calm=space.environment.control.is_calm) for each in (self._few, self._mission)
+        )
         missing = unrolled(few, every, ways_to(space, claim), self._rounds)
         return repeated(run, missing) if missing is not None else None
 

@@ -10,8 +10,8 @@ from typing import Any
 from rai_missions.engine.activities.action import GoalActivity
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity
-from rai_missions.prove.instrumented_chart import NOW
 from rai_missions.prove.nondeterminism import OpenFields
+from rai_missions.prove.open_world import NOW
 
 __all__ = ("SOON", "plain", "rested", "told", "told_timer")
 

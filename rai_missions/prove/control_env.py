@@ -6,69 +6,63 @@ Rule: the operator may take control and give it back at any time, so a look find
 
 from __future__ import annotations
 
-from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.hold import OUTCOME
+from rai_missions.engine import Chart
+from rai_missions.engine.hold import OUTCOME, held_controls
 from rai_missions.engine.nodes import Node
-from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.state import RunState
 from rai_missions.event import Event
-from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
-from rai_missions.prove.instrumented_chart import NOW, InstrumentedChart
+from rai_missions.mission.mission import BUILT_IN_EVENTS
+from rai_missions.prove.nondeterminism import Choices
+from rai_missions.prove.open_world import NOW
 
-__all__ = ("ControlEnvironment",)
+__all__ = ("ControlEnvironment", "control_event", "kept_words")
 
 OTHERS = ("autonomy", "agent", "operator")
 """Of these the first whose control no active state needs stands for every holder who holds nothing up."""
 
 
-class ControlEnvironment(InstrumentedChart):
-    """A chart that finds out who has control when it looks."""
+class ControlEnvironment:
+    """Finds out who has control when a rule looks.
 
-    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None) -> None:
-        self._holder: str | None = None
-        self.is_calm = False
-        """The operator leaves the mission alone: nobody pauses it, and control goes where the mission asks it to go."""
-        super().__init__(mission, ticker, terms=terms)
-        self._needed = self._graph.controls
-        self.holds = ("nobody", *(("operator",) if "operator" in self._needed else ()))
+    Args:
+        chart: The mission.
+        choices: Where what is left open is chosen.
+        is_calm: The operator leaves the mission alone: control goes where the mission asks it to go.
+    """
+
+    def __init__(self, chart: Chart, choices: Choices, *, is_calm: bool = False) -> None:
+        self._chart, self._choices, self.is_calm = chart, choices, is_calm
+        self.needed = chart.program.graph.controls
+        """Whose control states of the mission need."""
+        self.holds = ("nobody", *(("operator",) if "operator" in self.needed else ()))
         """With whom control can be while the mission is held; without states of the operator it makes no difference."""
         self.is_going_on = False
         """The mission is resumed: what waits for control may find that it was given meanwhile."""
         self.found: Event | None = None
         """What has happened to control before the last look, as it was found then."""
-        self._named_events = frozenset(name for row in self._graph.rows.values() for name in row.transition.on)
+        rows = chart.program.graph.rows.values()
+        self._named_events = frozenset(name for row in rows for name in row.transition.on)
         """The events, and outcomes, that transitions name."""
         self._may_be_held = False
         """Nothing here tells yet whether the operator has taken control."""
 
     # -- who has it -----------------------------------------------------------------------------------------------
 
-    @property
-    def holder(self) -> str:
-        """Who has control."""
-        if self._holder is None:
-            who: str = self.choices.pick(self._possible())
-            self._holder, self.found = who, _handed(who, "mission")
-        return self._holder
-
-    @holder.setter
-    def holder(self, who: str) -> None:
-        self._holder = who
-
-    @property
-    def held_by(self) -> str:
-        """As `Chart.held_by` has it; without a look where it makes no difference."""
-        is_held = self._holder == "nobody" or (self._holder == "operator" and self.taken)
-        return str(self._holder) if is_held and self.mode not in ("ready", "ended") else ""
+    def find(self, state: RunState) -> str:
+        """A rule looks who has control."""
+        who: str = self._choices.pick(self._possible())
+        state.holder, self.found = who, control_event(who, "mission")
+        return who
 
     @property
     def is_held(self) -> bool:
         """Some active state waits for the operator to give control back."""
-        return bool(self._frozen)
+        return bool(self._chart.state.frozen)
 
     @property
-    def here(self) -> set[str]:
+    def here(self) -> frozenset[str]:
         """Whose control active states need."""
-        return {node.control for node in self._config.nodes if node.control is not None}
+        return self._chart.state.config.controls
 
     @property
     def others(self) -> list[str]:
@@ -85,71 +79,66 @@ class ControlEnvironment(InstrumentedChart):
     @property
     def waited_for(self) -> set[str]:
         """Whose control something waits for."""
-        found = {self._graph.nodes[name].control for name in self._pending}
+        nodes = self._chart.program.graph.nodes
+        found = {nodes[name].control for name in self._chart.state.pending}
         return {who for who in found if who is not None}
 
     @property
     def is_in_hand(self) -> bool:
         """Something runs that needs control."""
-        nodes = self._graph.nodes
-        return any(nodes[name].control is not None for name in self._running)
+        nodes = self._chart.program.graph.nodes
+        return any(nodes[name].control is not None for name in self._chart.state.running)
 
     def let_go(self) -> None:
         """Forget who has control, unless something here runs by it, or is held."""
-        if not self._needed or self.is_calm:
+        state = self._chart.state
+        if not self.needed or self.is_calm:
             return
-        if self.mode == "paused" or not (self._frozen and self.here):
-            self._frozen, self.taken = {}, False
-            if self.mode == "paused" or not self.is_in_hand:
-                self._holder = None
+        if state.mode == "paused" or not (state.frozen and self.here):
+            state.frozen, state.taken = {}, False
+            if state.mode == "paused" or not self.is_in_hand:
+                state.holder = None
 
     # -- taken, and given back ------------------------------------------------------------------------------------
 
     def leave_open(self) -> None:
         """A step begins: where nothing that is active needs control, the operator may have taken it."""
-        self._may_be_held = bool(self._needed) and not self.is_calm and self._holder is None and not self.here
+        is_open = self._chart.state.holder is None and not self.here
+        self._may_be_held = bool(self.needed) and not self.is_calm and is_open
 
-    def _enter(self, node: Node) -> None:
-        if node.control is not None and self._may_be_held and self._holder is None:
+    def enter(self, state: RunState, node: Node) -> None:
+        """The first state that needs control is entered: now it makes a difference whether the operator took it."""
+        if node.control is not None and self._may_be_held and state.holder is None:
             self._may_be_held = False
-            held = self.choices.choose(1 + len(self.holds))
+            held = self._choices.choose(1 + len(self.holds))
             if held:
                 self.take(self.holds[held - 1])
-                self._frozen = dict.fromkeys(self._held_controls(), NOW)
-        super()._enter(node)
+                state.frozen = dict.fromkeys(held_controls(self._chart.program, state), NOW)
 
     def take(self, who: str) -> None:
         """The operator has taken control, or it is with nobody."""
-        self._holder, self.taken, self.found = who, who == "operator", _handed(who, "operator")
+        state = self._chart.state
+        state.holder, state.taken, self.found = who, who == "operator", control_event(who, "operator")
 
-    def _is_taken(self, event: Event) -> bool:
-        return event.name == "operator" and event.data.get("by") == "operator"
+    # -- what waits -----------------------------------------------------------------------------------------------
 
-    def _pause(self) -> None:
-        """While it is paused it makes no difference who has control: whoever has it then is found as it is resumed."""
-        super()._pause()
-        if self.mode == "paused":
-            nodes = self._graph.nodes
-            names = {*self._suspended, *self._laid_by}
-            self._suspended = tuple(sorted(names, key=lambda name: nodes[name].index))
-            self._laid_by = ()
-            self._queue, self._kept = self._kept, ()
+    def lay_by(self) -> None:
+        """The mission is paused: while it is, it makes no difference who has control, or why something waits."""
+        state, nodes = self._chart.state, self._chart.program.graph.nodes
+        names = {*state.suspended, *state.laid_by}
+        state.suspended = tuple(sorted(names, key=lambda name: nodes[name].index))
+        state.laid_by = ()
+        state.queue, state.kept = state.kept, ()
 
-    def _keep(self, event: Event) -> None:
-        """What comes from outside can come just as well right after the hand-back; all else is kept, once."""
-        if _is_new(event, self._kept):
-            super()._keep(event)
+    def waits(self, state: RunState, event: Event, waiting: tuple[Event, ...]) -> bool:
+        """What comes from outside can come just as well right after the hand-back; all else is kept, once.
 
-    def _wait_out_pause(self, event: Event) -> None:
-        """The same for the end of a pause, where some transition names it."""
-        if event.name in self._named_events and _is_new(event, self._queue):
-            super()._wait_out_pause(event)
-
-
-def _is_new(event: Event, waiting: tuple[Event, ...]) -> bool:
-    """Whether it comes from inside, and nothing that waits makes the same difference."""
-    is_own = event.kind == OUTCOME or event.name in BUILT_IN_EVENTS
-    return is_own and all(kept_words(event) != kept_words(each) for each in waiting)
+        The same for the end of a pause, where some transition names it.
+        """
+        is_own = event.kind == OUTCOME or event.name in BUILT_IN_EVENTS
+        if not is_own or any(kept_words(event) == kept_words(each) for each in waiting):
+            return False
+        return state.mode != "paused" or event.name in self._named_events
 
 
 def kept_words(event: Event) -> tuple[str, str]:
@@ -158,5 +147,6 @@ def kept_words(event: Event) -> tuple[str, str]:
     return event.name, str(data.get("state", data.get("action", data.get("call", ""))))
 
 
-def _handed(who: str, by: str) -> Event:
+def control_event(who: str, by: str) -> Event:
+    """Control is with somebody from now on."""
     return Event(who, NOW, {"by": by}, "control")

@@ -17,11 +17,13 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CallService, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.guards.guard import Truth
+from rai_missions.guards.named import Named
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import CANCEL, KILL, START, Edge, Space
 from rai_missions.prove.nondeterminism import OpenFields
+from rai_missions.prove.parts import guards_in
 from rai_missions.prove.properties import Property
 
 __all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")
@@ -61,17 +63,17 @@ def ways_to(space: Space, claim: Property) -> list[Edge]:
 
 def scenes(space: Space, claim: Property) -> list[TraceStep]:
     """What happens on the shortest way to where a claim is refuted."""
-    chart, way = space.chart, ways_to(space, claim)
-    chart.load(*space.fresh)
-    told = []
-    for each in way:
-        told.append(_scene(chart, each))
-        chart.settle()
-        chart.load(chart.save(), chart.own())
-    return told
+    environment = space.environment
+    environment.load(*space.fresh)
+    found = []
+    for each in ways_to(space, claim):
+        found.append(_scene(environment, each))
+        environment.settle()
+        environment.load(environment.codec.save(), environment.codec.own())
+    return found
 
 
-def go(chart: Environment, way: Edge) -> tuple[str, str]:
+def go(environment: Environment, way: Edge) -> tuple[str, str]:
     """Let happen again what led one way.
 
     Returns:
@@ -80,31 +82,34 @@ def go(chart: Environment, way: Edge) -> tuple[str, str]:
     Raises:
         LookupError: That cannot happen here.
     """
-    state, own = chart.save(), chart.own()
-    happening = list(chart.happenings())[way.at] if way.at >= 0 else None
+    saved, own = environment.codec.save(), environment.codec.own()
+    happening = list(environment.happenings())[way.at] if way.at >= 0 else None
     if happening is not None and happening.words != way.words:
         raise LookupError(way.words)
-    chart.load(state, own)
-    chart.choices.begin(way.trail)
-    chart.said, chart.found = None, None
-    commands = {START: chart.begin, CANCEL: chart.ordering("cancel"), KILL: chart.ordering("kill")}
+    environment.load(saved, own)
+    environment.choices.begin(way.trail)
+    environment.inputs.said, environment.control.found = None, None
     if happening is None:
-        chart.make(commands[way.words])
+        order = environment.ordering
+        commands = {START: environment.begin, CANCEL: order("cancel"), KILL: order("kill")}
+        environment.make(commands[way.words])
         return "", ""
-    owner = chart.owner_of(happening.number)
-    chart.make(happening.do)
+    owner = environment.inputs.owner_of(happening.number)
+    environment.make(happening.do)
     return owner, happening.stale
 
 
-def _scene(chart: Environment, way: Edge) -> TraceStep:
-    owner, stale = go(chart, way)
-    said = {place[6:]: value for place, value in chart.looked if place.startswith("named:")}
-    possible = chart.is_possible  # it may look at more
-    assert possible
-    facts = {name: _plain(entry) for name, entry in chart.board.entries() if name in chart.open_keys}
-    said_event: Event | None = chart.said
-    event = said_event._replace(data=dict(said_event.data)) if said_event is not None else None
-    return TraceStep(way.words, event, owner, stale, facts, chart.found, said, chart.active, chart.outcome, chart.why)
+def _scene(environment: Environment, way: Edge) -> TraceStep:
+    owner, stale = go(environment, way)
+    chart, world, event = environment.chart, environment.world, environment.inputs.said
+    looked = chart.state.draft.looked
+    values = {place[6:]: value for place, value in looked if place.startswith("named:")}
+    is_possible = world.is_possible  # it may look at more
+    assert is_possible
+    facts = {name: _plain(entry) for name, entry in world.board.entries() if name in world.open_keys}
+    event = event._replace(data=dict(event.data)) if event is not None else None
+    found = environment.control.found
+    return TraceStep(way.words, event, owner, stale, facts, found, values, chart.active, chart.outcome, chart.why)
 
 
 def _plain(entry: Any) -> Any:
@@ -125,7 +130,7 @@ class TraceReplayer:
 
     def __init__(self, mission: Mission, ticker: Trees | None, terms: RobotFacts | None) -> None:
         self._said: Mapping[str, Truth] = {}
-        names = Environment(mission, ticker, terms=terms).predicates
+        names = {each.named for each in guards_in(mission) if isinstance(each, Named)}
         self._chart = Chart(mission, ticker, terms=terms, named={name: self._predicate(name) for name in names})
         self._keys = mission.blackboard
         self._facts: dict[str, Any] = {}

@@ -10,14 +10,28 @@ from collections.abc import Callable, Iterator
 from itertools import product
 from typing import Any
 
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import TreeMachine
+from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.handover import receive_control
+from rai_missions.engine.nodes import Node
 from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.state import RunState
+from rai_missions.engine.stepping import begin_run
+from rai_missions.engine.surroundings import Surroundings
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
-from rai_missions.prove.instrumented_chart import NOW
-from rai_missions.prove.nondeterminism import OpenFields
+from rai_missions.prove.abstraction import Abstraction
+from rai_missions.prove.control_env import ControlEnvironment, control_event
+from rai_missions.prove.input_env import InputEnvironment
+from rai_missions.prove.instruments import Instruments
+from rai_missions.prove.nondeterminism import Choices, OpenFields
+from rai_missions.prove.open_world import NOW, OpenWorld, predicates_in
 from rai_missions.prove.parts import parts
+from rai_missions.prove.state_key import Own, Saved, StateCodec
+from rai_missions.prove.step_circles import StepCircles
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.time_env import TimeEnvironment
 from rai_missions.states.effects import Call
@@ -27,137 +41,206 @@ __all__ = ("RESUME", "Environment")
 RESUME = "the operator resumes"
 
 
-class Environment(TimeEnvironment):
-    """A chart to which anything can happen."""
+class OpenSurroundings(Surroundings):
+    """What the engine asks of a proof, and reports to it."""
 
-    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None) -> None:
-        super().__init__(mission, ticker, terms=terms)
+    def __init__(self, environment: Environment) -> None:
+        self._environment = environment
+
+    def holder(self, state: RunState) -> str:
+        return self._environment.control.find(state)
+
+    def machine(self, node: Node, machine: Machine) -> Machine:
+        self._environment.instruments.watch(machine, node.place)
+        return machine
+
+    def before_step(self, state: RunState, step: CompiledStep) -> bool:
+        return self._environment.circles.may_step(state, step)
+
+    def before_entry(self, state: RunState, node: Node) -> None:
+        self._environment.control.enter(state, node)
+
+    def before_round(self, state: RunState, node: Node) -> None:
+        self._environment.rest.lengthen(state, node)
+
+    def waits(self, state: RunState, event: Event, waiting: tuple[Event, ...]) -> bool:
+        return self._environment.control.waits(state, event, waiting)
+
+
+class Environment:
+    """A mission to which anything can happen.
+
+    Args:
+        mission: One that `check` finds no fault in.
+        ticker: Who ticks trees.
+        terms: What is known of the robot.
+        is_calm: The operator leaves the mission alone.
+    """
+
+    def __init__(
+        self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None, is_calm: bool = False
+    ) -> None:
+        self.choices, self.instruments = Choices(), Instruments()
+        self.chart = chart = Chart(
+            mission, ticker, terms=terms, named=predicates_in(mission, self.choices),
+            surroundings=OpenSurroundings(self),
+        )  # fmt: skip
+        self.instruments.watch_finals(chart.program)
+        self.world = OpenWorld(chart, self.choices)
+        self.control = ControlEnvironment(chart, self.choices, is_calm=is_calm)
+        self.rest = Abstraction(chart, self.world, self.control, self.instruments)
+        self.circles = StepCircles(chart, self.world, self.rest)
+        self.codec = StateCodec(chart, self.world, self.rest)
+        self.inputs = InputEnvironment(chart, self.world, self.rest, self.instruments)
+        self.time = TimeEnvironment(chart, self.world, self.codec, self.inputs, self.rest, self.instruments)
         runs = any(state.word in ("action", "call", "tree") for _, _, state in mission.walk())
-        told = bool(self._fleeting or self.predicates) or self.own_fade
-        self.pause_matters = runs or told or bool(self._needed) or any(True for _ in parts(mission, Call))
-        """Something can change while the mission is paused; else it goes on as if nothing had been."""
+        told = bool(self.world.fleeting or self.world.predicates) or self.world.own_fade
+        calls = any(True for _ in parts(mission, Call))
+        self.pause_matters = runs or told or bool(self.control.needed) or calls
+        """Something can change while the mission is paused; else it continues as if nothing had been."""
+
+    def load(self, saved: Saved, own: Own) -> None:
+        """Be in a state again."""
+        self.codec.load(saved, own)
+        self.control.leave_open()
+
+    def make(self, happens: Callable[[], None]) -> None:
+        """Let something happen; what it did can be read until the next."""
+        self.time.begin_step()
+        self.rest.make(happens)
+
+    def settle(self) -> None:
+        """Come to rest: forget what makes no difference any more."""
+        self.rest.settle()
+        self.time.part_groups()
 
     def happenings(self) -> Iterator[Stimulus]:
         """Everything that can happen now but a cancel and an emergency stop."""
-        if self.mode == "paused":
+        mode = self.chart.mode
+        if mode == "paused":
             yield from self._meanwhile()
-        elif self.mode in ("running", "canceling"):
-            yield from self.times()
-            yield from self.machine_times()
-            yield from self.answers()
-            yield from self.reports()
-            yield from self.events()
+        elif mode in ("running", "canceling"):
+            yield from self.time.times()
+            yield from self.time.machine_times()
+            yield from self.inputs.answers()
+            yield from self.inputs.reports()
+            yield from self.inputs.events()
             yield from self._writes()
             yield from self._handovers()
-            if self.mode == "running" and self.pause_matters and not self.is_calm:
+            if mode == "running" and self.pause_matters and not self.control.is_calm:
                 yield Stimulus("the operator pauses", "command", self.ordering("pause"))
 
     def _meanwhile(self) -> Iterator[Stimulus]:
         """What can happen while the mission is paused; what would wait for it to go on can come just as well then."""
-        yield from self.orphans()
-        yield from self.leftovers()
+        yield from self.time.orphans()
+        yield from self.inputs.leftovers()
         yield from self._writes()
         yield Stimulus(RESUME, "event", self._go_on)
 
     def _go_on(self) -> None:
         """Control may have changed hands meanwhile: then it did before anything starts again."""
-        self.is_going_on = True
-        if self.here:
-            found = self.choices.choose(1 + len(self.holds))
+        control, state = self.control, self.chart.state
+        control.is_going_on = True
+        if control.here:
+            found = self.choices.choose(1 + len(control.holds))
             if found:
-                self.take(self.holds[found - 1])
-            assert self.holder
-            assert self.found is not None
-            self._control(self.found)
+                control.take(control.holds[found - 1])
+            assert self.chart.holder
+            assert control.found is not None
+            receive_control(self.chart.program, state, control.found)
         self.ordering("resume")()
-        self.is_going_on = False
+        control.is_going_on = False
 
     def begin(self) -> None:
         """The mission starts, whoever has control."""
-        self.let_go()
-        self.leave_open()
-        step = self.start(NOW)
-        self.moves, self.looked = list(step.moves), list(step.guards)
+        self.control.let_go()
+        self.control.leave_open()
+        begin_run(self.chart.program, self.chart.state, NOW)
 
     def ordering(self, command: str) -> Callable[[], None]:
         """The operator's order to `pause`, `resume` or `cancel`, or to stop at once (`kill`)."""
-        return self._hear(Event(command, NOW, {"by": "operator"}, "command"))
+
+        def order() -> None:
+            self.inputs.handle(Event(command, NOW, {"by": "operator"}, "command"))
+            if command == "pause":
+                self.control.lay_by()
+
+        return order
 
     def _handovers(self) -> Iterator[Stimulus]:
         """A handover is acknowledged, what runs loses control, or the operator takes it and gives it back."""
-        for who in sorted(self.waited_for):
+        control = self.control
+        for who in sorted(control.waited_for):
             yield self._handover(f"control is with {who}", who, "mission")
-        if self.is_calm or not self.here:
+        if control.is_calm or not control.here:
             return
-        if self.is_held:
-            for who in self.others:
+        if control.is_held:
+            for who in control.others:
                 yield self._handover(f"the operator gives control back to {who}", who, "mission")
-        elif self.is_in_hand:
-            for who in [who for who in self.others if who != self._holder]:
-                yield self._handover(f"control is with {who}", who, "robot")
-        for who in [who for who in self.holds if who != self.held_by]:
+        elif control.is_in_hand:
+            for who in [who for who in control.others if who != self.chart.state.holder]:
+                yield self._handover(f"control is with {who}", who, "mission")
+        for who in [who for who in control.holds if who != self.chart.held_by]:
             words = "the operator takes control" if who == "operator" else "control is taken, and with nobody"
             yield self._handover(words, who, "operator")
 
     def _handover(self, words: str, who: str, by: str) -> Stimulus:
-        return Stimulus(words, "robot" if by != "operator" else "command", self._hear(_control(who, by)))
+        do = self.inputs.hear(control_event(who, by))
+        return Stimulus(words, "robot" if by != "operator" else "command", do)
 
     # -- what is known --------------------------------------------------------------------------------------------
 
     def _writes(self) -> Iterator[Stimulus]:
         """What is listened for becomes each other thing that it can be."""
-        for key in sorted(self.listening):
-            now = self.board.known(key)
-            known = self.board.is_known(key)
+        board, state = self.world.board, self.chart.state
+        for key in sorted(state.listening):
+            now = board.known(key)
+            known = board.is_known(key)
             for value in self._others(key, now):
                 if known and value == (None if now is None else now.value):
                     continue
                 if value is None:
                     yield Stimulus(
-                        f"{key} goes stale", "write", self.elapse(self._forget_it(key), beyond=key), stale=key
+                        f"{key} goes stale", "write", self.time.elapse(self._forget_it(key), beyond=key), stale=key
                     )
                 else:
                     yield Stimulus(f"{key} is {_said(value)}", "write", self._say(key, value))
-        for key, written in self.mission.blackboard.items():
-            if written.max_age_s is not None and written.source != "robot" and self.board.known(key) is not None:
-                gone = self.elapse(self._forget_it(key), beyond=key)
+        for key, written in self.chart.mission.blackboard.items():
+            if written.max_age_s is not None and written.source != "robot" and board.known(key) is not None:
+                gone = self.time.elapse(self._forget_it(key), beyond=key)
                 yield Stimulus(f"{key} goes stale", "write", gone, stale=key)
-        live = self._live() if self.mode != "paused" else ()
-        restless = [name for name, machine, _ in live if isinstance(machine, TreeMachine)]
-        if restless or self.predicates:
-            yield Stimulus("something is said again", "write", lambda: self.time_passes(*restless))
+        running = state.running if state.mode != "paused" else ()
+        trees = [name for name in running if isinstance(self.chart.program.machines[name], TreeMachine)]
+        if trees or self.world.predicates:
+            yield Stimulus("something is said again", "write", lambda: self.time.time_passes(*trees))
 
     def _others(self, key: str, now: Any) -> Iterator[Any]:
         """What it can be next; of an object the fields alone that somebody looks at."""
-        if not self.values.shape(key):
-            yield from self.values.of(key)
+        if not self.world.values.shape(key):
+            yield from self.world.values.of(key)
             return
-        if None in self.values.of(key):
+        if None in self.world.values.of(key):
             yield None
         if now is None:
-            yield self._shapes[key].fresh({})
+            yield self.world.shapes[key].fresh({})
             return
         known = list(now.value)
-        for mixture in product(*(self.values.part(key, field) for field in known)):
-            yield self._shapes[key].fresh(dict(zip(known, mixture, strict=True)))
+        for mixture in product(*(self.world.values.part(key, field) for field in known)):
+            yield self.world.shapes[key].fresh(dict(zip(known, mixture, strict=True)))
 
     def _say(self, key: str, value: Any) -> Callable[[], None]:
         def happen() -> None:
             made = value.fresh() if isinstance(value, OpenFields) else value
-            self._handle(Event(key, NOW, {"value": made}, "write"))
+            self.inputs.handle(Event(key, NOW, {"value": made}, "write"))
 
         return happen
 
     def _forget_it(self, key: str) -> Callable[[], None]:
         def change() -> None:
-            self._wavering.pop(key, None)
-            self.board.put(key, None)
+            self.world.wavering.pop(key, None)
+            self.world.board.put(key, None)
 
         return change
-
-
-def _control(who: str, by: str) -> Event:
-    return Event(who, NOW, {"by": by}, "control")
 
 
 def _said(value: Any) -> str:

@@ -14,7 +14,7 @@ from rai_missions.prove.environment import RESUME, Environment
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
 from rai_missions.prove.state_graph import Edge, StateGraph
-from rai_missions.prove.state_key import Own, State
+from rai_missions.prove.state_key import Own, Saved
 from rai_missions.prove.step_cache import Arrival, CachedStep, Made, StepCache, value_of
 from rai_missions.prove.stimulus import HappeningKind, Stimulus
 
@@ -42,22 +42,22 @@ class Space(StateGraph):
     """What was explored of a mission.
 
     Args:
-        chart: The mission.
+        environment: The mission, and all that can happen to it.
         limits: What it may cost; a number is that of states.
         progress: Receives the number of states found and of states done, now and then.
         wanted: Promises; once each is known to be broken, the search ends. None of these: it goes on.
     """
 
     def __init__(
-        self, chart: Environment, limits: Limits | int = MOST_STATES, progress: Progress = lambda found, done: None, *,
-        wanted: Collection[str] = (),
+        self, environment: Environment, limits: Limits | int = MOST_STATES,
+        progress: Progress = lambda found, done: None, *, wanted: Collection[str] = (),
     ) -> None:  # fmt: skip
         super().__init__()
-        self.chart, self._progress, self._wanted = chart, progress, frozenset(wanted)
+        self.environment, self._progress, self._wanted = environment, progress, frozenset(wanted)
         self.meter = Meter(Limits(limits) if isinstance(limits, int) else limits)
-        self.fresh = (chart.save(), chart.own())
+        self.fresh = (environment.codec.save(), environment.codec.own())
         """Before the start."""
-        self._frontier: deque[tuple[int, bytes, State, Own]] = deque()
+        self._frontier: deque[tuple[int, bytes, Saved, Own]] = deque()
         self._courses: dict[bytes, list[StepCache]] = {}
         self._here: list[Stimulus] = []
         """What waits for time in the state that is left."""
@@ -92,7 +92,7 @@ class Space(StateGraph):
 
     def explore(self) -> None:
         """Find every state, or as many as the limits allow."""
-        start = Stimulus(START, "start", self.chart.begin)
+        start = Stimulus(START, "start", self.environment.begin)
         self._each_way(start, -1, self.fresh, -1, None)
         while self._frontier and not self._is_over:
             number, core, state, own = self._frontier.popleft()
@@ -108,7 +108,7 @@ class Space(StateGraph):
 
     # -- one state ------------------------------------------------------------------------------------------------
 
-    def _leave(self, number: int, core: bytes, place: tuple[State, Own]) -> None:
+    def _leave(self, number: int, core: bytes, place: tuple[Saved, Own]) -> None:
         """Everything that can happen in a state."""
         own, known = place[1], self._courses.get(core)
         if known is None:
@@ -136,20 +136,19 @@ class Space(StateGraph):
         elif core in self._waits_of:
             self.waiting[number] = self._waits_of[core]
 
-    def _happenings(self, number: int, place: tuple[State, Own]) -> list[Stimulus]:
+    def _happenings(self, number: int, place: tuple[Saved, Own]) -> list[Stimulus]:
         """Everything that can happen there but an emergency stop."""
-        chart = self.chart
-        chart.load(*place)
-        found = list(chart.happenings())
+        self.environment.load(*place)
+        found = list(self.environment.happenings())
         if number not in self.canceling:
-            found.append(Stimulus(CANCEL, "command", chart.ordering("cancel")))
+            found.append(Stimulus(CANCEL, "command", self.environment.ordering("cancel")))
         return found
 
-    def _room(self, core: bytes, many: int, place: tuple[State, Own]) -> list[StepCache] | None:
+    def _room(self, core: bytes, many: int, place: tuple[Saved, Own]) -> list[StepCache] | None:
         """Room for what comes of so many happenings; none where the mission's own keys cannot differ."""
-        chart = self.chart
-        chart.load(*place)
-        if not chart.telling() or chart.own_fade:
+        environment = self.environment
+        environment.load(*place)
+        if not environment.codec.telling() or environment.world.own_fade:
             return None
         if len(self._courses) >= MOST_COURSES:
             self._courses.clear()
@@ -165,7 +164,7 @@ class Space(StateGraph):
             self._arrive(source, arrival, own)
 
     def _each_way(
-        self, happening: Stimulus, at: int, place: tuple[State, Own], source: int, before: StepCache | None
+        self, happening: Stimulus, at: int, place: tuple[Saved, Own], source: int, before: StepCache | None
     ) -> None:
         """Let it happen in each way in which it can; those that went so before are not gone again."""
         own, arrivals, steps, needs = place[1], [], 0, dict[str, Any]()
@@ -191,40 +190,42 @@ class Space(StateGraph):
             before.remember(CachedStep(arrivals, steps, tuple(sorted(needs.items()))))
 
     def _make(
-        self, happening: Stimulus, at: int, place: tuple[State, Own], source: int, chosen: tuple[int, ...]
+        self, happening: Stimulus, at: int, place: tuple[Saved, Own], source: int, chosen: tuple[int, ...]
     ) -> Made:
         """Let it happen in one way."""
-        chart, arrival = self.chart, None
-        looked, own_keys = chart.board.looked, chart.own_keys
-        chart.choices.begin(chosen)
-        chart.load(*place)
+        environment, arrival = self.environment, None
+        chart, world = environment.chart, environment.world
+        looked = world.board.looked
+        environment.choices.begin(chosen)
+        environment.load(*place)
         is_idle = (chart.mode == "paused" and happening.words != RESUME) or (
-            chart.is_held and happening.kind == "write"
+            environment.control.is_held and happening.kind == "write"
         )
         looked.clear()
-        chart.make(happening.do)
-        self.meter.work += len(chart.moves) + chart.ticks
-        is_possible = chart.is_possible
-        read = looked & own_keys
+        environment.make(happening.do)
+        self.meter.work += len(chart.state.draft.moves) + environment.instruments.ticks
+        is_possible = world.is_possible
+        read = looked & world.own_keys
         if is_possible:
-            kept = chart.kept(self._here, happening.words) if happening.kind == "time" and chart.is_silent else None
-            chart.settle()
-            read |= (looked | chart.asked_at_the_end) & own_keys
-            way = Edge(happening.words, at, chart.choices.trail)
+            is_silent = happening.kind == "time" and environment.time.is_silent
+            kept = environment.time.kept(self._here, happening.words) if is_silent else None
+            environment.settle()
+            read |= (looked | world.asked_at_the_end) & world.own_keys
+            way = Edge(happening.words, at, environment.choices.trail)
             self._learn(source, way, is_paused=is_idle)
             arrival = self._arrival(way, happening.kind, place[1], kept)
         needs = tuple([(key, value_of(place[1], key)) for key in sorted(read)]) if read else ()
-        return Made(arrival, needs, chart.choices.next())
+        return Made(arrival, needs, environment.choices.next())
 
     def _arrival(self, way: Edge, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
-        chart = self.chart
-        has_moved = bool(chart.moves or chart.turned)
+        chart, codec = self.environment.chart, self.environment.codec
+        has_moved = bool(chart.state.draft.moves or self.environment.instruments.turned)
         if chart.outcome is not None:
             return Arrival(way, kind, has_moved, (chart.outcome, chart.why))
-        written = {key: entry for key, entry in chart.own().items() if before.get(key) is not entry}
+        written = {key: entry for key, entry in codec.own().items() if before.get(key) is not entry}
         return Arrival(
-            way, kind, has_moved, None, chart.core(), chart.save(), written, chart.telling(), chart.mode,
-            chart.levels() if chart.loops else (), kept,
+            way, kind, has_moved, None, codec.core(), codec.save(), written, codec.telling(), chart.mode,
+            codec.levels() if codec.loops else (), kept,
         )  # fmt: skip
 
     def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:
@@ -234,7 +235,7 @@ class Space(StateGraph):
             own, key = before, repr(ended).encode()
         else:
             own = {**before, **arrival.written} if arrival.written else before
-            key = self.chart.key(arrival.core, own, arrival.telling)
+            key = self.environment.codec.key(arrival.core, own, arrival.telling)
         number = self._numbers.get(key)
         if number is None:
             if self.states >= self.meter.limits.states:
@@ -244,10 +245,10 @@ class Space(StateGraph):
             number = self._add(key, source, arrival.way)
             if ended is not None:
                 self.ends[number] = ended[0]
-            else:
+            elif arrival.state is not None:
                 self._frontier.append((number, arrival.core, arrival.state, own))
                 if arrival.levels:
-                    self.levels[number] = {loop: Level(ended, self.chart.key(core, own, arrival.telling))
+                    self.levels[number] = {loop: Level(ended, self.environment.codec.key(core, own, arrival.telling))
                                            for loop, ended, core in arrival.levels}  # fmt: skip
                 if arrival.mode == "canceling":
                     self.canceling.add(number)
@@ -257,12 +258,12 @@ class Space(StateGraph):
 
     # -- what is wrong --------------------------------------------------------------------------------------------
 
-    def _stop(self, number: int, place: tuple[State, Own]) -> None:
+    def _stop(self, number: int, place: tuple[Saved, Own]) -> None:
         """An emergency stop here ends the mission and every goal; it asks for nothing that is known."""
-        chart = self.chart
-        chart.load(*place)
-        chart.choices.begin()
-        chart.make(chart.ordering("kill"))
+        environment, chart = self.environment, self.environment.chart
+        environment.load(*place)
+        environment.choices.begin()
+        environment.make(environment.ordering("kill"))
         if chart.outcome != "aborted":
             self._flaw(
                 "stop", number, f"an emergency stop leaves the mission {chart.outcome or chart.mode}", Edge(KILL)
@@ -270,18 +271,20 @@ class Space(StateGraph):
         self._end(number, Edge(KILL))
 
     def _end(self, source: int, way: Edge) -> None:
-        if loose := self.chart.loose:
+        loose = [goal.action for goal in self.environment.rest.pursued]
+        if loose:
             self._flaw("stopped", source, f"the mission ends while '{loose[0]}' goes on", way)
 
     def _learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
-        chart = self.chart
-        for move in chart.moves:
+        environment, chart = self.environment, self.environment.chart
+        draft, seen = chart.state.draft, environment.instruments.seen
+        for move in draft.moves:
             self.taken.update(move.taken)
             self.entered.update(move.entered)
-        for place, value in chart.looked:
-            chart.seen.setdefault(place, set()).add(value)
+        for place, value in draft.looked:
+            seen.setdefault(place, set()).add(value)
         if chart.outcome is None:
-            if restless := chart.restless:
+            if restless := environment.rest.restless:
                 sentence = f"the tree in '{restless[0]}' goes round without end: it rests at the limit of a step"
                 self._flaw("comes to rest", source, sentence, way)
             return
@@ -292,7 +295,7 @@ class Space(StateGraph):
             self._flaw("invariants", source, chart.why, way)
         elif chart.cause == "cycle":
             self._flaw("comes to rest", source, chart.why, way)
-        if chart.outcome == "succeeded" and not chart.rests_on_facts:
+        if chart.outcome == "succeeded" and not environment.world.rests_on_facts:
             self._flaw("answers", source, "the mission succeeds, whatever the robot says", way)
 
     def _flaw(self, promise: str, state: int, sentence: str, way: Edge) -> None:

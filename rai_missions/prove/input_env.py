@@ -10,20 +10,21 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from rai_missions.engine import Chart
 from rai_missions.engine.activities.behaviour import BehaviourActivity
 from rai_missions.engine.activities.call import CallActivity
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
-from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.events import handle
+from rai_missions.engine.hold import free, is_held
 from rai_missions.event import Event
-from rai_missions.mission.mission import Mission
+from rai_missions.prove.abstraction import Abstraction
 from rai_missions.prove.answer_values import AnswerValues
-from rai_missions.prove.instrumented_chart import NOW
+from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.nondeterminism import Payload
-from rai_missions.prove.rounded import Rounded
+from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.stimulus import Stimulus
 
 __all__ = ("InputEnvironment",)
@@ -32,59 +33,72 @@ ENDS = ("succeeded", "failed", "canceled", "rejected")
 REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
 
 
-class InputEnvironment(Rounded):
-    """A chart that can be told anything."""
+class InputEnvironment:
+    """Everything that can be reported to a mission.
 
-    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None) -> None:
-        super().__init__(mission, ticker, terms=terms)
-        self._brought = AnswerValues(mission.blackboard, self.values)
+    Args:
+        chart: The mission.
+        world: What the surroundings can be.
+        rest: Which goals make a difference.
+        instruments: Which parameters options take.
+    """
+
+    def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction, instruments: Instruments) -> None:
+        self._chart, self._world, self._rest, self._instruments = chart, world, rest, instruments
+        self._choices, self._values = world.choices, world.values
+        self._brought = AnswerValues(chart.mission.blackboard, world.values)
+        rows = [*chart.mission.transitions, *(row for _, _, each in chart.mission.walk() for row in each.transitions)]
+        self._hears_of_doubt = any("uncertain" in row.on for row in rows)
+        """Some transition is about what was done or not, as far as anybody can tell."""
         self.said: Event | None = None
-        """What it was last told."""
+        """What last happened to the mission."""
 
-    def _handle(self, event: Event) -> None:
+    def handle(self, event: Event) -> None:
+        """Let an event happen."""
         self.said = event
-        super()._handle(event)
+        handle(self._chart.program, self._chart.state, event)
 
     def owner_of(self, number: int) -> str:
         """Whose goal, call, question or behaviour has a number; empty for none."""
-        if number in self._ledger.goals:
-            return self._ledger.goals[number].owner
+        if number in self._chart.state.goals:
+            return self._chart.state.goals[number].owner
         for name, path, state in self.inner(held=True):
             asked = state.question.number if isinstance(state, DecisionActivity) else getattr(state, "number", 0)
             if number and asked == number:
                 return owned(name, path)
-        return self._calls.get(number, "")
+        return self._chart.state.calls.get(number, "")
 
-    def _hear(self, event: Event) -> Callable[[], None]:
-        return lambda: self._handle(event)
+    def hear(self, event: Event) -> Callable[[], None]:
+        return lambda: self.handle(event)
 
     def events(self) -> Iterator[Stimulus]:
         """What the mission declares, and what nobody can tell whether it was done, where some row is about it."""
-        if self._final is not None:
+        state = self._chart.state
+        if state.final is not None:
             return
-        fields = self.values.fields("event")
-        for name in self.mission.events:
-            plan = self._config.plans.get(name)
+        fields = self._values.fields("event")
+        for name in self._chart.mission.events:
+            plan = state.config.plans.get(name)
             if plan is None:
-                plan = self._config.plan(name, declared=True)
-            if self._free(plan) if self._frozen else plan:  # what held states name can come right after the hand-back
+                plan = state.config.plan(name, declared=True)
+            if plan and free(state, plan):  # what held states name can come right after the hand-back
                 yield Stimulus(f"event '{name}'", "event", self._bringing(name, "event", fields))
-        if self.hears_of_doubt and not self._frozen:
+        if self._hears_of_doubt and not state.frozen:
             yield Stimulus("nobody can tell whether it was done", "event", self._bringing("uncertain", "doubt", fields))
 
     def _bringing(self, name: str, kind: str, fields: Sequence[str]) -> Callable[[], None]:
         """An event whose payload is chosen anew each time it happens."""
-        return lambda: self._handle(Event(name, NOW, Payload(fields, self._field), kind))
+        return lambda: self.handle(Event(name, NOW, Payload(fields, self._field), kind))
 
     def _field(self, field: str) -> Any:
-        return self.choices.pick(self.values.field(f"event.{field}"))
+        return self._choices.pick(self._values.field(f"event.{field}"))
 
     # -- reports --------------------------------------------------------------------------------------------------
 
     def reports(self) -> Iterator[Stimulus]:
         """Everything that servers, services and behaviours can say."""
-        for goal in self.pursued:
-            if not self._is_held(self._graph.nodes[goal.owner.partition("#")[0]]):
+        for goal in self._rest.pursued:
+            if not is_held(self._chart.state, self._chart.program.graph.nodes[goal.owner.partition("#")[0]]):
                 yield from self._goal(goal)
         for number, owner in self._of(CallActivity):
             yield from self._call(number, owner)
@@ -92,15 +106,15 @@ class InputEnvironment(Rounded):
             for status in ("success", "failure"):
                 event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
                 words = f"the behaviour of '{owner}': {status}"
-                yield Stimulus(words, "robot", self._hear(event), number)
+                yield Stimulus(words, "robot", self.hear(event), number)
         yield from self.leftovers()
 
     def leftovers(self) -> Iterator[Stimulus]:
         """What can be said of what no state waits for."""
-        for goal in self.remaining:
+        for goal in self._rest.remaining:
             words = f"'{goal.action}' of '{goal.owner}' has ended"  # how it ended makes no difference
             yield Stimulus(words, "robot", self._result("canceled", goal.number, goal.owner), goal.number)
-        for number, service in self._calls.items():
+        for number, service in self._chart.state.calls.items():
             yield from self._call(number, service)
 
     def _call(self, number: int, owner: str) -> Iterator[Stimulus]:
@@ -112,8 +126,8 @@ class InputEnvironment(Rounded):
         named, number = f"'{goal.action}' of '{goal.owner}'", goal.number
         if goal.phase == "sent":
             event = Event("accepted", NOW, {}, "accepted", number)
-            yield Stimulus(f"{named} is accepted", "robot", self._hear(event), number)
-        composed = goal.action in self.terms.succeeded
+            yield Stimulus(f"{named} is accepted", "robot", self.hear(event), number)
+        composed = goal.action in self._chart.terms.succeeded
         for end in ENDS:
             if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):
                 continue  # its guards say so, and no server
@@ -127,24 +141,24 @@ class InputEnvironment(Rounded):
             data: dict[str, Any] = {}
             for key, field in self._wanted(owner).items() if name == "succeeded" else ():
                 data[field] = self._given_result(key)
-            for field in self.values.fields("event"):
+            for field in self._values.fields("event"):
                 if field not in data:
                     data[field] = self._field(field)
             data = {field: value for field, value in data.items() if value is not None}
-            self._handle(Event(name, NOW, data, "result", number))
+            self.handle(Event(name, NOW, data, "result", number))
 
         return happen
 
     def _given_result(self, key: str) -> Any:
         """What a result has for a key; it may lack it."""
-        known = [value for value in self.values.of(key) if value is not None]
-        learned = self.values.learned
-        return self.choices.pick((None, *(known if key in learned.compared | learned.gone_over else known[:1])))
+        known = [value for value in self._values.of(key) if value is not None]
+        learned = self._values.learned
+        return self._choices.pick((None, *(known if key in learned.compared | learned.gone_over else known[:1])))
 
     def _wanted(self, owner: str) -> Mapping[str, str]:
         """Key → the field of the result that goes there."""
         name, is_leaf, path = owner.partition("#")
-        machine: Any = self._machines.get(name)
+        machine: Any = self._chart.program.machines.get(name)
         if is_leaf and machine is not None:
             machine = machine.limbs[path].machine
         wanted: Mapping[str, str] = getattr(getattr(machine, "definition", None), "result", {})
@@ -156,8 +170,8 @@ class InputEnvironment(Rounded):
         Args:
             held: Those of held states, too.
         """
-        for name, state in self._running.items():
-            if self._is_held(self._graph.nodes[name]) and not held:
+        for name, state in self._chart.state.running.items():
+            if is_held(self._chart.state, self._chart.program.graph.nodes[name]) and not held:
                 continue
             if isinstance(state, TreeActivity):
                 for path, tended in state.leaves.items():
@@ -186,15 +200,15 @@ class InputEnvironment(Rounded):
             empty += (("nothing, being absent", {"absent": "not here"}),)
         for said, data in empty:
             event = Event(who, NOW, data, "proposal", number)
-            yield Stimulus(f"{who} answers '{owner}': {said}", "answer", self._hear(event), number)
+            yield Stimulus(f"{who} answers '{owner}': {said}", "answer", self.hear(event), number)
 
     def _option(self, number: int, who: str, owner: str, offer: Offer) -> Callable[[], None]:
-        schema = self.schemas.get((owner, offer.name))
+        schema = self._instruments.schemas.get((owner, offer.name))
 
         def happen() -> None:
             parameters = self._parameters(schema) if schema is not None else {}
             data = {"option": offer.name, **({"parameters": parameters} if parameters else {})}
-            self._handle(Event(who, NOW, data, "proposal", number))
+            self.handle(Event(who, NOW, data, "proposal", number))
 
         return happen
 
@@ -203,7 +217,7 @@ class InputEnvironment(Rounded):
         made: dict[str, Any] = {}
         for name, can_lack in self._brought.names(schema).items():
             choices = self._brought.of(schema, name)
-            value = self.choices.pick((None, *choices) if can_lack and self._brought.is_looked_at(name) else choices)
+            value = self._choices.pick((None, *choices) if can_lack and self._brought.is_looked_at(name) else choices)
             if value is not None:
                 made[name] = value
         return made

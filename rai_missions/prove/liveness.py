@@ -8,7 +8,7 @@ Source: live variables, A. V. Aho et al., Compilers (2nd ed.), section 9.2.5, on
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from pydantic import BaseModel
 
@@ -21,7 +21,7 @@ from rai_missions.prove.parts import parts
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.tree.leaves import ActionLeaf
 
-__all__ = ("Later", "Live")
+__all__ = ("Later", "Live", "LooksAhead")
 
 REMEMBERED = 4096
 """Of so many configurations it is remembered what makes a difference."""
@@ -38,6 +38,13 @@ class Later(NamedTuple):
     """The actions that may be started."""
     recalls: frozenset[int]
     """The history states whose memory may be looked up before it is written anew."""
+
+
+class LooksAhead(Protocol):
+    """Whatever knows what makes a difference from a configuration on."""
+
+    def after(self, config: Configuration) -> Later:
+        """What makes a difference from there on."""
 
 
 class Live:

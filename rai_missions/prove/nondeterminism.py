@@ -145,6 +145,10 @@ class OpenBoard(dict[str, Any]):
         """What is known; None stands for unknown."""
         return dict.items(self)
 
+    def items(self) -> Any:
+        """What is known and not unknown; nothing is chosen."""
+        return [(key, entry) for key, entry in dict.items(self) if entry is not None]
+
     def put(self, key: str, entry: Stamped | None) -> None:
         """Have it so, None for unknown."""
         dict.__setitem__(self, key, entry)

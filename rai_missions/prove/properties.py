@@ -105,7 +105,7 @@ def _rests(space: Space) -> Iterator[Property]:
 def _options(mission: Mission, space: Space) -> Iterator[Property]:
     for owner, options in _asked(mission):
         for option in options:
-            if (owner, option) not in space.chart.answered:
+            if (owner, option) not in space.environment.instruments.answered:
                 yield Property("options", "refuted", f"'{option}' of '{owner}' can never be taken")
 
 
@@ -121,7 +121,7 @@ def _asked(mission: Mission) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def _rules(space: Space) -> Iterator[Property]:
-    for place, said in sorted(space.chart.seen.items()):
+    for place, said in sorted(space.environment.instruments.seen.items()):
         if not place.endswith(("/requires", "/achieved", "/when")):
             continue
         if True not in said:

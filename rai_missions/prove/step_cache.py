@@ -10,7 +10,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.state_graph import Edge
-from rai_missions.prove.state_key import Own, State
+from rai_missions.prove.state_key import Own, Saved
 from rai_missions.prove.stimulus import HappeningKind
 
 __all__ = ("Arrival", "CachedStep", "Known", "Made", "Needs", "StepCache", "value_of")
@@ -29,7 +29,7 @@ class Arrival(NamedTuple):
     ended: tuple[str, str] | None
     """Outcome and why; None where the mission goes on."""
     core: bytes = b""
-    state: State = ()
+    state: Saved | None = None
     written: Own | None = None
     telling: tuple[str, ...] = ()
     mode: str = ""

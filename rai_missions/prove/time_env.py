@@ -10,16 +10,18 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import Any
 
+from rai_missions.engine import Chart
 from rai_missions.engine.activities.decision import DecisionActivity
-from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity, TreeMachine, limit_of
-from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.mission.mission import Mission
-from rai_missions.prove.abstraction import PURSUED
+from rai_missions.engine.hold import is_held, live
+from rai_missions.engine.timing import pass_instant
+from rai_missions.prove.abstraction import PURSUED, Abstraction
 from rai_missions.prove.branches import firsts, parted, passed
 from rai_missions.prove.input_env import InputEnvironment, owned
-from rai_missions.prove.instrumented_chart import NOW
+from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.nondeterminism import MISSING
+from rai_missions.prove.open_world import NOW, OpenWorld
+from rai_missions.prove.state_key import StateCodec
 from rai_missions.prove.stimulus import Stimulus
 
 __all__ = ("TimeEnvironment",)
@@ -27,25 +29,38 @@ __all__ = ("TimeEnvironment",)
 LONG_AGO = 0.0
 
 
-class TimeEnvironment(InputEnvironment):
-    """A chart for which any time can pass."""
+class TimeEnvironment:
+    """Time that passes for whatever waits for it.
 
-    def __init__(self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None) -> None:
-        super().__init__(mission, ticker, terms=terms)
-        keys = mission.blackboard.items()
+    Args:
+        chart: The mission.
+        world: What the surroundings can be.
+        codec: How old states are, and the groups of what waits in trees.
+        inputs: What runs.
+        rest: Which goals make a difference.
+        instruments: What trees did in the step.
+    """
+
+    def __init__(
+        self, chart: Chart, world: OpenWorld, codec: StateCodec, inputs: InputEnvironment, rest: Abstraction,
+        instruments: Instruments,
+    ) -> None:  # fmt: skip
+        self._chart, self._world, self._codec, self._inputs = chart, world, codec, inputs
+        self._rest, self._instruments = rest, instruments
+        keys = chart.mission.blackboard.items()
         self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
         """What a robot must say again and again."""
         self._over = ("", frozenset[str]())
         """The state of the tree, and the group of its waits, of which something is over in this step."""
         self._spans = self._durations()
-        self._keepers = {memory: node.name for node in self._graph.order for row in node.rows
+        self._keepers = {memory: node.name for node in self._chart.program.graph.order for row in node.rows
                          for memory in (row.condition.holds if row.condition is not None else ())}  # fmt: skip
         """What remembers for how long a guard has been true → its state."""
 
     def _durations(self) -> dict[tuple[str, Any], tuple[str, float]]:
         """The timers that are set when a state is entered → the state, and after how many seconds they run out."""
         found: dict[tuple[str, Any], tuple[str, float]] = {}
-        for node in self._graph.order:
+        for node in self._chart.program.graph.order:
             for row in node.rows:
                 if row.transition.after_s is not None:
                     found["after", row.place] = (node.name, row.transition.after_s)
@@ -58,17 +73,19 @@ class TimeEnvironment(InputEnvironment):
         if key not in self._spans:
             return False
         owner, span = self._spans[key]
-        spans = (self._spans[each] for each in self._timers if each in self._spans)
+        spans = (self._spans[each] for each in self._chart.state.timers if each in self._spans)
         return any(name == owner and other < span for name, other in spans)
 
     @property
     def is_silent(self) -> bool:
         """Nothing is known that the robot must say again and again: it has been silent for long."""
-        return all(self.board.known(key) in (None, MISSING) for key in self._passing)
+        return all(self._world.board.known(key) in (None, MISSING) for key in self._passing)
 
     def kept(self, waiting: Iterable[Stimulus], taken: str) -> frozenset[str]:
         """Which of the things that waited for time wait on after a step, and not from the beginning."""
-        begun = {name for move in self.moves for name in (*move.exited, *move.entered)} | self.turned
+        begun = {
+            name for move in self._chart.state.draft.moves for name in (*move.exited, *move.entered)
+        } | self._instruments.turned
         return frozenset(each.words for each in waiting if each.words != taken and self._waits_on(each, begun))
 
     def _waits_on(self, each: Stimulus, begun: Collection[str]) -> bool:
@@ -76,14 +93,14 @@ class TimeEnvironment(InputEnvironment):
             return each.owner not in begun
         key, order = each.timer
         if key[0] == "goal":
-            goal = self._ledger.goals.get(order)
+            goal = self._chart.state.goals.get(order)
             return goal is not None and goal.phase not in (*PURSUED, "orphaned")
-        return key in self._timers and self._timers[key].order == order
+        return key in self._chart.state.timers and self._chart.state.timers[key].order == order
 
     def time_passes(self, *woken: str) -> None:
         """What has run out takes effect; the machines of these states are told that time has passed."""
-        self._due = frozenset(woken)
-        self._instant()
+        self._chart.state.draft.due = frozenset(woken)
+        pass_instant(self._chart.program, self._chart.state)
 
     def elapse(self, change: Callable[[], None], *woken: str, beyond: str = "") -> Callable[[], None]:
         """Time passes until something has run out; what is known may go stale at the same instant.
@@ -98,12 +115,12 @@ class TimeEnvironment(InputEnvironment):
             before = self._waver(beyond)
             change()
             self.time_passes(*woken)
-            gone = [key for key in before if key not in self._wavering and self.board.known(key) is None]
-            for key in self._wavering:
-                self.board.put(key, before[key])
-            self._wavering.clear()
-            if gone and self.mode != "ended":
-                self._news.update(dict.fromkeys(gone, ""))
+            gone = [key for key in before if key not in self._world.wavering and self._world.board.known(key) is None]
+            for key in self._world.wavering:
+                self._world.board.put(key, before[key])
+            self._world.wavering.clear()
+            if gone and self._chart.state.mode != "ended":
+                self._chart.state.draft.news.update(dict.fromkeys(gone, ""))
                 self.time_passes(*self._readers(gone))
 
         return happen
@@ -111,76 +128,84 @@ class TimeEnvironment(InputEnvironment):
     def _waver(self, beyond: str) -> dict[str, Any]:
         """Have every key that can go stale do so at this instant or not, when somebody looks."""
         before: dict[str, Any] = {}
-        for key, entry in list(self.board.entries()):
+        for key, entry in list(self._world.board.entries()):
             if entry is not None and key > beyond and key in self._passing:
                 before[key] = entry
-                self._wavering[key] = entry.value
-                self.board.pop(key)
+                self._world.wavering[key] = entry.value
+                self._world.board.pop(key)
         return before
 
     def _readers(self, keys: Iterable[str]) -> list[str]:
         """The states whose machines want to hear of these."""
         wanted = {*keys, "*"}
-        return [name for name, machine, state in self._live() if not machine.reads(state).isdisjoint(wanted)]
+        return [
+            name
+            for name, machine, state in live(self._chart.program, self._chart.state)
+            if not machine.reads(state).isdisjoint(wanted)
+        ]
 
     def times(self) -> Iterator[Stimulus]:
         """Each thing that waits for time gets it, in any order."""
-        for key in sorted(self._timers, key=str):
-            if self._comes_later(key) or self._timers[key].control in self._frozen:
+        for key in sorted(self._chart.state.timers, key=str):
+            if self._comes_later(key) or self._chart.state.timers[key].control in self._chart.state.frozen:
                 continue
             kind, which = key
             words = {"after": f"the time of row {which} has come", "timeout": f"the time of '{which}' is over"}
-            told = words.get(kind, f"'{self._timers[key].name}' is due")
-            order = self._timers[key].order
+            told = words.get(kind, f"'{self._chart.state.timers[key].name}' is due")
+            order = self._chart.state.timers[key].order
             yield Stimulus(told, "time", self.elapse(self._ring(key)), timer=(key, order))
-        for name, until in list(self._pending.items()):
+        for name, until in list(self._chart.state.pending.items()):
             if until != math.inf:
                 yield Stimulus(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)
         for name in self._settling_now():
             yield Stimulus(f"'{name}' has not settled", "time", self.elapse(self._unsettled(name)), owner=name)
-        if self._final is not None and not self._settling:
+        if self._chart.state.final is not None and not self._chart.state.settling:
             yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
-        if self._cancel_by != math.inf:
+        if self._chart.state.cancel_by != math.inf:
             yield Stimulus("the cancel takes too long", "time", self.elapse(self._too_long))
         yield from self.orphans()
         yield from self._ages()
 
     def _settling_now(self) -> list[str]:
         """The finals that settle, but for those of held states."""
-        nodes = self._graph.nodes
-        return [name for name in self._settling if self._final is not None or not self._is_held(nodes[name])]
+        nodes = self._chart.program.graph.nodes
+        return [
+            name
+            for name in self._chart.state.settling
+            if self._chart.state.final is not None or not is_held(self._chart.state, nodes[name])
+        ]
 
     def orphans(self) -> Iterator[Stimulus]:
-        for goal in self.remaining:
+        for goal in self._rest.remaining:
             if goal.phase != "orphaned":
                 told = f"'{goal.action}' never confirms its end"
                 orphan = self.elapse(self._orphan(goal.number))
                 yield Stimulus(told, "time", orphan, timer=(("goal", ""), goal.number))
 
     def _ages(self) -> Iterator[Stimulus]:
-        for name in self.aging:
-            if name and self._is_held(self._graph.nodes[name]):
+        for name in self._codec.aging:
+            if name and is_held(self._chart.state, self._chart.program.graph.nodes[name]):
                 continue
-            told = f"'{name or 'the mission'}' has lasted {self.next_age(name):g} s"
-            yield Stimulus(told, "time", self.elapse(self._aged(name), *self._running), owner=name)
-        for memory, since in list(self.view.held.items()):
-            if since == NOW and self._graph.memories.get(memory) not in self._frozen:
+            told = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
+            yield Stimulus(told, "time", self.elapse(self._aged(name), *self._chart.state.running), owner=name)
+        for memory, since in list(self._chart.state.held.items()):
+            if since == NOW and self._chart.program.graph.memories.get(memory) not in self._chart.state.frozen:
                 told = f"{memory} has held for long enough"
                 yield Stimulus(told, "time", self.elapse(self._mature(memory)), owner=self._keepers.get(memory, ""))
 
     def machine_times(self) -> Iterator[Stimulus]:
-        for name, path, state in list(self.inner()):
-            owner, tree = owned(name, path), self._running[name]
+        for name, path, state in list(self._inputs.inner()):
+            owner, tree = owned(name, path), self._chart.state.running[name]
             if path is not None and tree.leaves[path].deadline != math.inf:
                 over = self.elapse(self._leaf_over(name, path), name)
                 yield Stimulus(f"the time of '{owner}' is over", "time", over, owner=name)
-            wake = self._machine_of(name, path).wake_at(state, self.view)
+            wake = self._machine_of(name, path).wake_at(state, self._chart.state)
             told = f"time passes for '{owner}'"
             if isinstance(state, DecisionActivity) and state.deadline != math.inf:
                 wake, told = state.deadline, f"the deadline of '{owner}' has come"
             if NOW < wake < math.inf:
                 yield Stimulus(told, "time", self.elapse(self._let_pass(name, path, wake), name), owner=name)
-        for name, state in list(self._running.items()):
+        for name, state in list(self._chart.state.running.items()):
             if limit_of(state) == "rounds":
                 yield Stimulus(f"the rounds of '{name}' continue", "time", self._continue(name), owner=name)
             if isinstance(state, TreeActivity) and NOW < state.wake < math.inf:
@@ -188,7 +213,7 @@ class TimeEnvironment(InputEnvironment):
 
     def _tree_times(self, name: str, state: TreeActivity) -> Iterator[Stimulus]:
         """What the tree waits for by itself is over; of branches that began at several instants, that of any."""
-        groups = self.groups.get(name, ())
+        groups = self._codec.groups.get(name, ())
         if not groups or all(memory.get("until") != state.wake for memory in state.tree.nodes.values()):
             yield Stimulus(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name), owner=name)
         for group in firsts(state, groups):
@@ -198,65 +223,67 @@ class TimeEnvironment(InputEnvironment):
     def _pass_for(self, name: str, group: frozenset[str]) -> Callable[[], None]:
         def change() -> None:
             self._over = (name, group)
-            self._running[name] = passed(self._running[name], group, NOW)
+            self._chart.state.running[name] = passed(self._chart.state.running[name], group, NOW)
 
         return change
 
-    def make(self, happens: Callable[[], None]) -> None:
+    def begin_step(self) -> None:
+        """Nothing is over yet."""
         self._over = ("", frozenset())
-        super().make(happens)
 
-    def settle(self) -> None:
-        super().settle()
-        over, group = self._over
-        for name, state in self._running.items():
-            if isinstance(state, TreeActivity):
+    def part_groups(self) -> None:
+        """Bring the groups of what waits in trees up to date, once a step has come to rest."""
+        (over, group), codec, begun = self._over, self._codec, self._instruments.begun
+        running = self._chart.state.running
+        for name, activity in running.items():
+            if isinstance(activity, TreeActivity):
                 its_own = group if name == over else None
-                self.groups[name] = parted(state, self.groups.get(name, ()), self.begun.get(name, ()), its_own)
-        self.groups = {name: each for name, each in self.groups.items() if each and name in self._running}
+                codec.groups[name] = parted(activity, codec.groups.get(name, ()), begun.get(name, ()), its_own)
+        if codec.groups:
+            codec.groups = {name: each for name, each in codec.groups.items() if each and name in running}
 
     def _continue(self, name: str) -> Callable[[], None]:
         return lambda: self.time_passes(name)
 
     def _machine_of(self, name: str, path: str | None) -> Any:
-        machine: Any = self._machines[name]
+        machine: Any = self._chart.program.machines[name]
         return machine if path is None else machine.limbs[path].machine
 
     def _ring(self, key: Any) -> Callable[[], None]:
         def change() -> None:
-            self._timers[key] = self._timers[key]._replace(due=NOW)
+            self._chart.state.timers[key] = self._chart.state.timers[key]._replace(due=NOW)
 
         return change
 
     def _late(self, name: str) -> Callable[[], None]:
-        return lambda: self._pending.update({name: NOW})
+        return lambda: self._chart.state.pending.update({name: NOW})
 
     def _unsettled(self, name: str) -> Callable[[], None]:
-        return lambda: self._settling.update({name: NOW})
+        return lambda: self._chart.state.settling.update({name: NOW})
 
     def _too_long(self) -> None:
-        self._cancel_by = NOW
+        self._chart.state.cancel_by = NOW
 
     def _orphan(self, number: int) -> Callable[[], None]:
         def change() -> None:
-            goals = self._ledger.goals
+            goals = self._chart.state.goals
             goals[number] = goals[number]._replace(until=NOW)
 
         return change
 
     def _aged(self, name: str) -> Callable[[], None]:
-        age = self.next_age(name)
+        age = self._codec.next_age(name)
         assert age is not None
-        return lambda: self.grow_old(name, age)
+        return lambda: self._codec.grow_old(name, age)
 
     def _mature(self, memory: str) -> Callable[[], None]:
-        return lambda: self.view.held.update({memory: LONG_AGO})
+        return lambda: self._chart.state.held.update({memory: LONG_AGO})
 
     def _leaf_over(self, name: str, path: str) -> Callable[[], None]:
         def change() -> None:
-            tree = self._running[name]
+            tree = self._chart.state.running[name]
             leaves = {**tree.leaves, path: RunningLeaf(tree.leaves[path].state, NOW)}
-            self._running[name] = tree._replace(leaves=leaves)
+            self._chart.state.running[name] = tree._replace(leaves=leaves)
 
         return change
 
@@ -264,13 +291,13 @@ class TimeEnvironment(InputEnvironment):
         """So much time passes for one machine alone."""
 
         def change() -> None:
-            machine, state = self._machine_of(name, path), self._running[name]
+            machine, state = self._machine_of(name, path), self._chart.state.running[name]
             if path is None:
-                self._running[name] = machine.shifted(state, NOW - wake)
+                self._chart.state.running[name] = machine.shifted(state, NOW - wake)
                 return
             tended = state.leaves[path]
             leaves = {**state.leaves, path: RunningLeaf(machine.shifted(tended.state, NOW - wake), tended.deadline)}
-            self._running[name] = state._replace(leaves=leaves)
+            self._chart.state.running[name] = state._replace(leaves=leaves)
 
         return change
 
@@ -278,10 +305,10 @@ class TimeEnvironment(InputEnvironment):
         """So much time passes for a tree that its own next instant comes; its leaves' time is another affair."""
 
         def change() -> None:
-            state, machine = self._running[name], self._machines[name]
+            state, machine = self._chart.state.running[name], self._chart.program.machines[name]
             assert isinstance(machine, TreeMachine)
             self._over = (name, frozenset())
             tree = machine.ticker.shifted(state.tree, NOW - state.wake)
-            self._running[name] = state._replace(tree=tree, wake=NOW)
+            self._chart.state.running[name] = state._replace(tree=tree, wake=NOW)
 
         return change

@@ -14,7 +14,7 @@ from rai_missions.prove.counterexample import go
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.loops import Level, Loop
 from rai_missions.prove.state_graph import Edge
-from rai_missions.prove.state_key import Own, State
+from rai_missions.prove.state_key import Own, Saved
 
 __all__ = ("Rounds", "repeated", "unrolled")
 
@@ -44,11 +44,11 @@ def unrolled(
         ways: The run.
         rounds: How many rounds of each loop there are in the first.
     """
-    every.loops = few.loops
+    every.codec.loops = few.codec.loops
     missing: list[Rounds] = []
     levels: list[Mapping[Loop, Level]] = []
     for way in ways:
-        before = every.save(), every.own()
+        before = every.codec.save(), every.codec.own()
         go(few, way)
         if not _follows(every, way, few):
             found = _round_before(every, before, few, way, levels, rounds)
@@ -61,17 +61,22 @@ def unrolled(
     return missing
 
 
-def _follows(chart: Environment, way: Edge, other: Environment) -> bool:
+def _follows(environment: Environment, way: Edge, other: Environment) -> bool:
     """Go a way; whether that leads where the other chart is."""
     try:
-        go(chart, way)
+        go(environment, way)
     except LookupError:
         return False
-    return (chart.outcome, chart.why, chart.uncounted()) == (other.outcome, other.why, other.uncounted())
+    return _end(environment) == _end(other)
+
+
+def _end(environment: Environment) -> tuple[str | None, str, bytes]:
+    chart = environment.chart
+    return chart.outcome, chart.why, environment.codec.uncounted()
 
 
 def _round_before(
-    every: Environment, before: tuple[State, Own], few: Environment, way: Edge, levels: Sequence[Mapping[Loop, Level]],
+    every: Environment, before: tuple[Saved, Own], few: Environment, way: Edge, levels: Sequence[Mapping[Loop, Level]],
     rounds: Mapping[Loop, int],
 ) -> Rounds | None:  # fmt: skip
     """The round that must be gone more often before a way leads where it should."""
@@ -80,7 +85,7 @@ def _round_before(
         if found is None or loop.rounds == many:
             continue
         every.load(*before)
-        every.go_round(loop, loop.rounds - many)
+        every.codec.go_round(loop, loop.rounds - many)
         if _follows(every, way, few):
             return Rounds(found[0] + 1, found[1], loop.rounds - many)
     return None
@@ -100,15 +105,17 @@ def _round(loop: Loop, levels: Sequence[Mapping[Loop, Level]]) -> tuple[int, int
     return None
 
 
-def _rest(chart: Environment) -> None:
-    chart.settle()
-    chart.load(chart.save(), chart.own())
+def _rest(environment: Environment) -> None:
+    environment.settle()
+    environment.load(environment.codec.save(), environment.codec.own())
 
 
-def _levels(chart: Environment) -> dict[Loop, Level]:
-    own, telling = chart.own(), chart.telling() if chart.outcome is None else ()
-    found = chart.levels() if chart.outcome is None else ()
-    return {loop: Level(ended, chart.key(core, own, telling)) for loop, ended, core in found}
+def _levels(environment: Environment) -> dict[Loop, Level]:
+    if environment.chart.outcome is not None:
+        return {}
+    codec = environment.codec
+    own, telling = codec.own(), codec.telling()
+    return {loop: Level(ended, codec.key(core, own, telling)) for loop, ended, core in codec.levels()}
 
 
 def repeated(items: Sequence[Item], rounds: Sequence[Rounds]) -> list[Item] | None:

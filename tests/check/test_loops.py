@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from rai_missions.check import check
 from rai_missions.engine import Chart
+from rai_missions.engine.hold import live
 from rai_missions.event import Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
@@ -50,7 +51,7 @@ def faults(mission: Mission) -> dict[str, str]:
 
 def waits_for(chart: Chart) -> Any:
     """What would tick the trees that run."""
-    for _, machine, state in chart._live():
+    for _, machine, state in live(chart.program, chart.state):
         return machine.reads(state), chart.awaited, chart.wake_at
     return None
 

@@ -13,8 +13,14 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine import macrostep as microsteps
 from rai_missions.engine import timing as instants
+from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.macrostep import complete
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.step import Move
+from rai_missions.engine.running import poll
+from rai_missions.engine.state import RunState
+from rai_missions.engine.step import Move, Step
+from rai_missions.engine.stepping import close
+from rai_missions.engine.surroundings import Surroundings
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
@@ -29,43 +35,43 @@ AFTER_S = 5.0
 seeds = st.integers(0, 2**32)
 
 
+class Trail(Surroundings):
+    """Notes at which instant each move is made."""
+
+    def __init__(self) -> None:
+        self.moves: list[tuple[float, Move]] = []
+
+    def before_step(self, state: RunState, step: CompiledStep) -> bool:
+        self.moves.append((state.at, step.move))
+        return True
+
+
 class Recorded(Chart):
     """A chart that notes at which instant each move was made."""
 
-    def _jump(self, leap: Any) -> None:
-        self.trail.append((self.view.at, leap.move))
-        super()._jump(leap)
+    def __init__(self, mission: Mission, ticker: Any, **given: Any) -> None:
+        self.notes = Trail()
+        super().__init__(mission, ticker, surroundings=self.notes, **given)
 
     @property
     def trail(self) -> list[tuple[float, Move]]:
-        made: list[tuple[float, Move]] = self.__dict__.setdefault("_trail", [])
-        return made
+        return self.notes.moves
 
 
 class Diligent(Recorded):
-    """The same chart without its economies: it looks at everything, at each event and each instant of the grid."""
+    """The same chart without its economies: it looks at everything, after each event and each instant of the grid."""
 
-    def _look_ahead(self) -> None:
-        super()._look_ahead()
-        self._quick, self._listening = False, self._reads()
-
-    def _reads(self) -> frozenset[str]:
-        return frozenset({"*"})
-
-    def _next_instant(self) -> float:
-        soonest = super()._next_instant()
-        if self.mode in ("ready", "ended"):
-            return soonest
-        return min(soonest, (self.view.at // GRID_S + 1) * GRID_S)
-
-    def _poll(self) -> bool:
-        self._due |= {name for name in self._running if self._graph.nodes[name].family != "tree"}
-        return super()._poll()
-
-    def _handle(self, event: Event) -> None:
-        super()._handle(event)
-        if self.outcome is None and self.mode in ("running", "canceling"):
-            self._complete(None)
+    def send(self, event: Event) -> Step:
+        program, state = self.program, self.state
+        state.quick, state.listening = False, frozenset({"*"})
+        step = super().send(event)
+        if state.outcome is None and state.mode in ("running", "canceling"):
+            nodes = program.graph.nodes
+            state.draft.due = frozenset(name for name in state.running if nodes[name].family != "tree")
+            poll(program, state)
+            complete(program, state, None)
+            close(program, state, Tick(state.at))
+        return step
 
 
 def play(

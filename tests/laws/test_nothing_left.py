@@ -17,8 +17,11 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GoalActivity, GoalMachine
+from rai_missions.engine.activities.goal_ledger import obstruction
 from rai_missions.engine.activities.ticker import Ticked, TreeState
 from rai_missions.engine.activities.tree import TreeActivity
+from rai_missions.engine.hold import live as live_activities
+from rai_missions.engine.macrostep import enabled
 from rai_missions.engine.step import CallService, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
@@ -43,16 +46,17 @@ def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
         step: The step.
         ends: Owner of a leaf → how it has ended.
     """
-    if chart.mode not in ("running", "canceling") or chart.outcome is not None or chart._final is not None:
+    program, run = chart.program, chart.state
+    if chart.mode not in ("running", "canceling") or chart.outcome is not None or run.final is not None:
         return
-    for row in chart._enabled(chart._config.eventless, []):
+    for row in enabled(run, run.config.eventless, []):
         yield f"{row.place} could fire"
-    for name in chart._settling:
-        requires = chart._graph.nodes[name].requires
+    for name in run.settling:
+        requires = program.graph.nodes[name].requires
         assert requires is not None
-        if requires.test(chart.view) is True:
+        if requires.test(run) is True:
             yield f"'{name}' could be reached"
-    for name, machine, state in chart._live():
+    for name, machine, state in live_activities(program, run):
         if isinstance(state, TreeActivity):
             if name not in step.resting:
                 yield from unticked(chart, name, state, ends)
@@ -66,13 +70,16 @@ def unsettled(chart: Chart, name: str, machine: Any, state: Any) -> Iterator[str
     if isinstance(machine, GoalMachine) and isinstance(state, GoalActivity):
         if state.phase == "settling" and (machine.achieved is None or machine.achieved(chart.view) is True):
             yield f"'{name}' has achieved what it is for"
-        if state.phase == "waiting" and chart.obstruction(machine.definition.action) != "busy":
+        if (
+            state.phase == "waiting"
+            and obstruction(chart.state.goals, chart.terms, machine.definition.action) != "busy"
+        ):
             yield f"'{name}' could start"
 
 
 def unticked(chart: Chart, name: str, state: TreeActivity, ends: dict[str, str]) -> Iterator[str]:
     """Whether a tick would make another tree: what runs, and what it counts and remembers."""
-    node = chart._graph.nodes[name]
+    node = chart.program.graph.nodes[name]
     assert isinstance(node.state, Tree)
     ticker = PyTrees().compile(node.state.tree, f"{node.place}/tree", chart.mission.blackboard, name)
     ticked = ticker.tick(state.tree, chart.view, {})

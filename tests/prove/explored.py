@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Container
-from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.step import Ask, CallService, Handover, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
@@ -42,7 +43,7 @@ class Seeing(Space):
 
     def _learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
         super()._learn(source, way, is_paused=is_paused)
-        self.seen.add(seen(self.chart))
+        self.seen.add(seen(self.environment.chart))
 
 
 def seen(chart: Chart) -> Seen:
@@ -50,12 +51,22 @@ def seen(chart: Chart) -> Seen:
 
 
 class Forgetless(Environment):
-    """A chart that tells states apart by all that it remembers, read later or not."""
+    """It tells states apart by all that a run remembers, read later or not."""
 
-    @cached_property
-    def later(self) -> Later:  # type: ignore[override]
-        actions = {part.action for kind in (Action, ActionLeaf) for part in parts(self.mission, kind)}
-        return Later(frozenset(self.mission.blackboard), frozenset(actions), frozenset(range(len(self._graph.order))))
+    def __init__(self, mission: Mission, ticker: Trees | None = None) -> None:
+        super().__init__(mission, ticker)
+        actions = {part.action for kind in (Action, ActionLeaf) for part in parts(mission, kind)}
+        histories = frozenset(range(len(self.chart.program.graph.order)))
+        self.rest.live = Everything(Later(frozenset(mission.blackboard), frozenset(actions), histories))
+
+
+class Everything(NamedTuple):
+    """Anything may be read later."""
+
+    later: Later
+
+    def after(self, config: Configuration) -> Later:
+        return self.later
 
 
 def explored(mission: Mission, most: int, kind: type[Environment] = Environment) -> Seeing:

@@ -39,10 +39,11 @@ def test_a_circle_comes_to_the_limit_of_the_real_chart(rounds: int, inner: int, 
     chart, free = Chart(mission, default_ticker(mission)), Environment(mission, default_ticker(mission))
     step = chart.start()
     free.make(free.begin)
-    assert (free.outcome, free.cause, free.active) == (step.outcome, chart.cause, chart.active)
-    assert [each.tree.nodes for each in free._running.values()] == [
+    found = free.chart
+    assert (found.outcome, found.cause, found.active) == (step.outcome, chart.cause, chart.active)
+    assert [each.tree.nodes for each in found.state.running.values()] == [
         {path: {**memory, **({"began": 1e6} if "began" in memory else {})} for path, memory in each.tree.nodes.items()}
-        for each in chart._running.values()
+        for each in chart.state.running.values()
     ]
 
 

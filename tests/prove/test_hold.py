@@ -56,7 +56,7 @@ def stays_in_what_is_explored(given: Json, script: Script, most: int) -> None:
     mission = Mission.model_validate(given)
     space = explored(mission, most)
     assume(space.is_whole)
-    for number, found in enumerate(walked(mission, script, space.chart.assumed)):
+    for number, found in enumerate(walked(mission, script, space.environment.world.assumed)):
         assert found in space.seen, f"step {number} of {script}"
 
 

@@ -27,7 +27,7 @@ def hold_against(document: Json, runs: list[Any], alleys: int, waypoints: list[s
     assume(space.is_whole)
     for script in runs:
         for number, found in enumerate(
-            walked(mission, script, space.chart.assumed, alleys=alleys, waypoints=waypoints)
+            walked(mission, script, space.environment.world.assumed, alleys=alleys, waypoints=waypoints)
         ):
             assert found in space.seen, f"step {number} of {script}"
 
@@ -55,8 +55,11 @@ def hold_against_forgetless(document: Json, most: int) -> None:
     few = explored(mission, most)
     assert few.is_whole and few.states <= every.states
     assert (few.seen, few.taken, few.entered) == (every.seen, every.taken, every.entered)
-    assert few.flaws.keys() == every.flaws.keys() and few.chart.answered == every.chart.answered
-    assert few.chart.seen == every.chart.seen
+    assert (
+        few.flaws.keys() == every.flaws.keys()
+        and few.environment.instruments.answered == every.environment.instruments.answered
+    )
+    assert few.environment.instruments.seen == every.environment.instruments.seen
     lengths = [{name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()} for space in (few, every)]
     assert lengths[0] == lengths[1]
 
@@ -88,14 +91,15 @@ def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
     quick, patient = (Seeing(Environment(mission, default_ticker(mission)), most, work) for _ in range(2))
-    patient.chart.own_fade = True  # then nothing is remembered of other states
+    patient.environment.world.own_fade = True  # then nothing is remembered of other states
     for space in (quick, patient):
         space.explore()
         if work < math.inf:
             assume(not space.meter.ended)  # what is told again costs less
     for what in ("_sources", "_targets", "_kinds", "_parents", "ends", "flaws", "taken", "entered", "steps", "seen"):
         assert getattr(quick, what) == getattr(patient, what), what
-    assert quick.chart.seen == patient.chart.seen and quick.chart.answered == patient.chart.answered
+    one, other = quick.environment.instruments, patient.environment.instruments
+    assert one.seen == other.seen and one.answered == other.answered
 
 
 @pytest.mark.drill

@@ -346,7 +346,7 @@ class Pair:
             yield self._ran()
 
     def _tending(self) -> Any:
-        return self.chart._running.get("work")
+        return self.chart.state.running.get("work")
 
     def _ran(self) -> Ran:
         state, board = self._tending(), self.chart.view.board

@@ -8,14 +8,17 @@ named to those who ask what may still move the robot.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import CancelGoal
 from rai_missions.event import Event
 
-__all__ = ("Goal", "Ledger", "OpenGoal", "may_move")
+__all__ = (
+    "Goal", "Goals", "OpenGoal", "Report", "awaited", "cancel", "loose", "may_move", "next_overdue", "obstruction",
+    "overdue", "report", "stop_all",
+)  # fmt: skip
 
 CANCEL_S = 5.0
 """Seconds within which the end of a goal without an owner has to be confirmed."""
@@ -74,116 +77,109 @@ class Goal(NamedTuple):
     """Its server is gone, and its end for the mission is on its way."""
 
 
-class Ledger:
-    """All goals whose end is not confirmed."""
+Goals = dict[int, Goal]
+"""Number → goal: all whose end is not confirmed."""
 
-    def __init__(self, terms: RobotFacts) -> None:
-        self.terms = terms
-        self.goals: dict[int, Goal] = {}
-        self.changed = False
-        """A goal has ended or was given up since the machines were last told."""
 
-    def open(self, number: int, owner: str, action: str, cancel_s: float) -> None:
-        self.goals[number] = Goal(number, owner, action, cancel_s)
+def obstruction(goals: Goals, facts: RobotFacts, action: str) -> str:
+    """`busy`, `orphan` or empty: whether a goal stands in the way of a start.
 
-    def obstruction(self, action: str) -> str:
-        """`busy`, `orphan` or empty: whether a goal stands in the way of a start."""
-        rivals = [goal for goal in self._held() if self.terms.conflict(goal.action, action)]
-        if any(goal.phase != "orphaned" for goal in rivals):
-            return "busy"
-        return "orphan" if rivals else ""
+    One that was lost does not: it is its connector's concern until its server is back.
+    """
+    rivals = [goal for goal in goals.values() if goal.phase != "lost" and facts.conflict(goal.action, action)]
+    if any(goal.phase != "orphaned" for goal in rivals):
+        return "busy"
+    return "orphan" if rivals else ""
 
-    def _held(self) -> Iterator[Goal]:
-        """The goals that bar a start; one that was lost is its connector's concern until its server is back."""
-        return (goal for goal in self.goals.values() if goal.phase != "lost")
 
-    @property
-    def awaited(self) -> int:
-        """How many goals have an end that the run waits for."""
-        return sum(goal.phase not in GIVEN_UP for goal in self.goals.values())
+def awaited(goals: Goals) -> int:
+    """How many goals have an end that the run waits for."""
+    return sum(goal.phase not in GIVEN_UP for goal in goals.values())
 
-    @property
-    def loose(self) -> tuple[OpenGoal, ...]:
-        """The goals that may still be executing and that no cancel can be relied on to end."""
-        return tuple(
-            OpenGoal(goal.number, goal.action, goal.owner, "refused" if goal.is_refused else _reason(goal))
-            for goal in self.goals.values()
-            if goal.phase in GIVEN_UP or goal.is_refused
-        )
 
-    def cancel(self, number: int, at: float) -> tuple[CancelGoal, ...]:
-        """End a goal: what is to be sent now; before its acceptance that is nothing yet."""
-        goal = self.goals.get(number)
-        if goal is None or goal.phase in ("withdrawn", "canceling", *GIVEN_UP):
-            return ()
-        accepted = goal.phase == "running"
-        phase = "canceling" if accepted else "withdrawn"
-        self.goals[number] = goal._replace(phase=phase, until=at + goal.cancel_s)
-        return (CancelGoal(number, goal.action),) if accepted else ()
+def loose(goals: Goals) -> tuple[OpenGoal, ...]:
+    """The goals that may still be executing and that no cancel can be relied on to end."""
+    return tuple(
+        OpenGoal(goal.number, goal.action, goal.owner, "refused" if goal.is_refused else _reason(goal))
+        for goal in goals.values()
+        if goal.phase in GIVEN_UP or goal.is_refused
+    )
 
-    def stop_all(self, at: float) -> tuple[CancelGoal, ...]:
-        """Cancel whatever may run, accepted or not: the emergency stop does not wait for an acceptance."""
-        cancels = tuple(CancelGoal(goal.number, goal.action) for goal in self.goals.values())
-        self.goals = {
-            number: goal if goal.phase == "lost" else goal._replace(
-                phase="canceling", until=min(goal.until, at + goal.cancel_s)
-            )
-            for number, goal in self.goals.items()
-        }  # fmt: skip
-        return cancels
 
-    def hear(self, event: Event) -> tuple[CancelGoal, ...]:
-        """What was reported of a goal; returns the cancel that waited for it, or that it calls for."""
-        goal = self.goals.get(event.number)
-        if event.kind == "stray":
-            return self._chase(event)
-        if goal is None:
-            return ()
-        if event.kind == "result" and goal.is_lost:
-            self.goals[event.number], self.changed = goal._replace(phase="lost", until=math.inf), True
-        elif event.kind in ("result", "over"):
-            self.finish(event.number)
-        elif event.kind == "refused":
-            self.goals[event.number] = goal._replace(is_refused=True)
-        elif event.kind == "lost":
-            self.goals[event.number] = goal._replace(is_lost=True)
-        elif event.kind == "accepted" and goal.phase == "sent":
-            self.goals[event.number] = goal._replace(phase="running")
-        elif event.kind == "accepted" and goal.phase in ("withdrawn", "canceling", "orphaned"):
-            # A cancel that was sent before the acceptance, by an emergency stop, may have reached no goal: once more.
-            phase = "orphaned" if goal.phase == "orphaned" else "canceling"
-            self.goals[event.number] = goal._replace(phase=phase)
-            return (CancelGoal(goal.number, goal.action),)
+def cancel(goals: Goals, number: int, at: float) -> tuple[CancelGoal, ...]:
+    """End a goal: what is to be sent now; before its acceptance that is nothing yet."""
+    goal = goals.get(number)
+    if goal is None or goal.phase in ("withdrawn", "canceling", *GIVEN_UP):
         return ()
+    accepted = goal.phase == "running"
+    phase = "canceling" if accepted else "withdrawn"
+    goals[number] = goal._replace(phase=phase, until=at + goal.cancel_s)
+    return (CancelGoal(number, goal.action),) if accepted else ()
 
-    def _chase(self, event: Event) -> tuple[CancelGoal, ...]:
-        """A goal whose end was reported is executing at some server: it has no owner, and is canceled."""
-        owner, cancel_s = str(event.data.get("owner", "")), float(event.data.get("cancel_s", CANCEL_S))
-        goal = self.goals.get(event.number) or Goal(event.number, owner, event.name, cancel_s)
-        self.goals[event.number] = goal._replace(phase="canceling", until=event.at + goal.cancel_s)
-        return (CancelGoal(goal.number, goal.action),)
 
-    def finish(self, number: int) -> None:
-        """A goal has ended."""
-        self.changed = self.goals.pop(number, None) is not None or self.changed
+def stop_all(goals: Goals, at: float) -> tuple[CancelGoal, ...]:
+    """Cancel whatever may run, accepted or not: the emergency stop does not wait for an acceptance."""
+    for number, goal in goals.items():
+        if goal.phase != "lost":
+            goals[number] = goal._replace(phase="canceling", until=min(goal.until, at + goal.cancel_s))
+    return tuple(CancelGoal(goal.number, goal.action) for goal in goals.values())
 
-    def overdue(self, at: float) -> list[Goal]:
-        """Goals whose cancel was not confirmed in time; they are orphaned from now on."""
-        late = [goal for goal in self.goals.values() if goal.phase in ("withdrawn", "canceling") and at >= goal.until]
-        self.changed = self.changed or bool(late)
-        for goal in late:
-            self.goals[goal.number] = goal._replace(phase="orphaned", until=math.inf)
-        return late
 
-    def wake_at(self) -> float:
-        """The next instant at which a cancel is overdue."""
-        return min((goal.until for goal in self.goals.values() if goal.phase not in GIVEN_UP), default=math.inf)
+class Report(NamedTuple):
+    """What a report makes of the goals."""
 
-    def saved(self) -> list[list[Any]]:
-        return [list(goal) for goal in self.goals.values()]
+    cancels: tuple[CancelGoal, ...] = ()
+    """The cancel that waited for it, or that it calls for."""
+    is_end: bool = False
+    """A goal has ended, or no longer bars a start."""
 
-    def restore(self, saved: Iterable[Iterable[Any]]) -> None:
-        self.goals = {goal.number: goal for goal in (Goal(*fields) for fields in saved)}
+
+def report(goals: Goals, event: Event) -> Report:
+    """Take note of what was reported of a goal."""
+    goal = goals.get(event.number)
+    if event.kind == "stray":
+        return Report(_chase(goals, event))
+    if goal is None:
+        return Report()
+    if event.kind == "result" and goal.is_lost:
+        goals[event.number] = goal._replace(phase="lost", until=math.inf)
+        return Report(is_end=True)
+    if event.kind in ("result", "over"):
+        del goals[event.number]
+        return Report(is_end=True)
+    if event.kind == "refused":
+        goals[event.number] = goal._replace(is_refused=True)
+    elif event.kind == "lost":
+        goals[event.number] = goal._replace(is_lost=True)
+    elif event.kind == "accepted" and goal.phase == "sent":
+        goals[event.number] = goal._replace(phase="running")
+    elif event.kind == "accepted" and goal.phase in ("withdrawn", "canceling", "orphaned"):
+        # A cancel that was sent before the acceptance, by an emergency stop, may have reached no goal: once more.
+        phase = "orphaned" if goal.phase == "orphaned" else "canceling"
+        goals[event.number] = goal._replace(phase=phase)
+        return Report((CancelGoal(goal.number, goal.action),))
+    return Report()
+
+
+def _chase(goals: Goals, event: Event) -> tuple[CancelGoal, ...]:
+    """A goal whose end was reported is executing at some server: it has no owner, and is canceled."""
+    owner, cancel_s = str(event.data.get("owner", "")), float(event.data.get("cancel_s", CANCEL_S))
+    goal = goals.get(event.number) or Goal(event.number, owner, event.name, cancel_s)
+    goals[event.number] = goal._replace(phase="canceling", until=event.at + goal.cancel_s)
+    return (CancelGoal(goal.number, goal.action),)
+
+
+def overdue(goals: Goals, at: float) -> list[Goal]:
+    """Goals whose cancel was not confirmed in time; they are orphaned from now on."""
+    late = [goal for goal in goals.values() if goal.phase in ("withdrawn", "canceling") and at >= goal.until]
+    for goal in late:
+        goals[goal.number] = goal._replace(phase="orphaned", until=math.inf)
+    return late
+
+
+def next_overdue(goals: Goals) -> float:
+    """The next instant at which a cancel is overdue; infinity for none."""
+    return min((goal.until for goal in goals.values() if goal.phase not in GIVEN_UP), default=math.inf)
 
 
 def _reason(goal: Goal) -> Literal["orphaned", "lost"]:

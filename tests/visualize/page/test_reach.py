@@ -34,7 +34,7 @@ class Moving(Space):
         self._moves: dict[int, tuple[Arrival, tuple[Move, ...]]] = {}
 
     def _arrival(self, way: Edge, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
-        moves = tuple(self.chart.moves)
+        moves = tuple(self.environment.chart.state.draft.moves)
         arrival = super()._arrival(way, kind, before, kept)
         self._moves[id(arrival)] = arrival, moves  # the arrival is kept, so that no other gets its id
         return arrival

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run knows: keys read and written, and predicates of the user's program asked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.engine.program import Program
+from rai_missions.engine.state import RunState
+from rai_missions.errors import in_words
+from rai_missions.guards.guard import Truth
+from rai_missions.keys import Stamped, fits, stale_at
+
+__all__ = ("ask_named", "known", "note_news", "write_key")
+
+
+def known(program: Program, state: RunState, key: str) -> Any:
+    """The value of a key; None where it is missing or stale."""
+    entry = state.board.get(key)
+    if entry is None or state.at >= stale_at(program.keys.get(key), entry):
+        return None
+    return entry.value
+
+
+def note_news(program: Program, state: RunState, key: str, before: Any, by: str = "") -> bool:
+    """Whether a key that was written has another value than before; if so, trees that look at it are ticked."""
+    value = known(program, state, key)
+    if value is before or (before is not None and value == before):
+        return False
+    state.draft.news[key] = by
+    return True
+
+
+def write_key(program: Program, state: RunState, key: str, value: Any, by: str = "") -> bool:
+    """Write a key of the mission; a value of another type is refused, and a note says so.
+
+    Rule: whatever comes from outside the mission's own text is written here or by a `write` event.
+
+    Args:
+        program: The mission.
+        state: Of the run.
+        key: Its name.
+        value: Its new value.
+        by: The state whose activity writes it and looks at it by itself: it is not reported to that activity.
+
+    Returns:
+        Whether trees that look at the key have something to see.
+    """
+    why = fits(program.keys[key], value) if key in program.keys else "the mission has no such key"
+    if why:
+        state.draft.notes.append(f"'{key}' was not written: {why}")
+        return False
+    before = known(program, state, key) if program.has_trees else None
+    state.board[key] = Stamped(value, state.at)
+    state.draft.written.append((key, value))
+    return program.has_trees and note_news(program, state, key, before, by)
+
+
+def ask_named(program: Program, state: RunState, name: str, arguments: Mapping[str, Any]) -> Truth:
+    """The value of a predicate, noted so that a replay can repeat it."""
+    predicate = program.named.get(name)
+    if predicate is None:
+        value = program.surroundings.predicate(state, name, arguments)
+        state.draft.looked.append((f"named:{name}", value))
+        return value
+    keys, now = program.keys, state.at
+    fresh = {key: entry.value for key, entry in state.board.items() if now < stale_at(keys.get(key), entry)}
+    try:
+        value = predicate(fresh, **arguments)
+    except Exception as error:  # noqa: BLE001 - the user's code; what it raises makes the guard unknown
+        state.draft.notes.append(f"guard '{name}' raised {type(error).__name__}: {in_words(error)}")
+        value = None
+    value = value if isinstance(value, bool) else None
+    state.draft.looked.append((f"named:{name}", value))
+    return value

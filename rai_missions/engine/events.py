@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What each kind of event does to a run.
+
+Rule: an event has one receiver, found by its kind; whatever makes no sense now is refused, and changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from rai_missions.engine.blackboard import known, note_news
+from rai_missions.engine.commands import receive_command
+from rai_missions.engine.completion import check_invariants
+from rai_missions.engine.handover import receive_control
+from rai_missions.engine.hold import is_for_held, keep, wait_out_pause
+from rai_missions.engine.macrostep import complete, react
+from rai_missions.engine.program import Program
+from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
+from rai_missions.engine.running import poll
+from rai_missions.engine.state import RunState, Trigger
+from rai_missions.event import KINDS, Event
+from rai_missions.keys import Stamped, fits, stale_at
+from rai_missions.model import suggestion
+
+__all__ = ("NOT_STARTED", "handle", "handle_before_start")
+
+NOT_STARTED = "the mission has not been started"
+"""Why an event before the start changes nothing."""
+BEFORE_START = ("cancel", "kill", "take_up", "migrate")
+"""The commands that make sense before the start."""
+Receiver = Callable[[Program, RunState, Event], None]
+
+
+def handle(program: Program, state: RunState, event: Event) -> None:
+    """Let an event do what it does, now that the mission has begun."""
+    state.draft.tree_rounds.clear()
+    if receive := ALWAYS.get(event.kind):
+        receive(program, state, event)
+    elif state.outcome is not None:
+        state.draft.refused = "the mission has ended"
+    elif receive := UNTIL_END.get(event.kind):
+        receive(program, state, event)
+    elif state.final is not None and state.mode != "paused":
+        state.draft.refused = f"the mission is ending in '{state.final.name}'"
+    else:
+        UNTIL_FINAL.get(event.kind, _refuse_kind)(program, state, event)
+
+
+def handle_before_start(program: Program, state: RunState, event: Event) -> None:
+    """The same before the start."""
+    if event.kind == "write":
+        _receive_early(program, state, event)
+    elif event.kind == "control":
+        receive_control(program, state, event)
+    elif event.kind == "command" and event.name in BEFORE_START:
+        receive_command(program, state, event)
+    else:
+        state.draft.refused = NOT_STARTED
+
+
+def _pass(program: Program, state: RunState, event: Event) -> None:
+    """Time has passed, or a goal reports on its way: what that does is done already."""
+
+
+def _refuse_kind(program: Program, state: RunState, event: Event) -> None:
+    state.draft.refused = f"there is no event of kind '{event.kind}'{suggestion(event.kind, KINDS)}"
+
+
+# -- the world outside ------------------------------------------------------------------------------------------------
+
+
+def _receive_event(program: Program, state: RunState, event: Event) -> None:
+    """Something that the mission declares; while paused it waits."""
+    if event.kind == "event" and event.name not in program.declared:
+        sentence = f"the mission declares no event '{event.name}'"
+        state.draft.refused = sentence + suggestion(event.name, program.declared)
+    elif state.mode == "paused":
+        wait_out_pause(program, state, event)
+    else:
+        react(program, state, Trigger(event.name, event.data))
+
+
+def _receive_answer(program: Program, state: RunState, event: Event) -> None:
+    """A proposal, or the end of a behaviour."""
+    if state.mode == "paused":
+        wait_out_pause(program, state, event)
+    elif is_for_held(program, state, event.number):
+        keep(program, state, event)
+    elif not receive_answer(program, state, event) and event.kind == "proposal":
+        state.draft.refused = f"stale: question {event.number} is no longer asked"
+
+
+def _receive_early(program: Program, state: RunState, event: Event) -> None:
+    """A write before the start; a reading that is stale as it comes is no reason to begin."""
+    name, board = event.name, state.board
+    is_known = name in board and name not in state.outdated
+    _write(program, state, event)
+    if not is_known and name in board:
+        is_fresh = state.at < stale_at(program.keys[name], board[name])
+        state.outdated = state.outdated - {name} if is_fresh else state.outdated | {name}
+
+
+def _write(program: Program, state: RunState, event: Event) -> None:
+    name, draft = event.name, state.draft
+    key = program.keys.get(name)
+    value = event.data.get("value")
+    stamp = min(float(event.data.get("stamp", event.at)), state.at)
+    if key is None:
+        draft.refused = f"the mission has no key '{name}'{suggestion(name, program.keys)}"
+        return
+    if why := fits(key, value):
+        draft.refused = f"'{name}' was not written: {why}"
+        return
+    entry = state.board.get(name)
+    if entry is not None and entry.at > stamp:
+        draft.refused = f"'{name}' was not written: {entry.at - stamp:.3g} s older than what is known"
+        return
+    before = known(program, state, name) if program.has_trees else None
+    state.board[name] = Stamped(value, stamp)
+    draft.written.append((name, value))
+    if name not in state.listening and "*" not in state.listening:
+        return
+    if program.has_trees:
+        note_news(program, state, name, before)
+    if state.mode == "paused":
+        check_invariants(program, state)
+    elif state.mode != "ready":
+        poll(program, state)
+        complete(program, state, None)
+
+
+ALWAYS: Mapping[str, Receiver] = {
+    "tick": _pass, "feedback": _pass, "command": receive_command, "accepted": receive_report, "result": receive_report,
+    **dict.fromkeys(WATCHED, watch_goal),
+}  # fmt: skip
+"""Kind → its receiver, after the end of the mission too."""
+UNTIL_END: Mapping[str, Receiver] = {"write": _write, "control": receive_control}
+UNTIL_FINAL: Mapping[str, Receiver] = {
+    "event": _receive_event, "doubt": _receive_event, "proposal": _receive_answer, "behaviour": _receive_answer,
+}  # fmt: skip
+"""The same, unless the mission is ending already."""

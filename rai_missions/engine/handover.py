@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who holds control: what happens as it changes hands, as the operator takes it, and as the operator gives it back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container
+
+from rai_missions.engine.hold import (
+    HOLDERS,
+    give_time_back,
+    held_by,
+    held_controls,
+    holder_of,
+    is_held,
+    run_at,
+)
+from rai_missions.engine.macrostep import complete
+from rai_missions.engine.nodes import Node
+from rai_missions.engine.program import Program
+from rai_missions.engine.reports import handle_late
+from rai_missions.engine.running import begin, leave_activity, request_control
+from rai_missions.engine.state import RunState
+from rai_missions.errors import suggestion
+from rai_missions.event import Event, is_taken
+
+__all__ = ("ask_back", "lay_down", "receive_control", "settle_holds")
+
+
+def receive_control(program: Program, state: RunState, event: Event) -> None:
+    """Control is with a holder from now on: what waited for it starts, what needs another waits."""
+    if event.name not in HOLDERS:
+        state.draft.refused = f"nobody called '{event.name}' can hold control{suggestion(event.name, HOLDERS)}"
+        return
+    before = held_by(state)
+    state.taken = is_taken(event, holder=state.holder or "", taken=state.taken, asked=state.asked)
+    state.holder, state.asked = event.name, "" if state.asked == event.name else state.asked
+    state.draft.notes.append(f"control: {event.name}")
+    if state.mode == "ready":
+        return
+    if held_by(state) != before:
+        state.held_since = state.at
+    _change_hands(program, state)
+
+
+def _change_hands(program: Program, state: RunState) -> None:
+    nodes, held, was = program.graph.nodes, held_controls(program, state), frozenset(state.frozen)
+    freed = was - held
+    for name in [name for name in state.running if _is_lost(state, nodes[name], held | freed)]:
+        leave_activity(program, state, nodes[name])
+        state.pending[name] = math.inf
+        state.draft.notes.append(f"{name} waits until control is with {nodes[name].control} again")
+    if freed:
+        _thaw(program, state, freed)
+    if held - was:
+        _freeze(program, state, held - was)
+    if state.mode == "paused":
+        return
+    for name in sorted(state.pending, key=lambda each: nodes[each].index):
+        if nodes[name].control == state.holder:
+            _get_control(program, state, name)
+    complete(program, state, None)
+    if freed:
+        kept, state.kept = state.kept, ()
+        for event in kept:
+            handle_late(program, state, event)
+
+
+def _is_lost(state: RunState, node: Node, waiting: Container[str]) -> bool:
+    """What runs there has lost control, and neither waits for the hand-back nor continues by it."""
+    return node.control is not None and node.control != state.holder and node.control not in waiting
+
+
+def _get_control(program: Program, state: RunState, name: str) -> None:
+    """What waits for control has it."""
+    if state.pending.pop(name, None) is not None and name not in state.running:
+        begin(program, state, program.graph.nodes[name])
+
+
+# -- taken, and given back --------------------------------------------------------------------------------------------
+
+
+def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None:
+    """The states that need one of these are held from now on."""
+    nodes = program.graph.nodes
+    state.frozen = {**state.frozen, **dict.fromkeys(controls, run_at(state))}
+    laid = {name for name in state.pending if nodes[name].control in controls}
+    laid |= {node.name for node in state.config.atomic if node.control in controls and not node.activity}
+    for name in list(state.running):
+        if nodes[name].control in controls and lay_down(program, state, nodes[name]):
+            laid.add(name)
+    for name in laid:
+        state.pending.pop(name, None)
+    laid -= set(state.suspended)
+    state.draft.notes += [f"{name} waits until control is given back" for name in sorted(laid)]
+    state.laid_by = tuple(sorted({*state.laid_by, *laid}, key=lambda name: nodes[name].index))
+
+
+def lay_down(program: Program, state: RunState, node: Node) -> bool:
+    """End an action or a tree that is to start again later; what a profile says to `keep` continues."""
+    if node.family not in ("action", "tree") or getattr(node.state, "action", None) in program.facts.keep:
+        return False
+    leave_activity(program, state, node)
+    return True
+
+
+def _thaw(program: Program, state: RunState, controls: frozenset[str]) -> None:
+    """The states that need one of these are held no more: they have the time that they had left."""
+    nodes = program.graph.nodes
+    give_time_back(program, state, controls)
+    state.frozen = {control: since for control, since in state.frozen.items() if control not in controls}
+    free = tuple(name for name in state.laid_by if nodes[name].control in controls)
+    state.laid_by = tuple(name for name in state.laid_by if name not in free)
+    if state.mode == "paused":
+        state.suspended += free
+        state.queue, state.kept = (*state.kept, *state.queue), ()
+        return
+    state.draft.starting += [nodes[name] for name in free]
+    state.draft.due |= {name for name in state.running if nodes[name].control in controls}
+    ask_back(program, state)
+
+
+def settle_holds(program: Program, state: RunState) -> None:
+    """Give what is held, now, the time that it had left: what begins from here on counts from the same instant."""
+    give_time_back(program, state, state.frozen)
+    state.frozen = dict.fromkeys(state.frozen, run_at(state))
+
+
+def ask_back(program: Program, state: RunState) -> None:
+    """Ask for the control that what continues to run had."""
+    for node in [program.graph.nodes[name] for name in state.running if name not in state.pending]:
+        if node.control is not None and node.control != holder_of(program, state) and not is_held(state, node):
+            request_control(state, node)

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The modes of a run, and what leads from one to another: the only table of them.
+
+The chart refuses commands by it, the lifecycle that others read is built of it, and its diagram is drawn from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Literal, NamedTuple, get_args
+
+__all__ = ("ALIVE", "MODES", "MODE_TABLE", "Mode", "ModeChange", "diagram", "next_mode", "refusal")
+
+Mode = Literal["ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted"]
+MODES: tuple[Mode, ...] = get_args(Mode)
+"""The last four are the outcomes: in each of them the mission has ended."""
+ALIVE: tuple[Mode, ...] = ("ready", "running", "paused", "canceling")
+"""The modes in which the mission has not ended."""
+
+
+class ModeChange(NamedTuple):
+    """What leads from some modes to another."""
+
+    trigger: str
+    """A command, or the outcome with which the mission ends."""
+    sources: tuple[Mode, ...]
+    target: Mode
+    otherwise: str = "the mission is {mode}; it cannot {trigger} now"
+    """Why it is refused in any other mode in which the mission has not ended."""
+
+
+MODE_TABLE = (
+    ModeChange("start", ("ready",), "running"),
+    ModeChange("pause", ("running",), "paused", "only a running mission can be paused; it is {mode}"),
+    ModeChange("resume", ("paused",), "running", "only a paused mission can be resumed; it is {mode}"),
+    ModeChange("cancel", ("ready", "running", "paused"), "canceling", "it is being canceled already"),
+    ModeChange("kill", ALIVE, "aborted"),
+    ModeChange("canceled", ("running", "canceling"), "canceled"),
+    ModeChange("succeeded", ("running",), "succeeded"),
+    ModeChange("failed", ("ready", "running"), "failed"),
+    ModeChange("aborted", ALIVE, "aborted"),
+)
+"""`aborted` out of any mode: an invariant that is false ends the mission at once."""
+_CHANGES: Mapping[tuple[str, str], ModeChange] = {
+    (source, each.trigger): each for each in MODE_TABLE for source in each.sources
+}
+_TRIGGERS = {each.trigger: each for each in MODE_TABLE}
+
+
+def next_mode(mode: str, trigger: str) -> Mode | None:
+    """Where a trigger leads from a mode; None where it leads nowhere."""
+    found = _CHANGES.get((mode, trigger))
+    return found.target if found is not None else None
+
+
+def refusal(mode: str, trigger: str) -> str:
+    """Why a command makes no sense in a mode; empty where it does."""
+    if (mode, trigger) in _CHANGES:
+        return ""
+    return _TRIGGERS[trigger].otherwise.format(mode=mode, trigger=trigger) if mode in ALIVE else "the mission has ended"
+
+
+def diagram() -> Iterator[str]:
+    """The table as a Mermaid state diagram, line by line."""
+    yield "stateDiagram-v2"
+    yield f"    [*] --> {MODES[0]}"
+    for trigger, sources, target, _ in MODE_TABLE:
+        for source in sources:
+            yield f"    {source} --> {target}: {trigger}"
+    for mode in MODES:
+        if mode not in ALIVE:
+            yield f"    {mode} --> [*]"

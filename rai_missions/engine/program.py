@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission compiled, with all that does not change while it runs.
+
+Rule: what changes while a mission runs is in `RunState`; every function of the engine is one over the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from rai_missions.engine.activities.activity import Machine
+from rai_missions.engine.activities.factory import Bench, machine_of
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.nodes import Condition, Content, Node
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.surroundings import Surroundings
+from rai_missions.engine.transitions import Graph
+from rai_missions.errors import UsageError
+from rai_missions.guards.guard import Truth
+from rai_missions.mission.mission import Mission
+
+__all__ = ("Named", "Program")
+
+Named = Mapping[str, Callable[..., Truth]]
+"""Predicates of the user's program by name; each gets the blackboard's fresh values and the guard's `with`."""
+
+
+class Program:
+    """A mission, compiled.
+
+    Args:
+        mission: One that `check` finds no fault in.
+        content: How effects, the entry of a list and of a final are compiled.
+        ticker: Who ticks trees; needed only where the mission has one.
+        facts: What is known of the robot.
+        named: The predicates that `{"named": …}` guards name.
+        surroundings: What is left open, and who watches.
+
+    Raises:
+        UsageError: The mission has a tree and no ticker was given, or names a predicate that was not.
+    """
+
+    __slots__ = (
+        "always_held", "declared", "facts", "graph", "has_trees", "invariants", "keys", "machines", "mission", "named",
+        "surroundings", "ticker",
+    )  # fmt: skip
+
+    def __init__(
+        self, mission: Mission, content: Content, ticker: Trees | None = None, *, facts: RobotFacts | None = None,
+        named: Named | None = None, surroundings: Surroundings | None = None,
+    ) -> None:  # fmt: skip
+        self.mission, self.keys, self.ticker = mission, mission.blackboard, ticker
+        self.facts = facts if facts is not None else RobotFacts()
+        self.named: Named = dict(named or {})
+        self.surroundings = surroundings if surroundings is not None else Surroundings()
+        self.has_trees = any(state.word == "tree" for _, _, state in mission.walk())
+        self.graph = Graph(mission, content)
+        if absent := sorted(self.graph.named - self.named.keys()):
+            raise UsageError(f"the mission names predicates that were not given: {', '.join(absent)}; give named={{…}}")
+        self.declared = frozenset(mission.events)
+        self.machines: dict[str, Machine | None] = {}
+        self.invariants: tuple[tuple[str, Condition], ...] = tuple(self.graph.invariants.items())
+        self.always_held = {memory: test for _, each in self.invariants for memory, test in each.holds.items()}
+        if ticker is None and self.has_trees:
+            raise UsageError("the mission runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
+
+    def machine(self, node: Node) -> Machine | None:
+        """The machine of a state's activity; None for a state that runs nothing."""
+        if node.name not in self.machines:
+            assert node.state is not None
+            bench = Bench(node.name, node.name, node.place, self.keys, self.facts, self.ticker)
+            made = machine_of(node.state, bench)
+            self.machines[node.name] = self.surroundings.machine(node, made) if made is not None else None
+        return self.machines[node.name]

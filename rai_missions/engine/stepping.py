@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One step, from its event to its value: what is due comes first, then the event, to completion.
+
+Rule: a step is closed here and, where it does so little that it takes the short way, in `Chart.send`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.engine.actions import act_of
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.blackboard import ask_named
+from rai_missions.engine.commands import resync
+from rai_missions.engine.completion import enter_each, reach_final
+from rai_missions.engine.events import handle, handle_before_start
+from rai_missions.engine.hold import held_controls
+from rai_missions.engine.macrostep import complete, jump, set_timers
+from rai_missions.engine.nodes import Act, Content, Node
+from rai_missions.engine.program import Named, Program
+from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.running import resting, take_back
+from rai_missions.engine.state import RunState, StepDraft
+from rai_missions.engine.step import Step
+from rai_missions.engine.surroundings import Surroundings
+from rai_missions.engine.timing import catch_up, look_ahead, look_for_time
+from rai_missions.errors import UsageError
+from rai_missions.event import Event
+from rai_missions.guards.guard import Truth
+from rai_missions.keys import Stamped
+from rai_missions.mission.mission import Mission
+
+__all__ = ("begin_run", "close", "compiled", "fresh", "make_step")
+
+
+def compiled(
+    mission: Mission, ticker: Trees | None = None, *, facts: RobotFacts | None = None, named: Named | None = None,
+    surroundings: Surroundings | None = None,
+) -> Program:  # fmt: skip
+    """A mission, ready to run.
+
+    Raises:
+        UsageError: As `Program` does.
+    """
+    keys, has_trees = mission.blackboard, any(state.word == "tree" for _, _, state in mission.walk())
+
+    def reaching(node: Node, complete: tuple[Node, ...]) -> Act:
+        return lambda program, state: reach_final(program, state, node, complete)
+
+    content = Content(
+        lambda effect, place, state: act_of(effect, place, state, keys, has_trees=has_trees),
+        lambda node: lambda program, state: enter_each(program, state, node),
+        reaching,
+    )
+    return Program(mission, content, ticker, facts=facts, named=named, surroundings=surroundings)
+
+
+def fresh(program: Program) -> RunState:
+    """What a run remembers before it has begun."""
+
+    def ask(state: RunState, name: str, arguments: Mapping[str, Any]) -> Truth:
+        return ask_named(program, state, name, arguments)
+
+    known = {name: Stamped(key.initial, 0.0) for name, key in program.keys.items() if key.initial is not None}
+    return RunState(board=known, config=program.graph.empty, ask=ask)
+
+
+def begin_run(program: Program, state: RunState, at: float) -> None:
+    """Enter the mission; the step is not closed yet."""
+    board, root = state.board, program.graph.root
+    state.at = max(at, state.at)
+    for name, key in program.keys.items():
+        if key.initial is not None and key.source != "robot" and board[name].at < state.at:
+            board[name] = Stamped(board[name].value, state.at)
+    state.mode, state.held_since = "running", state.at
+    state.frozen = dict.fromkeys(held_controls(program, state), state.at)
+    if root.clocked:
+        state.entered[""] = state.at
+    set_timers(state, root)
+    jump(program, state, program.graph.start(state.memory))
+    complete(program, state, None)
+
+
+def make_step(program: Program, state: RunState, event: Event) -> Step:
+    """Let an event happen: everything due before it first, then it, to completion.
+
+    Raises:
+        UsageError: Its time is not a finite number of seconds.
+    """
+    if not math.isfinite(event.at):
+        raise UsageError(f"'{event.name}' cannot happen at {event.at} s; give a finite number of seconds")
+    at = max(event.at, state.at)
+    if event.kind == "command" and event.name == "take_up":
+        resync(program, state, event)
+    if state.mode == "ready":
+        state.at = at
+        handle_before_start(program, state, event)
+    else:
+        catch_up(program, state, at)
+        state.at = at
+        handle(program, state, event)
+    return close(program, state, event)
+
+
+def close(program: Program, state: RunState, event: Event) -> Step:
+    """The value of the step in hand; the next one begins with an empty draft."""
+    take_back(program, state)
+    draft = state.draft
+    changed = bool(draft.moves or draft.effects or draft.notes or draft.touched or draft.refused)
+    is_fact = event.kind in ("write", "tick")
+    if not changed and is_fact and state.mode == "running":
+        look_for_time(program, state)
+    else:
+        look_ahead(program, state)
+    is_over = state.outcome is not None and state.mode == "ended"
+    why = state.why if is_over and (draft.ended or not draft.refused) else draft.refused
+    state.quiet = is_fact and not (changed or any(place.startswith("named:") for place, _ in draft.looked))
+    state.draft = StepDraft()
+    state.seq += 1
+    made: Step = tuple.__new__(Step, (
+        state.seq, state.at, event, tuple(draft.moves), tuple(draft.looked), tuple(draft.written), state.outcome,
+        None if state.wake == math.inf else state.wake, tuple(draft.effects), why, tuple(draft.notes),
+        resting(program, state),
+    ))  # fmt: skip
+    return made

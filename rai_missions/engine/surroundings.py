@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the rules of a mission leave open, and where a run may be watched: the only hooks of the engine.
+
+Rule: a run of its own has nothing left open and nobody who watches. `prove` gives a program surroundings that can be
+anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.engine.activities.activity import Machine
+from rai_missions.engine.nodes import Node
+from rai_missions.event import Event
+from rai_missions.guards.guard import Truth
+
+if TYPE_CHECKING:
+    from rai_missions.engine.configuration import CompiledStep
+    from rai_missions.engine.state import RunState
+
+__all__ = ("Surroundings",)
+
+
+class Surroundings:
+    """Nothing is left open."""
+
+    def predicate(self, state: RunState, name: str, arguments: Mapping[str, Any]) -> Truth:
+        """The value of a predicate of the user's program that was not given."""
+        return None
+
+    def holder(self, state: RunState) -> str:
+        """Who has control, where that was left open until a rule looks."""
+        raise LookupError("who has control is open only in a proof")
+
+    def machine(self, node: Node, machine: Machine) -> Machine:
+        """The machine of a state's activity, as it is to be used."""
+        return machine
+
+    def before_step(self, state: RunState, step: CompiledStep) -> bool:
+        """A microstep is about to be made; False where the macrostep goes round for ever and is to be ended."""
+        return True
+
+    def before_entry(self, state: RunState, node: Node) -> None:
+        """A state is about to be entered."""
+
+    def before_round(self, state: RunState, node: Node) -> None:
+        """The next round of an `each` is about to begin, or its end to be reported."""
+
+    def waits(self, state: RunState, event: Event, waiting: tuple[Event, ...]) -> bool:
+        """Whether an event is kept until the end of a pause, or the hand-back, after those that wait already."""
+        return True

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the surroundings of a mission can be: keys, fields, lists and predicates have any value when a rule looks.
+
+Rule: nothing is chosen before a rule looks at it; what is assumed of the robot is listed here, and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+from rai_missions.engine import Chart
+from rai_missions.engine.nodes import Condition
+from rai_missions.guards.elapsed import Elapsed
+from rai_missions.guards.guard import Truth
+from rai_missions.guards.in_state import In
+from rai_missions.guards.named import Named
+from rai_missions.keys import Stamped
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.comparisons import Comparisons
+from rai_missions.prove.nondeterminism import Choices, OpenBoard, OpenFields
+from rai_missions.prove.parts import guards_in, parts, writes_in
+from rai_missions.prove.representatives import Values
+from rai_missions.states.action import Action
+from rai_missions.states.call import Call
+from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf
+
+__all__ = ("NOW", "OpenWorld", "predicates_in")
+
+NOW = 1e6
+"""The instant at which everything happens."""
+PREDICATE = (True, False, None)
+
+
+def predicates_in(mission: Mission, choices: Choices) -> dict[str, Callable[..., Truth]]:
+    """The predicates of the user's program that a mission names; each has any value whenever it is asked."""
+
+    def predicate(known: Any, **arguments: Any) -> Truth:
+        value: Truth = choices.pick(PREDICATE)
+        return value
+
+    return dict.fromkeys(sorted(each.named for each in guards_in(mission) if isinstance(each, Named)), predicate)
+
+
+class OpenWorld:
+    """A blackboard on which robot and arguments can be anything.
+
+    Args:
+        chart: The mission, before the start.
+        choices: Where what is left open is chosen.
+    """
+
+    def __init__(self, chart: Chart, choices: Choices) -> None:
+        mission, state = chart.mission, chart.state
+        self._chart, self.choices = chart, choices
+        self.predicates = frozenset(chart.program.named)
+        self.values = Values(mission, chart.terms)
+        keys = mission.blackboard
+        self.fleeting = frozenset(name for name, key in keys.items() if key.source == "robot")
+        """The keys that the robot reports."""
+        self.open_keys = self.fleeting | {name for name, key in keys.items() if key.source == "argument"}
+        """The keys that can have any value at the start."""
+        self.own_keys = frozenset(keys) - self.open_keys
+        """The keys that only the mission, answers and results write."""
+        self.own_fade = any(keys[key].max_age_s is not None for key in self.own_keys)
+        """Some of them grow stale."""
+        self.shapes = {
+            name: OpenFields(fields, partial(self._part, name))
+            for name in self.fleeting if (fields := self.values.shape(name))
+        }  # fmt: skip
+        """Objects that are known field by field."""
+        self.wavering: dict[str, Any] = {}
+        """Key → what it was until this instant, at which it may go stale."""
+        self.board = OpenBoard(self.open_keys, self._value, NOW)
+        for name, entry in state.board.items():
+            if name not in self.open_keys:
+                self.board[name] = entry
+        state.board, state.at = self.board, NOW
+        self.facts = self._facts()
+        """The keys that rest on what the robot, its servers and services report."""
+        self._assume()
+
+    def _facts(self) -> frozenset[str]:
+        mission = self._chart.mission
+        kinds: tuple[type[Any], ...] = (Action, Call, ActionLeaf, CallLeaf)
+        with_results: Iterator[Any] = (part for kind in kinds for part in parts(mission, kind))
+        facts = set(self.fleeting | {key for part in with_results for key in part.result})
+        copies = {(e.set, e.source.split(".")[0]) for e in writes_in(mission) if e.source is not None}
+        while more := {name for name, source in copies if source in facts} - facts:
+            facts |= more
+        return frozenset(facts)
+
+    # -- what is free ---------------------------------------------------------------------------------------------
+
+    def _value(self, key: str) -> Any:
+        if key in self.wavering:
+            return self.choices.pick((self.wavering.pop(key), None))
+        shape = self.shapes.get(key)
+        if shape is not None:
+            can_lack = None in self.values.of(key)
+            return None if can_lack and self.choices.choose(2) == 0 else shape.fresh({})
+        if self._chart.mission.blackboard[key].type == "list":
+            return self._list(key)
+        return self.choices.pick(self.values.of(key))
+
+    def _list(self, key: str) -> list[Any] | None:
+        """Of no, one or two items, each anything; `Abstraction` has longer ones."""
+        many = self.choices.pick((0, 1, 2, None) if None in self.values.of(key) else (0, 1, 2))
+        return None if many is None else [self.choices.pick(self.values.item(key)) for _ in range(many)]
+
+    def _part(self, key: str, field: str) -> Any:
+        return self.choices.pick(self.values.part(key, field))
+
+    # -- what is assumed ------------------------------------------------------------------------------------------
+
+    def _assume(self) -> None:
+        """Set the invariants aside that no rule can keep or break: what they speak of is the robot's affair."""
+        program = self._chart.program
+        self.assumed = {name: each for name, each in program.invariants if self._speaks_of_the_robot_alone(each)}
+        """Invariants that are taken to hold."""
+        program.invariants = tuple((name, each) for name, each in program.invariants if name not in self.assumed)
+        kept = {name: program.mission.invariants[name] for name, _ in program.invariants}
+        mission = program.mission.model_copy(update={"invariants": kept})
+        looked_at = Comparisons(mission, program.facts).compared
+        self._doubted = [each for each in self.assumed.values() if self._can_be_broken(each, looked_at)]
+
+    def _can_be_broken(self, condition: Condition, looked_at: frozenset[str]) -> bool:
+        """Whether it must be asked for in each state; one over a single key narrows down that key's values instead."""
+        if condition.reads.isdisjoint(looked_at) and "*" not in condition.reads:
+            return False
+        key = next(iter(condition.reads))
+        if len(condition.reads) > 1 or key not in self.fleeting or key in self.shapes or condition.holds:
+            return True
+        self.values.narrow(key, lambda value: self._allows(condition, key, value))
+        self._chart.state.board = self.board
+        return False
+
+    def _allows(self, condition: Condition, key: str, value: Any) -> bool:
+        state = self._chart.state
+        state.board = {} if value is None else {key: Stamped(value, NOW)}
+        return condition.test(state) is not False
+
+    def _speaks_of_the_robot_alone(self, condition: Condition) -> bool:
+        of_the_run = any(isinstance(each, In | Elapsed) for each in condition.guard.walk())
+        return not of_the_run and bool(condition.reads) and condition.reads <= self.fleeting | {"*"}
+
+    @property
+    def is_possible(self) -> bool:
+        """Nothing that is assumed of the robot is false."""
+        return all(each.test(self._chart.state) is not False for each in self._doubted)
+
+    # -- what success rests on ------------------------------------------------------------------------------------
+
+    @property
+    def asked_at_the_end(self) -> frozenset[str]:
+        """The keys that decide whether a success counts."""
+        final = self._chart.state.final
+        return final.requires.reads if final is not None and final.requires is not None else frozenset()
+
+    @property
+    def rests_on_facts(self) -> bool:
+        """Whether the mission's success would not have counted had robot, servers and services reported nothing."""
+        state = self._chart.state
+        final = state.final
+        if final is None or final.requires is None:
+            return False
+        state.board = OpenBoard((), self._value, NOW)
+        state.board.refill({key: entry for key, entry in self.board.entries() if key not in self.facts})
+        try:
+            return final.requires.test(state) is not True
+        finally:
+            state.board = self.board

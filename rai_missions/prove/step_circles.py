@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Circles within a step, seen as they close, where the run itself takes ten thousand microsteps.
+
+Rule: a step has gone round only where everything is as it was before, as far as anything can tell. What becomes of it
+then is what the limits of a step make of it, whichever comes first: that of microsteps ends the mission, that of a
+tree's rounds has the tree rest, and the mission continues.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.engine import Chart
+from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.macrostep import MOST_MICROSTEPS
+from rai_missions.engine.state import TABLE, Holds, RunState
+from rai_missions.prove.abstraction import MANY, Abstraction
+from rai_missions.prove.activity_key import plain, told, told_timer
+from rai_missions.prove.open_world import OpenWorld
+
+__all__ = ("StepCircles",)
+
+PATIENCE = 32
+"""Microsteps after which it looks whether the step goes round."""
+MARGIN = 2
+"""Where one limit comes by no more circles before another, the run goes there by itself."""
+INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "derived"))
+
+
+class Visit(NamedTuple):
+    """How far the limits of a step were when it passed a place."""
+
+    microsteps: int
+    rooms: Mapping[str, int]
+    """State → how many rounds of its tree can end yet."""
+
+
+class StepCircles:
+    """Leaves the circles of a step out when the first one closes.
+
+    Args:
+        chart: The mission.
+        world: What the surroundings can be.
+        rest: What is forgotten between steps.
+    """
+
+    def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction) -> None:
+        self._world, self._rest = world, rest
+        self._macrostep: tuple[Any, int] = (None, 0)
+        self._jumps = 0
+        self._passed: dict[str, Visit] | None = None
+        """Places that were passed; None where circles are gone to the end."""
+        tells: Mapping[Holds, Callable[[Any], Any]] = {
+            "configuration": lambda config: config.key, "state": lambda node: node and node.name,
+            "goals": lambda goals: _many((goal.owner, goal.action, goal.phase) for goal in goals.values()),
+            "calls": lambda calls: _many(calls.values()), "board": self._known,
+            "timers": lambda timers: _many(told_timer(key, timer) for key, timer in timers.items()),
+            "activities": lambda running: [(name, told(activity)) for name, activity in running.items()],
+        }  # fmt: skip
+        self._fields = [(each.name, tells.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
+
+    def may_step(self, state: RunState, step: CompiledStep) -> bool:
+        """Whether a microstep may be made: not where the step goes round until the limit of microsteps."""
+        macrostep = (state.draft, state.draft.macrosteps)
+        if self._macrostep != macrostep:
+            self._macrostep, self._jumps, self._passed = macrostep, 0, {}
+        self._jumps += 1
+        if self._jumps <= PATIENCE or state.outcome is not None or self._passed is None:
+            return True
+        rounds = state.draft.tree_rounds
+        visit = Visit(state.draft.microsteps, {name: each.room for name, each in rounds.items()})
+        before = self._passed.setdefault(repr((self._place(state), step.move)), visit)
+        return before is visit or not self._is_endless(state, before, visit)
+
+    def _is_endless(self, state: RunState, before: Visit, now: Visit) -> bool:
+        """Whether the circle that has closed is gone until the limit of microsteps; else it is gone almost to the end.
+
+        Where a tree's loops go round in it, their limit may come first.
+        """
+        self._passed = None
+        spent = {name: before.rooms.get(name, room) - room for name, room in now.rooms.items()}
+        left = [now.rooms[name] // each for name, each in spent.items() if each]
+        circles = (MOST_MICROSTEPS - now.microsteps) // (now.microsteps - before.microsteps)
+        if not left or circles + MARGIN < min(left):
+            return True
+        if min(left) + MARGIN < circles:
+            for name, each in spent.items():
+                state.draft.tree_rounds[name].skip(max(0, min(left) - 1) * each)
+        return False
+
+    def _place(self, state: RunState) -> tuple[Any, ...]:
+        """What the next microsteps depend on; of many alike, that there are many."""
+        draft = state.draft
+        fields = [(name, tell(getattr(state, name)) if tell is not None else _ordered(getattr(state, name)))
+                  for name, tell in self._fields]  # fmt: skip
+        return (
+            fields, len(self._world.choices.trail), sorted(self._world.wavering),
+            [(name, rounds.spent) for name, rounds in sorted(draft.tree_rounds.items())],
+            [(each.name, each.source.name if each.source else "", str(each.data)) for each in draft.internal],
+            [node.name for node in draft.starting],
+        )  # fmt: skip
+
+    def _known(self, board: Any) -> list[Any]:
+        """What is known; of a counter no more than guards can tell."""
+        found, bounds, idle = [], self._rest.saturating, self._rest.idle
+        for key, entry in board.entries():
+            value: Any = None if entry is None else plain(entry[0])
+            if key in bounds and entry is not None:
+                low, high = bounds[key]
+                value = min(max(value, low), high)
+            found.append((key, None if key in idle else value))
+        return sorted(found, key=lambda each: each[0])
+
+
+def _ordered(value: Any) -> Any:
+    return sorted(value.items(), key=lambda item: str(item[0])) if isinstance(value, Mapping) else value
+
+
+def _many(things: Iterable[Any]) -> list[tuple[Any, int]]:
+    """How many there are of each, as far as that makes a difference."""
+    return sorted((each, min(many, MANY)) for each, many in Counter(things).items())
