@@ -30,22 +30,27 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import DefinitionError, suggestion
+from rai_missions.kinds import EVENT, KEY, PATH, STATE, TIMER, Reference, found, inside
 from rai_missions.validation_errors import faults_of
 
 __all__ = (
     "FAMILY",
     "Bool",
+    "EventName",
     "Integer",
     "Json",
+    "KeyName",
     "MissionModel",
     "Name",
-    "Names",
     "Number",
     "OneOf",
     "Path",
     "Seconds",
+    "StateName",
+    "StateNames",
     "TaggedModel",
     "Text",
+    "TimerName",
     "fault",
     "kind_of",
     "one_or_many",
@@ -53,7 +58,7 @@ __all__ = (
 )
 
 NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
-PATH = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
+PATH_PATTERN = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 
 
 def fault(kind: str, sentence: str) -> PydanticCustomError:
@@ -89,9 +94,13 @@ one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=An
 Text = Annotated[str, Strict()]
 Name = Annotated[str, Strict(), Field(pattern=NAME), BeforeValidator(_key_text)]
 """Lower case, digits and underscores; `/` only in what an inclusion brought."""
-Path = Annotated[str, Strict(), Field(pattern=PATH), BeforeValidator(_key_text)]
+Path = Annotated[str, PATH, Strict(), Field(pattern=PATH_PATTERN), BeforeValidator(_key_text)]
 """A key, or a field within one: `obstacle.height_m`; `event.…` and `answer.…` name what a row's trigger brought."""
-Names = Annotated[tuple[Name, ...], Field(min_length=1), *one_or_many]
+StateName = Annotated[Name, STATE]
+KeyName = Annotated[Name, KEY]
+EventName = Annotated[Name, EVENT]
+TimerName = Annotated[Name, TIMER]
+StateNames = Annotated[tuple[StateName, ...], Field(min_length=1), *one_or_many]
 Bool = Annotated[bool, Strict()]
 Integer = Annotated[int, Strict()]
 Number = Annotated[int, Strict()] | Annotated[float, Strict(), Field(allow_inf_nan=False)]
@@ -184,6 +193,14 @@ class MissionModel(Model):
             if name in docs and place in properties:
                 properties[place] = {"description": docs[name]} | properties[place]
         return schema
+
+    def references(self, place: str = "") -> Iterator[Reference]:
+        """What it refers to itself, each with its JSON pointer: names of states, keys, events, and paths."""
+        return found(self, place)
+
+    def inside(self, place: str = "") -> Iterator[tuple[str, Any]]:
+        """The written things directly inside it, each with its JSON pointer."""
+        return inside(self, place)
 
     def written(self) -> dict[str, Any]:
         """As JSON has it: aliases, and no word that says what would be so anyway."""

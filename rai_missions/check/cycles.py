@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
-from rai_missions.check.pointers import guard_reads
 from rai_missions.check.reachability import entered_with
 from rai_missions.check.scc import knots
-from rai_missions.guards import All, Any_, Elapsed, Guard, Held, In, Not, Possible
+from rai_missions.guards import Guard
 from rai_missions.guards.implication import Form, Junction, form, implies, never
 from rai_missions.states import Final, Parallel
 from rai_missions.states.effects import Effect, Set
@@ -112,7 +111,7 @@ def _jump(survey: MissionIndex, row: TransitionRef) -> Jump:
     moved = [spot for spot in active if spot.inside(stays)] if targets else []
     left = row.owner.upward() if row.owner is not None and targets else ()
     written.update(*(_set_by(spot.state.entry) for spot in moved), *(_set_by(spot.state.exit) for spot in left))
-    reads = frozenset(path.partition(".")[0] for path, _ in guard_reads(guard, ""))
+    reads = frozenset(path.partition(".")[0] for each in guard.walk() for path in each.paths())
     ends = any(spot.parent is None and isinstance(spot.state, Final) for spot in active)
     names = frozenset(spot.name for spot in active)
     return Jump(row, guard, form(guard), active, names, ends, stays, frozenset(written), reads)
@@ -142,22 +141,8 @@ def _after(jump: Jump, guard: Guard, owner: StateRef | None) -> Truth:
     """What a guard says by the configuration alone once a jump is made; None where facts decide."""
     if jump.ends:
         return False
-    if isinstance(guard, Not):
-        value = _after(jump, guard.guard, owner)
-        return None if value is None else not value
-    if isinstance(guard, All | Any_):
-        deciding = isinstance(guard, Any_)
-        values = [_after(jump, part, owner) for part in guard.inner()]
-        return deciding if deciding in values else None if None in values else not deciding
-    if isinstance(guard, In):
-        return _active(jump, guard.state)
-    if isinstance(guard, Possible):
-        return _after(jump, guard.possible, owner)
-    if isinstance(guard, Elapsed | Held):
-        anew = owner is not None and owner.inside(jump.stays) and bool(jump.row.transition.to)
-        seconds = guard.elapsed_s if isinstance(guard, Elapsed) else guard.for_s
-        return False if anew and seconds > 0 else None
-    return None
+    anew = owner is not None and owner.inside(jump.stays) and bool(jump.row.transition.to)
+    return guard.after_jump(lambda name: _active(jump, name), restarted=anew)
 
 
 def _active(jump: Jump, name: str) -> Truth:

@@ -13,8 +13,6 @@ from typing import Any, NamedTuple
 
 from rai_missions.check.index import MissionIndex, Write
 from rai_missions.check.paths import key_of
-from rai_missions.guards import All, Any_, Compare, Guard, Held, Named, Near, Not, Possible
-from rai_missions.guards.implication import holds
 from rai_missions.states import Action, Call, Decision, Final
 from rai_missions.states.effects import references
 from rai_missions.states.state import OUTCOMES
@@ -123,57 +121,30 @@ def _taken(origin: Origin, write: Write) -> Origin:
     return origin._replace(constants=frozenset(map(_text, constants)))
 
 
-def rests(survey: MissionIndex, guard: Guard, *, wanted: bool = True) -> bool:
-    """Whether a guard can be true (or, not `wanted`, false) only by what the robot said."""
-    if isinstance(guard, Not):
-        return rests(survey, guard.guard, wanted=not wanted)
-    if isinstance(guard, Held):
-        return rests(survey, guard.held, wanted=wanted)
-    if isinstance(guard, Possible):
-        return not wanted and rests(survey, guard.possible, wanted=False)
-    if isinstance(guard, All | Any_):
-        parts = (rests(survey, part, wanted=wanted) for part in guard.inner())
-        return any(parts) if isinstance(guard, All) is wanted else all(parts)
-    if isinstance(guard, Compare):
-        return _compared(survey, guard, wanted)
-    if isinstance(guard, Near):
-        return guard.near[0] != guard.near[1] and any(_pure(survey, path) for path in guard.near)
-    if isinstance(guard, Named):
-        return any(_pure(survey, path) for path in references(guard.with_))
-    return False
+class _Sources:
+    """Where the values of a mission's keys come from, for guards."""
 
+    def __init__(self, survey: MissionIndex) -> None:
+        self._survey = survey
 
-def _pure(survey: MissionIndex, path: str) -> bool:
-    """Whether all values there come from the robot."""
-    return _origin(survey, path) == ROBOT
+    def is_robots(self, path: str) -> bool:
+        return _origin(self._survey, path) == ROBOT
+
+    def constants(self, path: str) -> list[Any] | None:
+        origin = _origin(self._survey, path)
+        return None if not origin.robot or origin.stranger else _fields(origin, path)
+
+    def known(self, path: str) -> list[Any]:
+        name = path.partition(".")[0]
+        key = self._survey.mission.blackboard.get(name)
+        initial = [key.initial] if key is not None and key.initial is not None and "." not in path else []
+        return initial + _fields(_origin(self._survey, path), path)
 
 
 def _origin(survey: MissionIndex, path: str) -> Origin:
     """Of the key that a path means; a key that there is not is another rule's fault, and not two."""
     name = key_of(survey, path)
     return STRANGER if path.startswith(("event.", "answer.")) else origins(survey).get(name or "", ROBOT)
-
-
-def _compared(survey: MissionIndex, guard: Compare, wanted: bool) -> bool:
-    """Whether a comparison needs the robot: it does if none of the author's own constants would do."""
-    if guard.other == guard.key:
-        return False
-    if _pure(survey, guard.key) or (guard.other is not None and _pure(survey, guard.other)):
-        return True
-    origin = _origin(survey, guard.key)
-    if not origin.robot or origin.stranger:
-        return False
-    operands = [guard.operand] if guard.other is None else _known(survey, guard.other)
-    values = _fields(origin, guard.key)
-    return not any(holds(value, guard.op, operand) is wanted for value in values for operand in operands)
-
-
-def _known(survey: MissionIndex, path: str) -> list[Any]:
-    """The constants that the other key is known to hold, an argument's initial among them."""
-    name = path.partition(".")[0]
-    key = survey.mission.blackboard.get(name)
-    initial = [key.initial] if key is not None and key.initial is not None and "." not in path else []
-    return initial + _fields(_origin(survey, path), path)
 
 
 def _fields(origin: Origin, path: str) -> list[Any]:
@@ -188,7 +159,7 @@ def unfounded_success(survey: MissionIndex) -> Found:
     for ruled in survey.guards:
         owner = ruled.scope.owner
         final = ruled.role == "requires" and owner is not None and owner.parent is None and _succeeds(owner.state)
-        if (ruled.role == "achieved" or final) and not rests(survey, ruled.guard):
+        if (ruled.role == "achieved" or final) and not ruled.guard.rests(_Sources(survey)):
             yield (
                 ruled.place,
                 f"this can be true without a word of the robot: {ruled.guard.words():.200}; "

@@ -10,8 +10,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.check.name_table import Lexicon
-from rai_missions.check.pointers import NodeRef, guard_parts, guard_reads, pointer, template_reads, tree_nodes
+from rai_missions.check.pointers import NodeRef, guard_parts, pointer, template_reads, tree_nodes
 from rai_missions.guards import Guard
+from rai_missions.kinds import PATH
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.states import (
     Action,
@@ -267,8 +268,9 @@ class MissionIndex:
     def _guard(self, guard: Guard, place: str, role: str, scope: Scope) -> None:
         ruled = GuardUse(guard, place, role, scope)
         self.guards.append(ruled)
-        self.parts += [(here, part, ruled) for here, part in guard_parts(guard, place)]
-        self.reads += [Read(path, here, scope) for path, here in guard_reads(guard, place)]
+        for here, part in guard_parts(guard, place):
+            self.parts.append((here, part, ruled))
+            self.reads += [Read(each.name, each.place, scope) for each in part.references(here) if each.refers is PATH]
 
     def _template(self, template: Mapping[str, Any], place: str, scope: Scope) -> None:
         self.reads += [Read(path, here, scope) for path, here in template_reads(template, place)]

@@ -6,9 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from rai_missions.check.index import MissionIndex
-from rai_missions.check.pointers import guard_parts, guard_reads, pointer
-from rai_missions.guards import Elapsed, Guard, Held, In
-from rai_missions.guards.named import Named
+from rai_missions.check.pointers import pointer
+from rai_missions.guards.guard import Guard, Site
 from rai_missions.keys import Key
 from rai_missions.states import Tree
 from rai_missions.states.tree import (
@@ -162,9 +161,11 @@ def _decorated(node: Decorator, ends: Ends) -> Ends:
 
 def _is_settled(guard: Guard, keys: Mapping[str, Key]) -> bool:
     """Whether nothing can make a guard say something else in the course of a run."""
-    if any(isinstance(part, Elapsed | Held | In | Named) for _, part in guard_parts(guard, "")):
+    site = Site("", keys)
+    guard.compile(site)
+    if site.clocked or site.holds or site.states or site.named:
         return False
-    return all(_lasts(path, keys) for path, _ in guard_reads(guard, ""))
+    return all(_lasts(path, keys) for path in site.reads)
 
 
 def _lasts(path: str, keys: Mapping[str, Key]) -> bool:

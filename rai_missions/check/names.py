@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.pointers import pointer
-from rai_missions.guards import In, Named
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.states import Decision
 from rai_missions.states.effects import Drop, Raise
@@ -53,8 +52,7 @@ def _named_states(survey: MissionIndex) -> Iterator[tuple[str, str]]:
         if row.transition.of is not None:
             yield f"{row.place}/of", row.transition.of
     for place, part, _ in survey.parts:
-        if isinstance(part, In):
-            yield f"{place}/in", part.state
+        yield from ((here, name) for refers, name, here in part.references(place) if refers.sort == "state")
 
 
 def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
@@ -113,8 +111,9 @@ def unknown_predicates(survey: MissionIndex) -> Found:
         return
     known = Lexicon("registered predicate", survey.predicates, "register it with --guards FILE.py")
     for place, part, _ in survey.parts:
-        if isinstance(part, Named) and part.named not in known:
-            yield f"{place}/named", known.missing(part.named)
+        for refers, name, here in part.references(place):
+            if refers.sort == "predicate" and name not in known:
+                yield here, known.missing(name)
 
 
 def colliding_names(survey: MissionIndex) -> Found:

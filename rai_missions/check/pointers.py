@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.guards import All, Any_, Compare, Fresh, Guard, Named, Near
+from rai_missions.guards import Guard
 from rai_missions.states.decision import Option
 from rai_missions.states.tree import DecisionLeaf, Timeout, TreeNode
 
-__all__ = ("NodeRef", "guard_parts", "guard_reads", "pointer", "template_reads", "tree_nodes")
+__all__ = ("NodeRef", "guard_parts", "pointer", "template_reads", "tree_nodes")
 
 
 def pointer(place: str, *words: object) -> str:
@@ -24,26 +24,7 @@ def guard_parts(guard: Guard, place: str) -> Iterator[tuple[str, Guard]]:
     while stack:
         here, part = stack.pop()
         yield here, part
-        inner = list(part.inner())
-        listed = isinstance(part, All | Any_)
-        for index in range(len(inner) - 1, -1, -1):
-            stack.append((f"{here}/{part.word}/{index}" if listed else f"{here}/{part.word}", inner[index]))
-
-
-def guard_reads(guard: Guard, place: str) -> Iterator[tuple[str, str]]:
-    """The paths that a guard looks at, each with its place."""
-    for here, part in guard_parts(guard, place):
-        if isinstance(part, Compare):
-            yield part.key, f"{here}/key"
-            if part.other is not None:
-                yield part.other, pointer(here, part.op, *part.operand)
-        elif isinstance(part, Fresh):
-            yield part.fresh, f"{here}/fresh"
-        elif isinstance(part, Near):
-            for index, path in enumerate(part.near):
-                yield path, f"{here}/near/{index}"
-        elif isinstance(part, Named):
-            yield from template_reads(part.with_, f"{here}/with")
+        stack += reversed(list(part.inside(here)))
 
 
 def template_reads(template: Any, place: str) -> Iterator[tuple[str, str]]:

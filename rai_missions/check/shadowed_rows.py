@@ -8,7 +8,6 @@ from collections.abc import Iterator
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.outcomes import together
-from rai_missions.guards import Held
 from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never
 from rai_missions.states.state import ANY_EVENT
 
@@ -94,7 +93,7 @@ def impossible_guards(survey: MissionIndex) -> Found:
 def unwatched_holds(survey: MissionIndex) -> Found:
     """`held` stands in a row, an invariant or a tree: it is watched there, and nowhere else."""
     for guard, place, role, _ in survey.guards:
-        held = next((part for part in guard.walk() if isinstance(part, Held) and part.for_s > 0), None)
+        held = next((part for part in guard.walk() if part.held_s > 0), None)
         if held is not None and role in ("achieved", "option", "requires"):
             yield (
                 place,

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rai_missions.check.index import GuardUse, MissionIndex, StateRef, TransitionRef
-from rai_missions.check.pointers import guard_parts
-from rai_missions.guards import All, Any_, Compare, Fresh, Guard, Held, Near, Not, Possible
+from rai_missions.guards import Guard
 from rai_missions.states import Final
 
 __all__ = ("blind_rows",)
@@ -23,7 +22,7 @@ def blind_rows(survey: MissionIndex) -> Found:
     watched: dict[str, set[StateRef | None]] = {}
     for ruled in survey.guards:
         if ruled.role in ("row", "invariant"):
-            for key in noticed(ruled.guard):
+            for key in ruled.guard.noticed():
                 watched.setdefault(key, set()).add(ruled.scope.owner)
     for ruled in survey.guards:
         depth = _protects(survey, ruled)
@@ -71,29 +70,7 @@ def _control(spot: StateRef | None) -> str | None:
 
 def _aging(survey: MissionIndex, guard: Guard) -> Iterator[str]:
     """The robot keys that can go stale and that a comparison in the guard rests on."""
-    for _, part in guard_parts(guard, ""):
-        paths = (part.key, part.other) if isinstance(part, Compare) else part.near if isinstance(part, Near) else ()
-        for path in paths:
-            name = (path or "").partition(".")[0]
-            key = survey.mission.blackboard.get(name)
-            if key is not None and key.source == "robot" and key.max_age_s is not None:
-                yield name
-
-
-def noticed(guard: Guard, *, wanted: bool = True) -> set[str]:
-    """The keys whose going stale makes a guard true (or, not `wanted`, false)."""
-    if isinstance(guard, Not):
-        return noticed(guard.guard, wanted=not wanted)
-    if isinstance(guard, Held):
-        return noticed(guard.held, wanted=wanted)
-    if isinstance(guard, All | Any_):
-        return set[str]().union(*(noticed(part, wanted=wanted) for part in guard.inner()))
-    if isinstance(guard, Fresh):
-        return set() if wanted else {guard.fresh.partition(".")[0]}
-    if isinstance(guard, Possible) and wanted:
-        compared = (part for _, part in guard_parts(guard, "") if isinstance(part, Compare | Near))
-        paths = (
-            path for part in compared for path in ((part.key, part.other) if isinstance(part, Compare) else part.near)
-        )
-        return {path.partition(".")[0] for path in paths if path}
-    return set()
+    for name in guard.fading():
+        key = survey.mission.blackboard.get(name)
+        if key is not None and key.source == "robot" and key.max_age_s is not None:
+            yield name

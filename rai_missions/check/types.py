@@ -3,108 +3,50 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
-from typing import Any
 
 from rai_missions.check.index import MissionIndex, Read, Scope, Write
 from rai_missions.check.paths import meaning
-from rai_missions.check.pointers import pointer, template_reads
-from rai_missions.guards import Compare, Near
+from rai_missions.check.pointers import template_reads
+from rai_missions.guards.compare import NUMBERS, comparable
 from rai_missions.keys import Key, fits
 from rai_missions.states import Each
 
 __all__ = ("mismatched_comparisons", "mismatched_lists", "mismatched_poses", "mismatched_writes")
 
 Found = Iterator[tuple[str, str]]
-NUMBERS = ("number", "integer")
-ORDERED = (*NUMBERS, "string")
 
 
 def _kind(survey: MissionIndex, path: str, scope: Scope) -> str | None:
     return meaning(survey, Read(path, "", scope)).kind
 
 
-def _fits_together(one: str, other: str) -> bool:
-    return one == other or (one in NUMBERS and other in NUMBERS)
+class _Declared:
+    """What is declared where a guard stands."""
 
+    def __init__(self, survey: MissionIndex, scope: Scope) -> None:
+        self._survey, self._scope = survey, scope
 
-def _type_of(value: Any) -> str:
-    if isinstance(value, bool):
-        return "boolean"
-    named = {int: "integer", float: "number", str: "string", list: "list", dict: "object"}
-    return named.get(type(value), "value")
+    def kind(self, path: str) -> str | None:
+        return _kind(self._survey, path, self._scope)
 
-
-def shown(value: Any) -> str:
-    """A value as JSON has it, cut short."""
-    return f"{json.dumps(value, ensure_ascii=False, default=str):.80}"
+    def frame(self, path: str) -> str | None:
+        key = self._survey.mission.blackboard.get(path)
+        return key.frame if key is not None else None
 
 
 def mismatched_comparisons(survey: MissionIndex) -> Found:
     """A comparison is between values of one type, and `<` between numbers or strings."""
     for place, part, ruled in survey.parts:
-        if isinstance(part, Compare):
-            kind = _kind(survey, part.key, ruled.scope)
-            if kind is not None and (sentence := _comparison(survey, part, kind, ruled.scope)):
-                yield f"{place}/key" if sentence.startswith(f"'{part.key}'") else pointer(place, part.op), sentence
-
-
-def _comparison(survey: MissionIndex, part: Compare, kind: str, scope: Scope) -> str:
-    """Why a comparison cannot be made; empty if it can."""
-    path, op = part.key, part.op
-    if kind == "image":
-        remedy = f'ask for {{"fresh": "{path}"}}, or compare a key that says what is seen'
-        return f"'{path}' is an image, which cannot be compared; {remedy}"
-    if op in ("<", "<=", ">", ">=") and kind not in ORDERED:
-        return f"'{path}' is of type '{kind}', which has no order; compare it with == or !="
-    if part.other is not None:
-        other = _kind(survey, part.other, scope)
-        if op == "in" and other not in (None, "list"):
-            return f"'in' takes a list, and '{part.other}' is of type '{other}'; compare with =="
-        if op != "in" and other is not None and not _fits_together(kind, other):
-            return f"'{path}' is of type '{kind}' and '{part.other}' of type '{other}'; compare keys of one type"
-        return ""
-    if op == "in":
-        if not isinstance(part.operand, list):
-            return f"'in' takes a list of values or a key that holds one, not {shown(part.operand)}"
-        wrong = [item for item in part.operand if not _can_be(kind, item)]
-        return f"'{path}' is of type '{kind}' and never {shown(wrong[0])}; list values of that type" if wrong else ""
-    if not _can_be(kind, part.operand):
-        given = f"{shown(part.operand)} is of type '{_type_of(part.operand)}'"
-        return f"'{path}' is of type '{kind}', and {given}; compare with a value of its type"
-    return ""
-
-
-def _can_be(kind: str, value: Any) -> bool:
-    """Whether a value can be compared with one of a type."""
-    if kind in NUMBERS:
-        return isinstance(value, int | float) and not isinstance(value, bool)
-    if kind in ("object", "pose"):
-        return isinstance(value, dict)
-    return _type_of(value) == kind
+        if part.word != "near":
+            yield from ((place + inner, why) for inner, why in part.misfits(_Declared(survey, ruled.scope)))
 
 
 def mismatched_poses(survey: MissionIndex) -> Found:
     """`near` measures between two poses that are given in one frame."""
     for place, part, ruled in survey.parts:
-        if not isinstance(part, Near):
-            continue
-        for index, path in enumerate(part.near):
-            kind = _kind(survey, path, ruled.scope)
-            if kind not in (None, "pose", "object"):
-                yield (
-                    f"{place}/near/{index}",
-                    f"'{path}' is of type '{kind}', not 'pose'; 'near' measures between two poses",
-                )
-        frames = {
-            key.frame for path in part.near if (key := survey.mission.blackboard.get(path)) is not None and key.frame
-        }
-        if len(frames) > 1:
-            yield (
-                f"{place}/near",
-                f"the poses are given in different frames, {' and '.join(sorted(frames))}; bring them into one",
-            )
+        if part.word == "near":
+            yield from ((place + inner, why) for inner, why in part.misfits(_Declared(survey, ruled.scope)))
 
 
 def mismatched_lists(survey: MissionIndex) -> Found:
@@ -132,9 +74,7 @@ def _written(survey: MissionIndex, write: Write, key: Key) -> tuple[str, str] | 
     if write.by == "from":
         kind = _kind(survey, write.value, write.scope)
         exact = key.type == "integer" and kind == "number"
-        if kind is not None and (
-            exact or not (_fits_together(kind, key.type) or {kind, key.type} == {"object", "pose"})
-        ):
+        if kind is not None and (exact or not (comparable(kind, key.type) or {kind, key.type} == {"object", "pose"})):
             return (
                 write.place,
                 f"'{write.key}' is of type '{key.type}' and '{write.value}' of type '{kind}'; copy a key of its type",

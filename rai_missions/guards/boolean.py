@@ -6,12 +6,13 @@ Source: S. C. Kleene, Introduction to Metamathematics (1952), section 64, the st
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from rai_missions.guards.guard import Guard, Site, Test, Truth, View
+from rai_missions.guards.form import Form, Junction, form_of
+from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth, View
 from rai_missions.model import OneOf
 
 __all__ = ("All", "Any_", "Not")
@@ -39,38 +40,55 @@ def _flat(word: str) -> BeforeValidator:
 GUARD = OneOf[Guard]
 
 
-class All(Guard, word="all"):
+class _Junction(Guard):
+    """Guards of which one value decides."""
+
+    deciding: ClassVar[bool]
+    """The value of one part that decides the whole."""
+    empty: ClassVar[str]
+    """How one without parts is called."""
+
+    def compile(self, site: Site) -> Test:
+        return conjunction([guard.compile(site) for guard in self.inner()], deciding=self.deciding)
+
+    def words(self) -> str:
+        joined = f" {'or' if self.deciding else 'and'} ".join(_wrapped(guard) for guard in self.inner())
+        return joined or self.empty
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        parts = tuple(form_of(part, wanted, depth) for part in self.inner())
+        return parts[0] if len(parts) == 1 else Junction("any" if self.deciding is wanted else "all", parts)
+
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        parts = (part.rests(sources, wanted=wanted) for part in self.inner())
+        return all(parts) if self.deciding is wanted else any(parts)
+
+    def noticed(self, *, wanted: bool = True) -> frozenset[str]:
+        return frozenset[str]().union(*(part.noticed(wanted=wanted) for part in self.inner()))
+
+    def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
+        values = [part.after_jump(active, restarted=restarted) for part in self.inner()]
+        return self.deciding if self.deciding in values else None if None in values else not self.deciding
+
+
+class All(_Junction, word="all"):
     """True where each is true, false where one is false, else unknown. An empty one is true."""
 
     positional: ClassVar = ("all",)
+    deciding: ClassVar = False
+    empty: ClassVar = "always"
 
     all: Annotated[tuple[GUARD, ...], _flat("all")]
 
-    def compile(self, site: Site) -> Test:
-        return conjunction([guard.compile(site) for guard in self.all], deciding=False)
 
-    def inner(self) -> Iterator[Guard]:
-        yield from self.all
-
-    def words(self) -> str:
-        return " and ".join(_wrapped(guard) for guard in self.all) or "always"
-
-
-class Any_(Guard, word="any"):  # noqa: N801 - `Any` is typing's
+class Any_(_Junction, word="any"):  # noqa: N801 - `Any` is typing's
     """True where one is true, false where each is false, else unknown. An empty one is false."""
 
     positional: ClassVar = ("any",)
+    deciding: ClassVar = True
+    empty: ClassVar = "never"
 
     any: Annotated[tuple[GUARD, ...], _flat("any")]
-
-    def compile(self, site: Site) -> Test:
-        return conjunction([guard.compile(site) for guard in self.any], deciding=True)
-
-    def inner(self) -> Iterator[Guard]:
-        yield from self.any
-
-    def words(self) -> str:
-        return " or ".join(_wrapped(guard) for guard in self.any) or "never"
 
 
 class Not(Guard, word="not"):
@@ -89,15 +107,25 @@ class Not(Guard, word="not"):
 
         return test
 
-    def inner(self) -> Iterator[Guard]:
-        yield self.guard
-
     def words(self) -> str:
         return f"not {_wrapped(self.guard)}"
 
+    def form(self, wanted: bool, depth: int) -> Form:
+        return form_of(self.guard, not wanted, depth)
+
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        return self.guard.rests(sources, wanted=not wanted)
+
+    def noticed(self, *, wanted: bool = True) -> frozenset[str]:
+        return self.guard.noticed(wanted=not wanted)
+
+    def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
+        value = self.guard.after_jump(active, restarted=restarted)
+        return None if value is None else not value
+
 
 def _wrapped(guard: Guard) -> str:
-    return f"({guard.words()})" if isinstance(guard, All | Any_) else guard.words()
+    return f"({guard.words()})" if isinstance(guard, _Junction) else guard.words()
 
 
 def conjunction(tests: list[Test], *, deciding: bool) -> Test:

@@ -3,17 +3,22 @@
 
 from __future__ import annotations
 
+import json
 import operator
-from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Self
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
+from rai_missions.guards.form import Atom, Form
+from rai_missions.guards.guard import Distinctions, Guard, Misfit, Operand, Site, Sources, Test, Truth, Types, View
+from rai_missions.kinds import OPERAND
 from rai_missions.model import Json, Path, fault
+from rai_missions.redaction import clipped
 
-__all__ = ("Compare",)
+__all__ = ("NEGATED", "Compare", "comparable", "holds", "json_text")
 
+OperandValue = Annotated[Json, OPERAND]
 OPERATORS: Mapping[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
     "!=": operator.ne,
@@ -23,6 +28,7 @@ OPERATORS: Mapping[str, Callable[[Any, Any], Any]] = {
     ">=": operator.ge,
     "in": lambda left, right: left in right,
 }
+NEGATED = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 SAID = {"==": "is", "!=": "is not", "<": "<", "<=": "≤", ">": ">", ">=": "≥", "in": "is one of"}
 
 
@@ -30,13 +36,13 @@ class Compare(Guard, word="key"):
     """A comparison; unknown where a side is missing, stale or of another type."""
 
     key: Path
-    equal: Json = Field(default=None, alias="==")
-    unequal: Json = Field(default=None, alias="!=")
-    less: Json = Field(default=None, alias="<")
-    at_most: Json = Field(default=None, alias="<=")
-    greater: Json = Field(default=None, alias=">")
-    at_least: Json = Field(default=None, alias=">=")
-    within: Json = Field(default=None, alias="in")
+    equal: OperandValue = Field(default=None, alias="==")
+    unequal: OperandValue = Field(default=None, alias="!=")
+    less: OperandValue = Field(default=None, alias="<")
+    at_most: OperandValue = Field(default=None, alias="<=")
+    greater: OperandValue = Field(default=None, alias=">")
+    at_least: OperandValue = Field(default=None, alias=">=")
+    within: OperandValue = Field(default=None, alias="in")
 
     WORDS: ClassVar[Mapping[str, str]] = {
         "==": "equal", "!=": "unequal", "<": "less", "<=": "at_most", ">": "greater", ">=": "at_least", "in": "within",
@@ -84,6 +90,66 @@ class Compare(Guard, word="key"):
             return _plain(left.key, apply, value, equality=equality)
         return lambda view: truth(apply, left.read(view), value, equality=equality)
 
+    def misfits(self, types: Types) -> Iterator[Misfit]:
+        kind = types.kind(self.key)
+        if kind is not None and (sentence := self._misfit(kind, types)):
+            yield Misfit("/key" if sentence.startswith(f"'{self.key}'") else f"/{self.op}", sentence)
+
+    def _misfit(self, kind: str, types: Types) -> str:
+        """Why it cannot be evaluated for a value of a type; empty if it can."""
+        path, op = self.key, self.op
+        if kind == "image":
+            remedy = f'ask for {{"fresh": "{path}"}}, or compare a key that says what is seen'
+            return f"'{path}' is an image, which cannot be compared; {remedy}"
+        if op in ("<", "<=", ">", ">=") and kind not in ("number", "integer", "string"):
+            return f"'{path}' is of type '{kind}', which has no order; compare it with == or !="
+        if self.other is not None:
+            other = types.kind(self.other)
+            if op == "in" and other not in (None, "list"):
+                return f"'in' takes a list, and '{self.other}' is of type '{other}'; compare with =="
+            if op != "in" and other is not None and not comparable(kind, other):
+                return f"'{path}' is of type '{kind}' and '{self.other}' of type '{other}'; compare keys of one type"
+            return ""
+        if op == "in":
+            wrong = [item for item in self.operand if not _can_be(kind, item)]
+            given = json_text(wrong[0]) if wrong else ""
+            return f"'{path}' is of type '{kind}' and never {given}; list values of that type" if wrong else ""
+        if not _can_be(kind, self.operand):
+            given = f"{json_text(self.operand)} is of type '{_type_of(self.operand)}'"
+            return f"'{path}' is of type '{kind}', and {given}; compare with a value of its type"
+        return ""
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        op, operand = self.op, self.operand
+        if not wanted and op == "in":
+            return Atom("compare", self.key, "not in", _hashable(operand), self.other)
+        if not wanted:
+            op = NEGATED[op]
+        if isinstance(operand, bool) and op == "!=":
+            op, operand = "==", not operand  # a boolean that is not the one is the other, or unknown
+        return Atom("compare", self.key, op, _hashable(operand), self.other)
+
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        """It does if none of the author's own constants would do."""
+        if self.other == self.key:
+            return False
+        if any(sources.is_robots(path) for path in self.paths()):
+            return True
+        values = sources.constants(self.key)
+        if values is None:
+            return False
+        operands = [self.operand] if self.other is None else sources.known(self.other)
+        return not any(holds(value, self.op, operand) is wanted for value in values for operand in operands)
+
+    def distinguish(self, by: Distinctions) -> None:
+        if self.other is not None:
+            by.join(self.key, self.other, self.op)
+        elif self.op == "in":
+            for item in self.operand:
+                by.compare(self.key, "==", item)
+        else:
+            by.compare(self.key, self.op, self.operand)
+
     def words(self) -> str:
         operand = self.other or _said(self.operand)
         return f"{self.key} {SAID[self.op]} {operand}"
@@ -123,3 +189,56 @@ def truth(apply: Callable[[Any, Any], Any], left: Any, right: Any, *, equality: 
         return bool(apply(left, right))
     except TypeError:
         return None
+
+
+NUMBERS = ("number", "integer")
+
+
+def comparable(one: str, other: str) -> bool:
+    """Whether values of two types can be equal."""
+    return one == other or (one in NUMBERS and other in NUMBERS)
+
+
+def json_text(value: Any) -> str:
+    """A value as JSON has it, cut short."""
+    return clipped(json.dumps(value, ensure_ascii=False, default=str), 80)
+
+
+def _type_of(value: Any) -> str:
+    if isinstance(value, bool):
+        return "boolean"
+    named = {int: "integer", float: "number", str: "string", list: "list", dict: "object"}
+    return named.get(type(value), "value")
+
+
+def _can_be(kind: str, value: Any) -> bool:
+    """Whether a value can be compared with one of a type."""
+    if kind in NUMBERS:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+    if kind in ("object", "pose"):
+        return isinstance(value, dict)
+    return _type_of(value) == kind
+
+
+def _hashable(value: Any) -> Any:
+    if isinstance(value, list):
+        return tuple(_hashable(item) for item in value)
+    return json.dumps(value, sort_keys=True, default=str) if isinstance(value, dict) else value
+
+
+def holds(value: Any, op: str, operand: Any) -> bool:
+    """Whether a comparison of two constants is true."""
+    if op == "in":
+        return isinstance(operand, list | tuple) and any(_equal(value, item) for item in operand)
+    if op == "not in":
+        return isinstance(operand, list | tuple) and value not in operand  # as the engine has it: 1 is in [true]
+    if op in ("==", "!="):
+        return isinstance(value, bool) is isinstance(operand, bool) and _equal(value, operand) is (op == "==")
+    try:
+        return bool(OPERATORS[op](value, operand))
+    except TypeError:
+        return False
+
+
+def _equal(one: Any, other: Any) -> bool:
+    return isinstance(one, bool) is isinstance(other, bool) and bool(one == other)

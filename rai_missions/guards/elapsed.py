@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import ClassVar
 
+from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Guard, Site, Test, Truth, View
 from rai_missions.model import Seconds
 
@@ -31,6 +33,16 @@ class Elapsed(Guard, word="elapsed_s"):
 
         site.instants.append(due)
         return test
+
+    @property
+    def age_s(self) -> float:  # type: ignore[override]
+        return self.elapsed_s
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        return Atom("compare", "<elapsed>", ">=" if wanted else "<", self.elapsed_s)  # no key is called so
+
+    def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
+        return False if restarted and self.elapsed_s > 0 else None
 
     def words(self) -> str:
         return f"{self.elapsed_s:g} s have passed"

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
+from rai_missions.guards.form import Atom, Form
+from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Test, Truth, View
 from rai_missions.model import Path
 
 __all__ = ("Fresh",)
@@ -16,6 +17,8 @@ class Fresh(Guard, word="fresh"):
 
     positional: ClassVar = ("fresh",)
 
+    fades: ClassVar = False
+
     fresh: Path
 
     def compile(self, site: Site) -> Test:
@@ -25,6 +28,15 @@ class Fresh(Guard, word="fresh"):
             return operand.read(view) is not None
 
         return test
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        return Atom("fresh", self.fresh, "" if wanted else "not", None)
+
+    def noticed(self, *, wanted: bool = True) -> frozenset[str]:
+        return frozenset() if wanted else frozenset({self.fresh.partition(".")[0]})
+
+    def distinguish(self, by: Distinctions) -> None:
+        by.ask(self.fresh)
 
     def words(self) -> str:
         return f"{self.fresh} is fresh"

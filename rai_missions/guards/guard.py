@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from typing import Any, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
+from rai_missions.guards.form import Form, opaque
 from rai_missions.keys import Blackboard, Key
 from rai_missions.model import TaggedModel
 
-__all__ = ("Guard", "Instant", "Operand", "Site", "Test", "Truth", "View", "concerns", "made", "presence")
+__all__ = (
+    "Distinctions", "Guard", "Instant", "Misfit", "Operand", "Site", "Sources", "Test", "Truth", "Types", "View",
+    "concerns", "made", "presence",
+)  # fmt: skip
 
 Truth = bool | None
 """True, False, or None: unknown."""
@@ -101,8 +105,113 @@ class Site:
         return frozenset(self.reads).union(map(presence, self.states))
 
 
+class Types(Protocol):
+    """What is declared where a guard stands."""
+
+    def kind(self, path: str) -> str | None:
+        """The type of what a path reads; None where it is not known."""
+
+    def frame(self, path: str) -> str | None:
+        """The frame of a pose's key; None where there is none."""
+
+
+class Sources(Protocol):
+    """Where the values of keys come from."""
+
+    def is_robots(self, path: str) -> bool:
+        """Whether all values there come from the robot."""
+
+    def constants(self, path: str) -> list[Any] | None:
+        """The author's own constants among the robot's values there; None where others write it, or the robot never."""
+
+    def known(self, path: str) -> list[Any]:
+        """The constants that a key is known to hold, the initial value of an argument among them."""
+
+
+class Distinctions(Protocol):
+    """What a proof is told of a guard: the values that the guard can tell apart."""
+
+    def compare(self, path: str, op: str, operand: Any) -> None:
+        """The value there is compared with a constant."""
+
+    def join(self, path: str, other: str, op: str = "") -> None:
+        """The values of two paths are compared with each other."""
+
+    def measure(self, path: str, other: str, within_m: float) -> None:
+        """The distance of two poses is compared with a constant."""
+
+    def ask(self, path: str) -> None:
+        """Whether there is a value is asked for."""
+
+    def sample(self, path: str) -> None:
+        """More is told apart than a few values can stand for: nothing that rests on it counts as proved."""
+
+
+class Misfit(NamedTuple):
+    """Why a guard can never be true or false, by the types of what it reads."""
+
+    place: str
+    """JSON pointer from the guard on."""
+    sentence: str
+
+
 class Guard(TaggedModel, family="guard"):
-    """A condition as data. `&`, `|` and `~` combine guards; `held_for(2)` wants one to have been true for 2 s."""
+    """A condition as data. `&`, `|` and `~` combine guards; `held_for(2)` wants one to have been true for 2 s.
+
+    A kind says in its file all that is special about it. What is not overridden is true of any guard: it is not taken
+    apart, unknown while something that it reads is unknown, and rests on nothing that the robot reported.
+    """
+
+    fades: ClassVar[bool] = True
+    """It is unknown while a key that it reads is missing or stale."""
+    age_s: ClassVar[float | None] = None
+    """The age of its state that it asks for."""
+    held_s: ClassVar[float] = 0.0
+    """For how long a guard inside it must have been true."""
+
+    def misfits(self, types: Types) -> Iterator[Misfit]:
+        """Why it cannot be evaluated, by the types of what it reads."""
+        return iter(())
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        """When it is true or, not `wanted`, when it is false, in normal form; see `form_of`."""
+        return opaque(self, wanted)
+
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        """Whether it can be true (or, not `wanted`, false) only by what the robot reported."""
+        return False
+
+    def noticed(self, *, wanted: bool = True) -> frozenset[str]:
+        """The keys whose going stale makes it true (or, not `wanted`, false)."""
+        return frozenset()
+
+    def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
+        """Its value right after a jump by the configuration alone; None where facts decide.
+
+        Args:
+            active: Whether a state is active then.
+            restarted: The state whose transition it guards has just been entered.
+        """
+        return None
+
+    def distinguish(self, by: Distinctions) -> None:
+        """Tell a proof which values make a difference to it."""
+        for path in self.paths():
+            by.sample(path)
+
+    def paths(self) -> Iterator[str]:
+        """The paths that it reads itself, without those of the guards inside it."""
+        return (name for refers, name, _ in self.references() if refers.sort == "path")
+
+    def states(self) -> frozenset[str]:
+        """The states that it asks for itself."""
+        return frozenset(name for refers, name, _ in self.references() if refers.sort == "state")
+
+    def fading(self) -> Iterator[str]:
+        """The keys that make it unknown when they are missing or stale."""
+        for guard in self.walk():
+            if guard.fades:
+                yield from (path.partition(".")[0] for path in guard.paths())
 
     def compile(self, site: Site) -> Test:
         """A function from a view to true, false or unknown; `site` learns what it depends on."""
@@ -110,7 +219,7 @@ class Guard(TaggedModel, family="guard"):
 
     def inner(self) -> Iterator[Guard]:
         """The guards it is made of."""
-        return iter(())
+        return (guard for _, guard in self.inside())
 
     def walk(self) -> Iterator[Guard]:
         """It and all the guards inside it, outermost first."""

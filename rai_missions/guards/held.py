@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import ClassVar
 
-from rai_missions.guards.guard import Guard, Site, Test, Truth, View
+from rai_missions.guards.form import Atom, Form, Junction, form_of, text_of
+from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth, View
 from rai_missions.model import OneOf, Seconds
 
 __all__ = ("Held",)
@@ -40,8 +41,23 @@ class Held(Guard, word="held"):
 
         return test
 
-    def inner(self) -> Iterator[Guard]:
-        yield self.held
+    @property
+    def held_s(self) -> float:  # type: ignore[override]
+        return self.for_s
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        """It is true now, and has been for so long: in Kleene's logic the same as the guard itself."""
+        long = Atom("compare", f"<held {text_of(self.held)}>", ">=" if wanted else "<", self.for_s)
+        return Junction("all" if wanted else "any", (long, form_of(self.held, wanted, depth)))
+
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        return self.held.rests(sources, wanted=wanted)
+
+    def noticed(self, *, wanted: bool = True) -> frozenset[str]:
+        return self.held.noticed(wanted=wanted)
+
+    def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
+        return False if restarted and self.for_s > 0 else None
 
     def words(self) -> str:
         return f"{self.held.words()}, for {self.for_s:g} s"

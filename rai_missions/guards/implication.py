@@ -7,118 +7,22 @@ Rule: an answer of yes is certain; where the forms are too long or too strange t
 from __future__ import annotations
 
 import itertools
-import json
-import operator
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
-from rai_missions.guards.boolean import All, Any_, Not
-from rai_missions.guards.compare import Compare
-from rai_missions.guards.elapsed import Elapsed
-from rai_missions.guards.fresh import Fresh
+from rai_missions.guards.compare import NEGATED, holds
+from rai_missions.guards.form import ALWAYS, DEEP, NEVER, Atom, Form, Junction, form_of
 from rai_missions.guards.guard import Guard
-from rai_missions.guards.held import Held
-from rai_missions.guards.in_state import In
-from rai_missions.guards.near import Near
-from rai_missions.guards.possible import Possible
 
 __all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction", "conjuncts", "form", "implies", "never")
 
-NEGATED = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
-ORDERS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 LONG = 400
 """Two guards with more parts than this between them are compared for equality only."""
-DEEP = 60
-
-
-class Atom(NamedTuple):
-    """A condition that is not taken apart further."""
-
-    kind: str
-    """`compare`, `in`, `fresh`, or `other` with the whole as text."""
-    path: str
-    op: str
-    """For comparisons the operator; else empty, or `not`."""
-    operand: Any
-    """What it is compared with; lists as tuples."""
-    other: str | None = None
-    """The other key of a comparison."""
-
-
-class Junction(NamedTuple):
-    """`all` or `any` of forms."""
-
-    word: str
-    parts: tuple[Form, ...]
-
-
-Form = Atom | Junction
-ALWAYS, NEVER = Junction("all", ()), Junction("any", ())
 
 
 def form(guard: Guard | None) -> Form:
     """A guard with its negations pushed inwards; they mean the same in Kleene's logic, unknown included."""
-    return ALWAYS if guard is None else _form(guard, True, 0)
-
-
-def _form(guard: Guard, wanted: bool, depth: int) -> Form:
-    if depth > DEEP:
-        return Atom("other", f"#{id(guard)}", "" if wanted else "not", None)
-    if isinstance(guard, Not):
-        return _form(guard.guard, not wanted, depth + 1)
-    if isinstance(guard, All | Any_):
-        parts = tuple(_form(part, wanted, depth + 1) for part in guard.inner())
-        word = guard.word if wanted else ("any" if guard.word == "all" else "all")
-        return parts[0] if len(parts) == 1 else Junction(word, parts)
-    if isinstance(guard, Compare):
-        return _compared(guard, wanted)
-    if isinstance(guard, Held):
-        return _held(guard, wanted, depth)
-    if isinstance(guard, Elapsed | Near):
-        return _measured(guard, wanted)
-    if isinstance(guard, In | Fresh):
-        return Atom(guard.word, guard.state if isinstance(guard, In) else guard.fresh, "" if wanted else "not", None)
-    return Atom("other", _text(guard), "" if wanted else "not", None)
-
-
-def _measured(guard: Elapsed | Near, wanted: bool) -> Atom:
-    """What has a bound, as a comparison of what is measured; no key is called so."""
-    if isinstance(guard, Near):
-        here, there = sorted(guard.near)
-        return Atom("compare", f"<near {here} {there}>", "<=" if wanted else ">", guard.within_m)
-    return Atom("compare", "<elapsed>", ">=" if wanted else "<", guard.elapsed_s)
-
-
-def _held(guard: Held, wanted: bool, depth: int) -> Form:
-    """It is true now, and has been for so long: in Kleene's logic the same as the guard itself."""
-    long = Atom("compare", f"<held {_text(guard.held)}>", ">=" if wanted else "<", guard.for_s)
-    return Junction("all" if wanted else "any", (long, _form(guard.held, wanted, depth + 1)))
-
-
-def _text(guard: Guard) -> str:
-    if (
-        isinstance(guard, All | Any_ | Not | Held | Possible)
-        and sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP
-    ):
-        return f"{id(guard)}"
-    return json.dumps(guard.written(), sort_keys=True, default=str)
-
-
-def _compared(guard: Compare, wanted: bool) -> Form:
-    op, operand = guard.op, guard.operand
-    if not wanted and op == "in":
-        return Atom("compare", guard.key, "not in", _hashable(operand), guard.other)
-    if not wanted:
-        op = NEGATED[op]
-    if isinstance(operand, bool) and op == "!=":
-        op, operand = "==", not operand  # a boolean that is not the one is the other, or unknown
-    return Atom("compare", guard.key, op, _hashable(operand), guard.other)
-
-
-def _hashable(value: Any) -> Any:
-    if isinstance(value, list):
-        return tuple(_hashable(item) for item in value)
-    return json.dumps(value, sort_keys=True, default=str) if isinstance(value, dict) else value
+    return ALWAYS if guard is None else form_of(guard, True, 0)
 
 
 def size(this: Form) -> int:
@@ -176,24 +80,6 @@ def _atom_implies(one: Atom, other: Atom) -> bool:
     if one.op == "in" and isinstance(one.operand, tuple):
         return all(holds(item, other.op, other.operand) for item in one.operand)
     return _ranges(one.op, one.operand, other.op, other.operand)
-
-
-def holds(value: Any, op: str, operand: Any) -> bool:
-    """Whether a comparison of two constants is true."""
-    if op == "in":
-        return isinstance(operand, list | tuple) and any(_equal(value, item) for item in operand)
-    if op == "not in":
-        return isinstance(operand, list | tuple) and value not in operand  # as the engine has it: 1 is in [true]
-    if op in ("==", "!="):
-        return isinstance(value, bool) is isinstance(operand, bool) and _equal(value, operand) is (op == "==")
-    try:
-        return bool(ORDERS[op](value, operand))
-    except TypeError:
-        return False
-
-
-def _equal(one: Any, other: Any) -> bool:
-    return isinstance(one, bool) is isinstance(other, bool) and bool(one == other)
 
 
 def _ranges(op: str, bound: Any, other_op: str, other_bound: Any) -> bool:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 from pydantic import Field
 
-from rai_missions.guards.guard import Guard, Site, Test
-from rai_missions.model import Name
+from rai_missions.guards.form import Atom, Form
+from rai_missions.guards.guard import Guard, Site, Test, Truth
+from rai_missions.model import StateName
 
 __all__ = ("In",)
 
@@ -18,12 +20,18 @@ class In(Guard, word="in"):
 
     positional: ClassVar = ("state",)
 
-    state: Name = Field(alias="in")
+    state: StateName = Field(alias="in")
 
     def compile(self, site: Site) -> Test:
         state = self.state
         site.states.add(state)
         return lambda view: state in view.active
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        return Atom("in", self.state, "" if wanted else "not", None)
+
+    def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
+        return active(self.state)
 
     def words(self) -> str:
         return f"in {self.state}"

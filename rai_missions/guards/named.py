@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
+from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, View
+from rai_missions.kinds import TEMPLATE, Refers
 from rai_missions.model import Json, Name
 
 __all__ = ("Named",)
@@ -19,8 +20,10 @@ class Named(Guard, word="named"):
 
     positional: ClassVar = ("named", "with_")
 
-    named: Name
-    with_: dict[str, Json] = Field(default_factory=dict, alias="with")
+    fades: ClassVar = False
+
+    named: Annotated[Name, Refers("predicate")]
+    with_: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict, alias="with")
 
     def compile(self, site: Site) -> Test:
         name, arguments = self.named, {key: _reading(value, site) for key, value in self.with_.items()}
@@ -36,6 +39,12 @@ class Named(Guard, word="named"):
             return None if None in given.values() else view.named(name, given)
 
         return test
+
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        return any(sources.is_robots(path) for path in self.paths())
+
+    def distinguish(self, by: Distinctions) -> None:
+        """A proof takes any value of it that its keys allow, whatever they are."""
 
     def words(self) -> str:
         arguments: Any = ", ".join(f"{key} {value}" for key, value in self.with_.items())

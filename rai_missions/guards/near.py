@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from rai_missions.guards.guard import Guard, Operand, Site, Test, Truth, View
+from rai_missions.guards.form import Atom, Form
+from rai_missions.guards.guard import Distinctions, Guard, Misfit, Operand, Site, Sources, Test, Truth, Types, View
 from rai_missions.model import Path, Seconds
 
 __all__ = ("Near",)
@@ -35,6 +36,27 @@ class Near(Guard, word="near"):
             return None if distance_m is None else distance_m <= self.within_m
 
         return test
+
+    def misfits(self, types: Types) -> Iterator[Misfit]:
+        for index, path in enumerate(self.near):
+            kind = types.kind(path)
+            if kind not in (None, "pose", "object"):
+                sentence = f"'{path}' is of type '{kind}', not 'pose'; 'near' measures between two poses"
+                yield Misfit(f"/near/{index}", sentence)
+        frames = sorted({frame for path in self.near if (frame := types.frame(path))})
+        if len(frames) > 1:
+            sentence = f"the poses are given in different frames, {' and '.join(frames)}; bring them into one"
+            yield Misfit("/near", sentence)
+
+    def form(self, wanted: bool, depth: int) -> Form:
+        here, there = sorted(self.near)
+        return Atom("compare", f"<near {here} {there}>", "<=" if wanted else ">", self.within_m)
+
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        return self.near[0] != self.near[1] and any(sources.is_robots(path) for path in self.near)
+
+    def distinguish(self, by: Distinctions) -> None:
+        by.measure(*self.near, self.within_m)
 
     def words(self) -> str:
         return f"{self.near[0]} within {self.within_m:g} m of {self.near[1]}"

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import ClassVar
 
-from rai_missions.guards.guard import Guard, Site, Test
+from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth
 from rai_missions.model import OneOf
 
 __all__ = ("Possible",)
@@ -23,8 +23,14 @@ class Possible(Guard, word="possible"):
         inner = self.possible.compile(site)
         return lambda view: inner(view) is not False
 
-    def inner(self) -> Iterator[Guard]:
-        yield self.possible
+    def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        return not wanted and self.possible.rests(sources, wanted=False)
+
+    def noticed(self, *, wanted: bool = True) -> frozenset[str]:
+        return frozenset(self.possible.fading()) if wanted else frozenset()
+
+    def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
+        return self.possible.after_jump(active, restarted=restarted)
 
     def words(self) -> str:
         return f"possibly {self.possible.words()}"

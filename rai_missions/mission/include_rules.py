@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault, irregular, pointer, suggestion
-from rai_missions.guards.elapsed import Elapsed
 from rai_missions.keys import Key, fits
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
@@ -125,7 +124,7 @@ def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]
         if ANY_EVENT in row.on and not inner.events:
             yield Fault("/mission", f"its row {place} is for any event, and it declares none; drop the row")
     for invariant, guard in inner.invariants.items():
-        if any(isinstance(each, Elapsed) for each in guard.walk()):
+        if any(each.age_s is not None for each in guard.walk()):
             why = "asks for 'elapsed_s', which would count from the start of the whole; use a row with 'after_s'"
             yield Fault("/mission", f"its invariant '{invariant}' {why}")
     for key, declared in inner.blackboard.items():

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard
 from rai_missions.keys import Key
-from rai_missions.model import MissionModel, Name, Names, OneOf, Seconds, Text
+from rai_missions.model import EventName, KeyName, MissionModel, Name, OneOf, Seconds, StateName, StateNames, Text
 from rai_missions.states.state import Rows, State, States, descendants
 from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf, Tree, tree_paths
 
@@ -54,15 +54,15 @@ class Mission(MissionModel):
     name: Name
     version: Text = "0.0.0"
     about: Text = ""
-    blackboard: Annotated[dict[Name, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
-    events: Annotated[dict[Name, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
-    initial: Names
+    blackboard: Annotated[dict[KeyName, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
+    events: Annotated[dict[EventName, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
+    initial: StateNames
     states: States = Field(min_length=1)
     transitions: Rows = ()
     """The mission's own rows, tried after those of the states."""
     invariants: dict[Name, OneOf[Guard]] = Field(default_factory=dict)
     """What must never be false; a run that finds one false is killed."""
-    on_cancel: Name | None = None
+    on_cancel: StateName | None = None
     """The state in which a cancel is carried out; without it everything is left and canceled."""
     cancel_s: Seconds = 30.0
     """How long a cancel may take."""

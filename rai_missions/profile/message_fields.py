@@ -11,10 +11,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from rai_missions.errors import Fault, pointer
-from rai_missions.guards.compare import Compare
-from rai_missions.guards.fresh import Fresh
 from rai_missions.guards.guard import Guard
-from rai_missions.guards.near import Near
 from rai_missions.keys import is_number
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.convert import at_path
@@ -95,14 +92,7 @@ def _paths(source: Source | EventSource) -> Iterator[tuple[tuple[str, ...], str]
 
 def _read_by(guard: Guard) -> Iterator[str]:
     for each in guard.walk():
-        if isinstance(each, Compare):
-            yield each.key
-            if each.other is not None:
-                yield each.other
-        elif isinstance(each, Near):
-            yield from each.near
-        elif isinstance(each, Fresh):
-            yield each.fresh
+        yield from each.paths()
 
 
 def _lack(there: Any, path: str) -> str:

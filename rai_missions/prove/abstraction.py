@@ -21,9 +21,7 @@ from rai_missions.engine.hold import awake, free, is_held
 from rai_missions.engine.nodes import Condition, Node
 from rai_missions.engine.state import TABLE, Holds, RunState, StepDraft, Timer
 from rai_missions.engine.timers import next_number
-from rai_missions.guards.elapsed import Elapsed
 from rai_missions.guards.guard import View
-from rai_missions.guards.held import Held
 from rai_missions.keys import Stamped
 from rai_missions.prove.activity_key import SOON, rested, told_timer
 from rai_missions.prove.control_env import ControlEnvironment
@@ -67,9 +65,7 @@ class Abstraction:
         self._given = world.open_keys | world.facts | copies | answers
         """Keys under which a list may stand that the mission has not written itself."""
         timed = [*guards_in(mission), *guards_in(facts.succeeded), *guards_in(facts.failed)]
-        ages = [each.elapsed_s if isinstance(each, Elapsed) else each.for_s if isinstance(each, Held) else 0.0
-                for each in timed]  # fmt: skip
-        self._longest_s = max(ages, default=0.0)
+        self._longest_s = max((max(each.age_s or 0.0, each.held_s) for each in timed), default=0.0)
         """The longest that any guard looks back."""
         self.saturating = values.saturating()
         """Counters → the bounds past which no guard tells their values apart."""

@@ -10,10 +10,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.guards.compare import Compare
-from rai_missions.guards.fresh import Fresh
-from rai_missions.guards.guard import Guard
-from rai_missions.guards.near import Near
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.parts import guards_in, parts, writes_in
@@ -62,7 +58,7 @@ class Comparisons:
         self._met: set[str] = set()
         self._odd: set[str] = set()
         for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
-            self._learn(guard)
+            guard.distinguish(self)
         for effect in writes_in(mission):
             self._learn_write(effect)
         self._learn_raises(mission)
@@ -72,28 +68,29 @@ class Comparisons:
         self._learn_results(mission)
         self._spread()
 
-    def _learn(self, guard: Guard) -> None:
-        if isinstance(guard, Near):
-            for path in guard.near:
-                self.near.setdefault(path, set()).add(guard.within_m)
-            self._join(*guard.near)
-            return
-        if isinstance(guard, Fresh):
-            self.fresh.add(guard.fresh)
-        if not isinstance(guard, Compare):
-            return
-        atoms = self.atoms.setdefault(guard.key, [])
-        if guard.other is not None:
-            self.atoms.setdefault(guard.other, [])
-            self._join(guard.key, guard.other)
-            self._met |= {guard.key, guard.other}
-            self._odd |= {guard.key} if guard.op == "in" else set()
-        elif guard.op == "in":
-            atoms += [("==", item) for item in guard.operand]
-        else:
-            atoms.append((guard.op, guard.operand))
-            text = isinstance(guard.operand, str) and guard.op in ORDER
-            self._odd |= {guard.key} if text or isinstance(guard.operand, dict | list) else set()
+    def compare(self, path: str, op: str, operand: Any) -> None:
+        self.atoms.setdefault(path, []).append((op, operand))
+        if isinstance(operand, dict | list) or (isinstance(operand, str) and op in ORDER):
+            self._odd.add(path)
+
+    def join(self, path: str, other: str, op: str = "") -> None:
+        self.atoms.setdefault(path, [])
+        self.atoms.setdefault(other, [])
+        self._join(path, other)
+        self._met |= {path, other}
+        self._odd |= {path} if op == "in" else set()
+
+    def measure(self, path: str, other: str, within_m: float) -> None:
+        for each in (path, other):
+            self.near.setdefault(each, set()).add(within_m)
+        self._join(path, other)
+
+    def ask(self, path: str) -> None:
+        self.fresh.add(path)
+
+    def sample(self, path: str) -> None:
+        self.atoms.setdefault(path, [])
+        self._odd.add(path)
 
     def _learn_write(self, effect: Set) -> None:
         if effect.add is not None:

@@ -12,9 +12,7 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.nodes import Condition
-from rai_missions.guards.elapsed import Elapsed
 from rai_missions.guards.guard import Truth
-from rai_missions.guards.in_state import In
 from rai_missions.guards.named import Named
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
@@ -142,7 +140,7 @@ class OpenWorld:
         return condition.test(state) is not False
 
     def _speaks_of_the_robot_alone(self, condition: Condition) -> bool:
-        of_the_run = any(isinstance(each, In | Elapsed) for each in condition.guard.walk())
+        of_the_run = any(each.age_s is not None or each.states() for each in condition.guard.walk())
         return not of_the_run and bool(condition.reads) and condition.reads <= self.fleeting | {"*"}
 
     @property

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, copied
-from rai_missions.guards.elapsed import Elapsed
 from rai_missions.prove.abstraction import PURSUED, Abstraction
 from rai_missions.prove.activity_key import plain, told, told_timer
 from rai_missions.prove.branches import Groups
@@ -270,4 +269,4 @@ def _digest(parts: tuple[Any, ...]) -> bytes:
 
 
 def _ages(part: Any) -> tuple[float, ...]:
-    return tuple(sorted({each.elapsed_s for each in guards_in(part) if isinstance(each, Elapsed)}))
+    return tuple(sorted({each.age_s for each in guards_in(part) if each.age_s is not None}))

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard
+from rai_missions.kinds import TEMPLATE
 from rai_missions.model import Bool, Json, Name, OneOf, Seconds, Text
-from rai_missions.states.state import State
+from rai_missions.states.state import ResultKey, State
 
 __all__ = ("Action",)
 
@@ -21,9 +22,9 @@ class Action(State, word="action"):
 
     action: Name
     """The profile's name of it."""
-    goal: dict[Text, Json] = Field(default_factory=dict)
+    goal: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     """The goal's fields; `{"from": key}` takes a value from the blackboard."""
-    result: dict[Name, Text] = Field(default_factory=dict)
+    result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the result that it takes."""
     achieved: OneOf[Guard] | None = None
     """What the robot's facts must say before a `succeeded` is believed; else `unverified`."""

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
+from rai_missions.kinds import TEMPLATE
 from rai_missions.model import Json, Name, Text
-from rai_missions.states.state import State
+from rai_missions.states.state import ResultKey, State
 
 __all__ = ("Call",)
 
@@ -20,9 +21,9 @@ class Call(State, word="call"):
 
     call: Name
     """The profile's name of it."""
-    request: dict[Text, Json] = Field(default_factory=dict)
+    request: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     """The request's fields; `{"from": key}` takes a value from the blackboard."""
-    result: dict[Name, Text] = Field(default_factory=dict)
+    result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the reply that it takes."""
 
     def outcomes(self) -> frozenset[str]:

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from rai_missions.model import Name, Names, Path
+from rai_missions.kinds import Refers
+from rai_missions.model import Name, Path, StateNames
 from rai_missions.states.state import State, States
 
 __all__ = ("Compound", "Each", "Parallel")
@@ -17,7 +18,7 @@ __all__ = ("Compound", "Each", "Parallel")
 class Compound(State, word="states"):
     """One of its states is active at a time; the outcome of its final child is its own."""
 
-    initial: Names
+    initial: StateNames
     """A descendant, or one a region of a parallel descendant."""
     states: States = Field(min_length=1)
 
@@ -46,9 +47,9 @@ class Each(State, word="each"):
 
     each: Path
     """The key that holds the list."""
-    item: Name = Field(alias="as")
+    item: Annotated[Name, Refers("key", "each")] = Field(alias="as")
     """The mission key that holds the current item."""
-    initial: Names
+    initial: StateNames
     states: States = Field(min_length=1)
 
     def children(self) -> Mapping[str, State]:

@@ -7,12 +7,13 @@ Rule: `set`, `raise` and `drop` are part of the step; the others are told to the
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Operand, Site, View
-from rai_missions.model import Json, Name, Number, Path, Seconds, TaggedModel, Text, fault
+from rai_missions.kinds import TEMPLATE, Refers
+from rai_missions.model import EventName, Json, Name, Number, Path, Seconds, TaggedModel, Text, TimerName, fault
 
 __all__ = ("Call", "Drop", "Effect", "Log", "Publish", "Raise", "Say", "Set", "filled", "references")
 
@@ -30,8 +31,8 @@ class Set(Effect, word="set"):
 
     positional: ClassVar = ("set", "value")
 
-    set: Name
-    value: Json = None
+    set: Annotated[Name, Refers("key", "set")]
+    value: Annotated[Json, TEMPLATE] = None
     from_: Path | None = Field(default=None, alias="from")
     add: Number | None = None
 
@@ -68,11 +69,11 @@ class Raise(Effect, word="raise"):
 
     positional: ClassVar = ("event",)
 
-    event: Name = Field(alias="raise")
+    event: EventName = Field(alias="raise")
     after_s: Seconds | None = None
-    id: Name | None = None
+    id: TimerName | None = None
     """What `drop` calls it by; a second one of the same id replaces the first."""
-    data: dict[str, Json] = Field(default_factory=dict)
+    data: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
     def words(self) -> str:
         return f"raise {self.event}" + (f" after {self.after_s:g} s" if self.after_s is not None else "")
@@ -83,7 +84,7 @@ class Drop(Effect, word="drop"):
 
     positional: ClassVar = ("drop",)
 
-    drop: Name
+    drop: TimerName
 
     def words(self) -> str:
         return f"drop {self.drop}"
@@ -95,7 +96,7 @@ class Call(Effect, word="call"):
     positional: ClassVar = ("call", "request")
 
     call: Name
-    request: dict[str, Json] = Field(default_factory=dict)
+    request: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
     def words(self) -> str:
         return f"call {self.call}"
@@ -107,7 +108,7 @@ class Publish(Effect, word="publish"):
     positional: ClassVar = ("publish", "message")
 
     publish: Name
-    message: dict[str, Json] = Field(default_factory=dict)
+    message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
     def words(self) -> str:
         return f"publish {self.publish}"

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
+from rai_missions.kinds import TEMPLATE
 from rai_missions.model import Json, Name, Text
 from rai_missions.states.state import State
 
@@ -20,7 +21,7 @@ class Include(State, word="mission"):
 
     mission: Text
     """The file, relative to the one that names it and inside that one's folder."""
-    with_: dict[Name, Json] = Field(default_factory=dict, alias="with")
+    with_: Annotated[dict[Name, Json], TEMPLATE] = Field(default_factory=dict, alias="with")
     """Its key or event → a value, or `{"from": key}` to share one of this mission's keys."""
 
     def activity(self) -> Any:

@@ -12,12 +12,14 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.guards.guard import Guard
+from rai_missions.kinds import TRIGGER, Refers
 from rai_missions.model import (
     Bool,
     MissionModel,
     Name,
     OneOf,
     Seconds,
+    StateName,
     TaggedModel,
     Text,
     fault,
@@ -26,7 +28,7 @@ from rai_missions.model import (
 )
 from rai_missions.states.effects import Effect
 
-__all__ = ("ANY_EVENT", "OUTCOMES", "Controller", "Effects", "State", "States", "Transition")
+__all__ = ("ANY_EVENT", "OUTCOMES", "Controller", "Effects", "ResultKey", "State", "States", "Transition")
 
 ANY_EVENT = "*"
 OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverified", "aborted")
@@ -38,6 +40,8 @@ Controller = Literal["autonomy", "agent", "operator"]
 Effects = Annotated[
     tuple[OneOf[Effect], ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
 ]
+ResultKey = Annotated[Name, Refers("key", "result")]
+"""A key of the mission that a field of a result is written to."""
 TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
 
 
@@ -46,14 +50,14 @@ class Transition(MissionModel):
 
     positional: ClassVar = ("on",)
 
-    on: Annotated[tuple[TriggerName, ...], *one_or_many] = ()
+    on: Annotated[tuple[TriggerName, ...], TRIGGER, *one_or_many] = ()
     """Events or outcomes; `*` is any declared event. Without `on` and `after_s` it fires as soon as its guard holds."""
-    of: Name | None = None
+    of: StateName | None = None
     """The state whose outcome is meant, if not this row's own."""
     after_s: Seconds | None = None
     """Fires so long after the entry, once; if the guard is not true then, it is lost."""
     when: OneOf[Guard] | None = None
-    to: Annotated[tuple[Name, ...], *one_or_many] = ()
+    to: Annotated[tuple[StateName, ...], *one_or_many] = ()
     """The target, or one a region; without one the state is not left."""
     do: Effects = ()
     internal: Bool = False
@@ -158,7 +162,7 @@ def _states(given: Any) -> Any:
     return dict(given)
 
 
-States = Annotated[dict[Name, OneOf[State]], BeforeValidator(_states)]
+States = Annotated[dict[StateName, OneOf[State]], BeforeValidator(_states)]
 
 
 def descendants(states: Mapping[str, State], place: str = "/states") -> Iterator[tuple[str, str, State]]:

@@ -14,10 +14,10 @@ from hypothesis import given
 from rai_missions import DefinitionError, Mission, dump, load
 from rai_missions.guards import Guard
 from rai_missions.keys import Key
+from rai_missions.kinds import fields_of
 from rai_missions.mission.include import MAX_STATES
 from rai_missions.mission.mission import EventSpec
-from rai_missions.mission.renaming import REFERS
-from rai_missions.model import NAME, PATH, Json, MissionModel
+from rai_missions.model import NAME, PATH_PATTERN, Json, MissionModel
 from rai_missions.states import Compound, DecisionSpec, Option, State, Transition
 from rai_missions.states.tree import TreeNode
 from tests.strategies import mission_documents
@@ -388,7 +388,7 @@ def may_name(annotation: Any) -> bool:
     pattern = getattr(annotation, "pattern", None) or next(
         (getattr(each, "pattern", None) for each in getattr(annotation, "metadata", ())), None
     )
-    if pattern in (NAME, PATH) or (pattern and pattern.startswith(r"^(\*|")):
+    if pattern in (NAME, PATH_PATTERN) or (pattern and pattern.startswith(r"^(\*|")):
         return True
     return any(may_name(each) for each in (*get_args(annotation), *getattr(annotation, "__metadata__", ())))
 
@@ -399,7 +399,7 @@ def test_every_field_that_can_name_something_says_what_it_names() -> None:
         for kind in of_models()
         for field, info in typing.cast("dict[str, Any]", kind.model_fields).items()
         if (may_name(info.annotation) or any(may_name(each) for each in info.metadata))
-        and field not in REFERS.get(kind, {})
+        and field not in {use.name for use in fields_of(kind)}
         and (kind, field) not in NAMES_NOTHING
         and field not in SERVED
     }

@@ -44,13 +44,7 @@ def otherwise(mission: Mission) -> tuple[Mission, Map]:
         state=second(states), key=second(keys), event=second(events), timer=lambda name: name,
         trigger=lambda on: tuple(second(events)(name) for name in on),
     )  # fmt: skip
-    inside = renamed(mission, names)
-    now = inside.model_copy(update={
-        "states": {name + TWO: state for name, state in inside.states.items()},
-        "blackboard": {name + TWO: key for name, key in inside.blackboard.items()},
-        "events": {name + TWO: event for name, event in inside.events.items()},
-        "initial": tuple(name + TWO for name in inside.initial),
-    })  # fmt: skip
+    now = renamed(mission, names)
     each = {"states": sorted(states), "keys": keys, "events": events}
     map_ = Map(**{word: {name: name + TWO for name in known} for word, known in each.items()})
     return Mission.model_validate(now.written()), map_

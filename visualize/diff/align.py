@@ -68,17 +68,7 @@ def _called(
     def trigger(given: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(map(by(events), given))
 
-    names = Names(by(states), by(keys), by(events), lambda timer: timer, trigger)
-    update: dict[str, Any] = {
-        "blackboard": {by(keys)(name): key for name, key in mission.blackboard.items()},
-        "events": {by(events)(name): event for name, event in mission.events.items()},
-        "states": {by(states)(name): renamed(state, names) for name, state in mission.states.items()},
-        "transitions": tuple(renamed(row, names) for row in mission.transitions),
-        "invariants": {name: renamed(guard, names) for name, guard in mission.invariants.items()},
-        "initial": tuple(map(by(states), mission.initial)),
-        "on_cancel": by(states)(mission.on_cancel),
-    }
-    return mission.model_copy(update={word: update[word] for word in update if word in mission.model_fields_set})
+    return renamed(mission, Names(by(states), by(keys), by(events), lambda timer: timer, trigger))
 
 
 def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str, str]]) -> dict[str, State]:

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rai_missions.mission import renaming
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
 from rai_missions.states import Transition
@@ -19,9 +18,6 @@ from rai_missions.states.effects import Call, Drop, Effect, Publish, Raise, Set
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("Uses", "otherwise", "uses")
-
-WRITTEN_TO = ("result",)
-"""Fields in which keys are written, besides those that name a key and nothing else."""
 
 
 class Uses(NamedTuple):
@@ -72,34 +68,15 @@ def uses(*missions: Mission) -> Uses:
     return Uses(frozenset(keys), frozenset(heard), timers)
 
 
-def _all(given: Any) -> Iterator[MissionModel]:
+def _all(thing: MissionModel) -> Iterator[MissionModel]:
     """Every written thing in one, itself included."""
-    inner: Iterable[Any] = ()
-    if isinstance(given, MissionModel):
-        yield given
-        inner = (getattr(given, name) for name in given.model_fields_set)
-    elif isinstance(given, Mapping):
-        inner = given.values()
-    elif isinstance(given, tuple):
-        inner = given
-    for item in inner:
-        yield from _all(item)
+    yield thing
+    for _, inner in thing.inside():
+        yield from _all(inner)
 
 
-def _read(item: MissionModel) -> set[str]:
-    """The keys that a thing reads, by what `renaming` knows of its fields."""
-    found = set[str]()
-
-    def note(name: str) -> str:
-        found.add(name)
-        return name
-
-    def same(name: str) -> str:
-        return name
-
-    names = renaming.Names(same, note, same, same, lambda given: given)
-    for field, change in renaming.REFERS.get(type(item), {}).items():
-        given = getattr(item, field)
-        if given is not None and change is not renaming.key and field not in WRITTEN_TO:
-            change(names, given)
-    return found
+def _read(item: MissionModel) -> Iterator[str]:
+    """The keys that a thing reads itself."""
+    for refers, name, _ in item.references():
+        if refers.sort == "path":
+            yield name.partition(".")[0]

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard
+from rai_missions.kinds import Refers
 from rai_missions.model import Integer, Name, Number, OneOf
 from rai_missions.states.tree.node import Decorator, TreeNode
 
@@ -113,4 +114,4 @@ class StatusToBlackboard(Decorator, word="status_to_blackboard"):
     """Writes what its child says under a key of the mission: `success`, `failure` or `running`."""
 
     positional: ClassVar = ("child", "key")
-    key: Name = Field(alias="status_to_blackboard")
+    key: Annotated[Name, Refers("key", "status")] = Field(alias="status_to_blackboard")

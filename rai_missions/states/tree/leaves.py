@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Guard
+from rai_missions.kinds import TEMPLATE, Refers
 from rai_missions.model import Bool, Json, Name, Number, OneOf, Path, Seconds, Text, fault, suggestion
 from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.effects import Set
+from rai_missions.states.state import ResultKey
 from rai_missions.states.tree.node import TreeNode
 
 __all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf", "SetLeaf", "WaitLeaf")
@@ -22,8 +24,8 @@ class ActionLeaf(TreeNode, word="action"):
 
     positional: ClassVar = ("action",)
     action: Name
-    goal: dict[Text, Json] = Field(default_factory=dict)
-    result: dict[Name, Text] = Field(default_factory=dict)
+    goal: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
+    result: dict[ResultKey, Text] = Field(default_factory=dict)
     achieved: OneOf[Guard] | None = None
     settle_s: Seconds = 0.0
     cancel_s: Seconds = 5.0
@@ -36,8 +38,8 @@ class CallLeaf(TreeNode, word="call"):
 
     positional: ClassVar = ("call",)
     call: Name
-    request: dict[Text, Json] = Field(default_factory=dict)
-    result: dict[Name, Text] = Field(default_factory=dict)
+    request: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
+    result: dict[ResultKey, Text] = Field(default_factory=dict)
     timeout_s: Seconds | None = Field(default=None, gt=0)
 
 
@@ -59,8 +61,8 @@ class SetLeaf(TreeNode, word="set"):
     """Writes a key of the mission; words as the effect's. Without a value that fits it fails."""
 
     positional: ClassVar = ("set", "value")
-    set: Name
-    value: Json = None
+    set: Annotated[Name, Refers("key", "set")]
+    value: Annotated[Json, TEMPLATE] = None
     from_: Path | None = Field(default=None, alias="from")
     add: Number | None = None
 
@@ -81,7 +83,7 @@ class PublishLeaf(TreeNode, word="publish"):
 
     positional: ClassVar = ("publish", "message")
     publish: Name
-    message: dict[str, Json] = Field(default_factory=dict)
+    message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
 
 class DecisionLeaf(TreeNode, word="decision"):
