@@ -33,7 +33,7 @@ TimerKey = tuple[str, Any]
 """`after` and a transition's place, `timeout` and a state, or `raise` and the timer's id."""
 
 Holds = Literal[
-    "value", "number", "past", "end", "derived", "payload", "controls", "configuration", "memory", "state", "states",
+    "value", "number", "past", "end", "passing", "payload", "controls", "configuration", "memory", "state", "states",
     "begins", "invariants", "events", "deadline", "deadlines", "settling", "timers", "activities", "rounds", "calls",
     "goals", "board", "ages", "since",
 ]  # fmt: skip
@@ -45,7 +45,7 @@ Holds = Literal[
 | `number`        | a count that tells things of one run apart, and of nothing else          |
 | `past`          | an instant that is over                                                  |
 | `end`           | how the run ended                                                        |
-| `derived`       | what follows from the other fields                                       |
+| `passing`       | what follows from the rest, or is of the process that runs the mission    |
 | `payload`       | what an event or answer brought along                                    |
 | `controls`      | holder of control → since when the time of the states that need it stands still |
 | `configuration` | the active states                                                        |
@@ -173,14 +173,14 @@ class RunState:
     """What has ended the mission, where no rule of it did."""
     false_invariant: str = slot("", "end")
     """The name of the invariant that has ended the mission; empty for any other end."""
-    present: float = slot(0.0, "past", "_present")
+    present: float = slot(0.0, "passing", "_present")
     """Until here the run catches up: a resumed process carries nothing out before."""
     # -- who has control
     holder: str | None = slot("autonomy")
     """`autonomy`, `agent`, `operator` or `nobody`; None: left open until a rule looks (`Surroundings.holder`)."""
     taken: bool = slot(False)
     """The operator holds it and has taken it, rather than been given it by the mission."""
-    asked: str = slot("", "payload", "_asked")
+    asked: str = slot("", "value", "_asked")
     """For whom the mission has asked for control that has not come yet."""
     frozen: dict[str, float] = slot(dict, "controls", "_frozen")
     held_since: float = slot(0.0, "past", "_held_since")
@@ -192,7 +192,6 @@ class RunState:
     config: Configuration = slot(None, "configuration", "atomic")
     final: Node | None = slot(None, "state")
     """The top-level final that was reached and does not count yet."""
-    memory: dict[int, tuple[Node, ...]] = slot(dict, "memory")
     running: dict[str, Any] = slot(dict, "activities", "_running")
     pending: dict[str, float] = slot(dict, "deadlines", "_pending")
     """State → until when it waits for control; infinity where it was lost."""
@@ -202,6 +201,7 @@ class RunState:
     goals: dict[int, Goal] = slot(dict, "goals")
     """All goals whose end is not confirmed."""
     calls: dict[int, str] = slot(dict, "calls", "_calls")
+    memory: dict[int, tuple[Node, ...]] = slot(dict, "memory")
     order: int = slot(0, "number", "_order")
     """Of the timer that was set last."""
     number: int = slot(0, "number", "_number")
@@ -215,11 +215,11 @@ class RunState:
     unbegun: tuple[tuple[str, bool], ...] = slot((), "begins", "_unbegun")
     """States that a migration has brought, and whether they are new: they begin when the run is resumed."""
     # -- what follows from the rest
-    wake: float = slot(math.inf, "derived", "_wake")
+    wake: float = slot(math.inf, "passing", "_wake")
     """The earliest instant at which time alone can change something."""
-    quick: bool = slot(False, "derived", "_quick")
+    quick: bool = slot(False, "passing", "_quick")
     """The next event may take the short way."""
-    listening: frozenset[str] = slot(frozenset(), "derived", "_listening")
+    listening: frozenset[str] = slot(frozenset(), "passing", "_listening")
     """What may change something now when it changes: keys, and states that an activity asks for."""
     # -- not remembered
     active: frozenset[str] = frozenset()

@@ -33,7 +33,7 @@ Own = Mapping[str, Any]
 NONE: dict[Any, Any] = {}
 A_LITTLE_S = 1e-3
 """A state is older than a guard asks for by so much, so that a sum of floats does not fall short."""
-INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "derived"))
+INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
 """What of a run makes no difference to what can happen next."""
 
 

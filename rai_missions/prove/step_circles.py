@@ -26,7 +26,7 @@ PATIENCE = 32
 """Microsteps after which it looks whether the step goes round."""
 MARGIN = 2
 """Where one limit comes by no more circles before another, the run goes there by itself."""
-INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "derived"))
+INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
 
 
 class Visit(NamedTuple):

@@ -6,7 +6,7 @@ Rule: what is written as it was goes on as it stood; whatever else begins anew, 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.decision import DecisionActivity
@@ -14,7 +14,7 @@ from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity
 from rai_missions.engine.decision import Question
 from rai_missions.engine.hold import OUTCOME
-from rai_missions.engine.state import Timer
+from rai_missions.engine.state import TABLE, Holds, Timer
 from rai_missions.engine.step import Ask, CancelGoal, Effect, PublishMessage, SayAloud
 from rai_missions.errors import Fault
 from rai_missions.event import Event
@@ -26,10 +26,8 @@ from rai_missions.states.compound import Each
 
 __all__ = ("Carried", "carry")
 
-UNCHANGED = (
-    "mode", "holder", "outcome", "why", "_number", "_paused_at", "_cancel_by", "at", "event", "answer",
-    "taken", "_asked", "_held_since",
-)  # fmt: skip
+UNCHANGED: tuple[Holds, ...] = ("value", "number", "past", "end", "payload", "deadline")
+"""What names nothing of the mission, and is what it was. What is not carried follows from the rest, or begins again."""
 
 
 class Carried(NamedTuple):
@@ -71,32 +69,16 @@ class _Carrying:
         }  # fmt: skip
 
     def carried(self, under: InFlight) -> Carried:
-        was, origins = self.was, self.found.origins
         self._activities()
         goals, cancels = self._goals(under)
-        stands = {name: was[name] for name in UNCHANGED} | {
-            "_timers": self._timers(),
-            "_running": self.running,
-            "_pending": {
-                new: was["_pending"][old]
-                for new, old in origins.items()
-                if old in was["_pending"] and self._goes_on(old, new)
-            },
-            "_rounds": self._rounds(),
-            "_settling": {new: was["_settling"][old] for new, old in origins.items() if old in was["_settling"]},
-            "_calls": dict(was["_calls"]),
-            "_queue": self._queue(was["_queue"]),
-            "_kept": self._queue(was["_kept"]),
-            "_suspended": self._waiting(was["_suspended"]),
-            "_laid_by": self._waiting(was["_laid_by"]),
-            "_unknown": frozenset(name for name in was["_unknown"] if name in self.naming.now.invariants),
-            "atomic": self.found.atomic,
-            "memory": self._memory(),
-            "goals": goals,
-            "final": self.naming.state(was["final"]) if was["final"] else None,
-            "entered": self._entered(),
-            "held": self._held(),
-        }
+        carries: Mapping[Holds, Callable[[Any], Any]] = {
+            "configuration": lambda names: self.found.atomic, "state": self._state, "states": self._waiting,
+            "activities": lambda running: self.running, "deadlines": self._deadlines, "settling": self._settling,
+            "rounds": self._rounds, "timers": self._timers, "goals": lambda goals_then: goals, "calls": dict,
+            "events": self._queue, "invariants": self._invariants, "memory": self._memory, "ages": self._entered,
+            "since": self._held, **dict.fromkeys(UNCHANGED, _unchanged),
+        }  # fmt: skip
+        stands = {word: carries[holds](self.was[word]) for _, word, holds in TABLE if holds in carries}
         stands["_order"] = self.order
         begins = tuple(each for each in self.begins if each[0] not in stands["_pending"])
         effects = (*self._under_way(under), *cancels)
@@ -168,12 +150,11 @@ class _Carrying:
 
     # -- time -----------------------------------------------------------------------------------------------------
 
-    def _timers(self) -> dict[Any, Timer]:
-        was = self.was["_timers"]
+    def _timers(self, was: Mapping[Any, Timer]) -> dict[Any, Timer]:
         timers = {key: timer for key, timer in ((self._raised(key, was[key])) for key in was) if key is not None}
         for name in ("", *self.found.active):
             old = "" if not name else self.found.origins.get(name)
-            timers |= self._timeout(name, old) | self._after(name, old)
+            timers |= self._timeout(name, old, was) | self._after(name, old, was)
         return timers
 
     def _raised(self, key: Any, timer: Timer) -> tuple[Any, Timer]:
@@ -186,16 +167,16 @@ class _Carrying:
             self.faults.append(Fault("/events", f'{sentence}; name it, or drop it: "{timer.name}": null'))
         return (key if name is not None else None), timer._replace(name=name or timer.name)
 
-    def _timeout(self, name: str, old: str | None) -> dict[Any, Timer]:
+    def _timeout(self, name: str, old: str | None, was: Mapping[Any, Timer]) -> dict[Any, Timer]:
         limit = self.naming.states_now[name][1].timeout_s if name else None
         if limit is None:
             return {}
         if old is not None and self._goes_on(old, name) and self.naming.states_then[old][1].timeout_s == limit:
-            left = self.was["_timers"].get(("timeout", old))
+            left = was.get(("timeout", old))
             return {("timeout", name): left} if left is not None else {}
         return {("timeout", name): self._anew(f"the time limit of '{name}'", limit, f"{limit:g}")}
 
-    def _after(self, name: str, old: str | None) -> dict[Any, Timer]:
+    def _after(self, name: str, old: str | None, was: Mapping[Any, Timer]) -> dict[Any, Timer]:
         """A row's time goes on where the row is as it was; one that has fired does not fire again."""
         timers: dict[Any, Timer] = {}
         same = {now: then for then, now in self.naming.rows(old, name)} if old is not None else {}
@@ -204,7 +185,7 @@ class _Carrying:
                 continue
             if place not in same:
                 timers["after", place] = self._anew(f"the time of {place}", row["after_s"], "after_s")
-            elif (left := self.was["_timers"].get(("after", same[place]))) is not None:
+            elif (left := was.get(("after", same[place]))) is not None:
                 timers["after", place] = left
         return timers
 
@@ -215,11 +196,23 @@ class _Carrying:
 
     # -- what is remembered ---------------------------------------------------------------------------------------
 
-    def _rounds(self) -> dict[str, Any]:
+    def _state(self, name: str | None) -> str | None:
+        return self.naming.state(name) if name else None
+
+    def _invariants(self, names: Collection[str]) -> frozenset[str]:
+        return frozenset(name for name in names if name in self.naming.now.invariants)
+
+    def _deadlines(self, was: Mapping[str, float]) -> dict[str, float]:
+        origins = self.found.origins.items()
+        return {new: was[old] for new, old in origins if old in was and self._goes_on(old, new)}
+
+    def _settling(self, was: Mapping[str, float]) -> dict[str, float]:
+        return {new: was[old] for new, old in self.found.origins.items() if old in was}
+
+    def _rounds(self, was: Mapping[str, Any]) -> dict[str, Any]:
         lists = {name for name in self.found.active if isinstance(self.naming.states_now[name][1], Each)}
         return {
-            new: self.was["_rounds"][old] for new, old in self.found.origins.items()
-            if new in lists and old in self.was["_rounds"]
+            new: was[old] for new, old in self.found.origins.items() if new in lists and old in was
         }  # fmt: skip
 
     def _waiting(self, names: Collection[str]) -> tuple[str, ...]:
@@ -248,11 +241,11 @@ class _Carrying:
                 self.faults.append(Fault("/events", f'{sentence}; name it, or drop it: "{event.name}": null'))
         return tuple(queue)
 
-    def _memory(self) -> dict[str, tuple[str, ...]]:
+    def _memory(self, was: Mapping[str, Collection[str]]) -> dict[str, tuple[str, ...]]:
         """Where histories lead back to."""
         memory = {}
         inside = {name: _parents(place) for name, (place, _) in self.naming.states_now.items()}
-        for old, held in self.was["memory"].items():
+        for old, held in was.items():
             new, states = self.naming.state(old), [self.naming.state(name) for name in held]
             room = inside[new][:-1] if new is not None else ()
             known = [name for name in states if name is not None]
@@ -267,15 +260,14 @@ class _Carrying:
                 self.notes.append(f"what '{old}' led back to is forgotten")
         return memory
 
-    def _entered(self) -> dict[str, float]:
-        was = self.was["entered"]
+    def _entered(self, was: Mapping[str, float]) -> dict[str, float]:
         found = {name: was.get(self.found.origins.get(name, ""), self.at) for name in self.found.active}
         return found | {"": was.get("", 0.0)}
 
-    def _held(self) -> dict[str, float]:
+    def _held(self, was: Mapping[str, float]) -> dict[str, float]:
         """Since when guards have been true; that of an invariant and of a row that is as it was goes on."""
         held = {}
-        for memory, since in self.was["held"].items():
+        for memory, since in was.items():
             place, sign, number = memory.rpartition("#")
             now = self.rows.get(place)
             if now is not None:
@@ -283,6 +275,10 @@ class _Carrying:
             elif place.startswith("/invariants/"):
                 held[memory] = since
         return held
+
+
+def _unchanged(value: Any) -> Any:
+    return value
 
 
 def _numbers(state: Any) -> list[int]:
