@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from transitions import Machine, MachineError
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine.modes import MODE_TABLE, MODES, next_mode
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import is_operator
@@ -21,21 +22,8 @@ from rai_missions.event import is_operator
 __all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
-MODES = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
 CONTROLLERS = ("autonomy", "agent", "operator", "nobody")
 
-ALIVE = ["ready", "running", "paused", "canceling"]
-MODE_ROWS: list[dict[str, Any]] = [
-    {"trigger": "start", "source": ["ready"], "dest": "running"},
-    {"trigger": "pause", "source": ["running"], "dest": "paused"},
-    {"trigger": "resume", "source": ["paused"], "dest": "running"},
-    {"trigger": "cancel", "source": ["ready", "running", "paused"], "dest": "canceling"},
-    {"trigger": "canceled", "source": ["running", "canceling"], "dest": "canceled"},
-    {"trigger": "succeeded", "source": ["running"], "dest": "succeeded"},
-    {"trigger": "failed", "source": ["ready", "running"], "dest": "failed"},
-    {"trigger": "aborted", "source": ["running"], "dest": "aborted"},
-    {"trigger": "kill", "source": ALIVE, "dest": "aborted"},
-]
 CONTROL_ROWS: list[dict[str, Any]] = [
     {"trigger": "hand_to_autonomy", "source": ["autonomy", "agent", "operator"], "dest": "autonomy"},
     {"trigger": "hand_to_agent", "source": ["autonomy", "agent", "operator"], "dest": "agent"},
@@ -165,7 +153,8 @@ class Lifecycle:
     """The mode of one run, with its revision."""
 
     def __init__(self) -> None:
-        self._machine = _machine(MODE_ROWS, MODES, "ready")
+        rows = [{"trigger": each.trigger, "source": list(each.sources), "dest": each.target} for each in MODE_TABLE]
+        self._machine = _machine(rows, MODES, MODES[0])
         self.control = Control()
         self.revision = 0
         self._last: tuple[Any, ...] = ()
@@ -173,12 +162,6 @@ class Lifecycle:
     @property
     def mode(self) -> str:
         return str(self._machine.state)
-
-    def refuses(self, command: str) -> str:
-        """Why a command makes no sense now; empty if it does."""
-        if command not in self._machine.get_triggers(self.mode):
-            return f"the mission is {self.mode}; it cannot {command} now"
-        return ""
 
     def observe(
         self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
@@ -202,7 +185,7 @@ class Lifecycle:
         """
         target = step.outcome if mode == "ended" and step.outcome else mode
         if target != self.mode:
-            self._go(target)
+            self._go(step, target)
         self.control.follow(holder, taken=taken)
         outcome, why = step.outcome, step.why if step.outcome else ""
         if self._last and self._last[3]:  # it has ended: what comes too late has a reason of its own
@@ -216,28 +199,20 @@ class Lifecycle:
         self.revision += 1
         return Status(self.revision, *status)
 
-    def _go(self, target: str) -> None:
-        """Fire what leads there; a step that does much may pass through `running` or `canceling` on its way."""
-        triggers = {
-            "running": ("start", "resume"),
-            "paused": ("pause",),
-            "canceling": ("cancel",),
-            "aborted": ("aborted", "kill"),
-        }
-        ways: list[tuple[str, ...]] = [(last,) for last in triggers.get(target, (target,))]
-        ways += [(first, *way) for first in ("start", "resume", "cancel") for way in ways]
-        for way in ways:
-            if self._leads(way):
-                for trigger in way:
-                    getattr(self._machine, trigger)()
-                return
-        raise UsageError(f"a run cannot go from '{self.mode}' to '{target}'")
+    def _go(self, step: Step, target: str) -> None:
+        """Fire what the step names: its command, and the outcome with which the mission ended in it.
 
-    def _leads(self, way: tuple[str, ...]) -> bool:
-        mode = self.mode
-        for trigger in way:
-            found = [row["dest"] for row in MODE_ROWS if row["trigger"] == trigger and mode in row["source"]]
-            if not found:
-                return False
-            mode = found[0]
-        return True
+        A command that leads neither there nor on the way there was refused. The step that is seen first may be of a
+        run that began in another process.
+        """
+        if not self._last:
+            self._machine.set_state(target)
+            return
+        command = step.event.name if step.event.kind == "command" else ""
+        through = next_mode(self.mode, command)
+        if through is not None and (through == target or next_mode(through, target) is not None):
+            self._machine.trigger(command)
+        if self.mode != target and next_mode(self.mode, target) is not None:
+            self._machine.trigger(target)
+        if self.mode != target:
+            raise UsageError(f"a run cannot go from '{self.mode}' to '{target}'")
