@@ -38,6 +38,7 @@ check: .venv/.ready-dev ## Formatting, linters, types, the import contracts and 
 	$(BIN)/ruff check .
 	$(BIN)/mypy rai_missions visualize missions $(wildcard tests/typing)
 	$(BIN)/lint-imports
+	$(BIN)/python scripts/prose.py
 	$(BIN)/python scripts/words.py
 
 test: .venv/.ready-dev ## Every check, the built wheel, and all tests; those that need ROS 2 or a broker only after `make middleware`

@@ -8,7 +8,9 @@ a comment at its end says: `# exits 2`. A block under `<!-- not run: why -->` is
 
 from __future__ import annotations
 
+import importlib.util
 import re
+import runpy
 import shlex
 import shutil
 import subprocess
@@ -93,3 +95,35 @@ def test_links_between_documents_lead_somewhere() -> None:
     for document in [*DOCUMENTS, *sorted(ROOT.glob("docs/**/*.md")), ROOT / "CHANGELOG.md"]:
         for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", document.read_text(encoding="utf-8")):
             assert (document.parent / target).exists(), f"{document.relative_to(ROOT)} links to {target}"
+
+
+def anchors(document: str) -> set[str]:
+    """What GitHub makes of a document's headings."""
+    headings = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```$", "", document, flags=re.DOTALL | re.MULTILINE), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_anchors_of_links_are_headings() -> None:
+    for document in [*DOCUMENTS, *sorted(ROOT.glob("docs/**/*.md")), ROOT / "CHANGELOG.md"]:
+        text = document.read_text(encoding="utf-8")
+        for target, anchor in re.findall(r"\]\(([^)#:\s]*)#([^)]*)\)", text):
+            page = (document.parent / target).read_text(encoding="utf-8") if target else text
+            assert anchor in anchors(page), f"{document.relative_to(ROOT)} links to {target}#{anchor}"
+
+
+def test_modules_that_the_changelog_moved_are_there() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    moved = re.findall(r"^\| [^|]*`rai_missions\.[^|]* \| `([\w.]+)` \|$", text, re.M)
+    assert len(moved) > 20
+    for module in moved:
+        assert importlib.util.find_spec(module), f"CHANGELOG.md names {module}"
+
+
+def test_prose_is_measured_as_its_definition_reads() -> None:
+    measure = runpy.run_path(str(ROOT / "scripts/prose.py"))["measure"]
+    page = "# Not a sentence\n\nIt does not `rain or` pour. [Never mind](x.md#no), it can't.\n\n- Four words are here\n"
+    table = "\n| short cell | this cell is a whole sentence |\n|---|---|\n\n```\nno no no\n```\n"
+    found = measure(page + table + "x" * 121)
+    assert (found.sentences, found.sentence_words) == (5, 5 + 4 + 4 + 6 + 1)
+    assert found.negations == 4, "the heading's and each sentence's; those of code are left out"
+    assert found.long_lines == (len((page + table).splitlines()) + 1,)
