@@ -21,7 +21,7 @@ from rai_missions.mission.files import dump
 from rai_missions.plain_data import apart
 from rai_missions.profile import dump_profile
 from rai_missions.testing import QUESTION, ReplyCallback, call
-from tests.runtime.stages import Book, Rig, mission, robot
+from tests.rigs.runs import Book, Rig, mission, robot
 
 SPEED = {"type": "object", "properties": {"speed": {"type": "number", "maximum": 1}}, "additionalProperties": False}
 FAST = {"option": "go", "parameters": {"speed": 9, "state": "done"}}

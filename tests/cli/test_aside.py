@@ -15,7 +15,7 @@ import pytest
 from rai_missions.cli.commands.run import _interruptible
 from rai_missions.cli.nonblocking_stdout import MOST, Aside, nonblocking_stdout, settled
 from rai_missions.cli.progress import Lines
-from tests.runtime.stages import Rig, mission
+from tests.rigs.runs import Rig, mission
 
 PATIENCE_S = 30.0
 ROUND: dict[str, Any] = {

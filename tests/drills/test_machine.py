@@ -25,7 +25,7 @@ from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import HeardClock, Mailbox, SimulatedClock
 from rai_missions.runtime.runner import Runner
 from tests.drills.surroundings import AnyAnswers
-from tests.runtime.stages import Rig, mission, robot
+from tests.rigs.runs import Rig, mission, robot
 
 SEED = 5
 THREADS = 8

@@ -28,7 +28,7 @@ from rai_missions.runtime.runner import Runner
 from rai_missions.testing import ChaosConnector, Rates
 from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, Postponing, quick_folder, quick_tempers
 from tests.drills.yard import Yard, yard_mission, yard_robot
-from tests.runtime.stages import Rig, robot
+from tests.rigs.runs import Rig, robot
 from tests.strategies import missions
 from tests.tractor.conftest import TRACTOR
 

@@ -9,7 +9,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import CancelGoal, Handover, StartGoal, Step
 from rai_missions.event import Event
-from tests.engine.charts import mission, row, sent, ticked
+from tests.rigs.charts import mission, row, sent, ticked
 
 BOARD = {"there": {"type": "boolean", "source": "robot", "max_age_s": 5}}
 DONE = row("succeeded", "done")

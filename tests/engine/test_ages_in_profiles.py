@@ -10,7 +10,7 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.event import Event
 from rai_missions.guards.guard import Guard
 from rai_missions.model import OneOf
-from tests.engine.charts import mission, row, ticked
+from tests.rigs.charts import mission, row, ticked
 
 BOARD = {"stands": {"type": "boolean", "source": "robot", "max_age_s": 60}}
 

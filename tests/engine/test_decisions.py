@@ -13,7 +13,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step, Withdraw
 from rai_missions.event import Event, Tick
-from tests.engine.charts import mission, row, sent, ticked
+from tests.rigs.charts import mission, row, sent, ticked
 
 BOARD = {
     "height": {"type": "number", "source": "robot", "max_age_s": 2},

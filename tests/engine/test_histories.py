@@ -12,7 +12,7 @@ from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Compound, History
-from tests.engine.charts import mission, row, sent
+from tests.rigs.charts import mission, row, sent
 from visualize.build import picture
 
 Json = dict[str, Any]

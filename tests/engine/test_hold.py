@@ -11,7 +11,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CancelGoal, Handover, StartGoal, Step, Withdraw
 from rai_missions.event import Event, Tick
-from tests.engine.charts import mission, row
+from tests.rigs.charts import mission, row
 
 Json = dict[str, Any]
 OVER: Json = {"final": "aborted"}

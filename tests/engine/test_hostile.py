@@ -13,7 +13,7 @@ from rai_missions.engine.step import CancelGoal
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Tick
 from rai_missions.trees import PyTrees
-from tests.engine.charts import chart, mission, row
+from tests.rigs.charts import chart, mission, row
 
 FACT = {"k": {"type": "integer", "source": "robot", "max_age_s": 2}}
 DRIVE: dict[str, Any] = {

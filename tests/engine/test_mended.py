@@ -8,7 +8,7 @@ import pytest
 from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from tests.engine.charts import mission, row, sent
+from tests.rigs.charts import mission, row, sent
 
 
 def test_a_result_of_another_type_is_not_written() -> None:

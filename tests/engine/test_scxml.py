@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.event import Event
-from tests.engine.charts import chart, row, sent, ticked
+from tests.rigs.charts import chart, row, sent, ticked
 
 
 def log(text: str) -> dict[str, str]:

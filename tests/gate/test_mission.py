@@ -15,7 +15,7 @@ from rai_missions.gate import GateAgent, gate_words
 from rai_missions.profile import Robot, parse_profile
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Result
-from tests.runtime.stages import Rig, Stage, robot
+from tests.rigs.runs import Rig, Stage, robot
 
 CONTROL = {who: f"/gate/{{by}}/hand_to_{who}" for who in ("autonomy", "agent", "operator", "nobody")}
 HOLDER = {"topic": "/gate/holder", "type": "std_msgs/msg/String"}

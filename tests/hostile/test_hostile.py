@@ -38,7 +38,7 @@ from rai_missions.testing import (
     call,
 )
 from tests.answerers.messages import ANY_CALL, TEXTS
-from tests.runtime.stages import KEYS, Rig, mission, robot
+from tests.rigs.runs import KEYS, Rig, mission, robot
 
 SECRET = "sk-proj-Zk3mQ9vT7wXyB2nC5dF8hJ1lP4rS6uA0"
 CROSS = '{"option": "cross"}'

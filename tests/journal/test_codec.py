@@ -15,7 +15,7 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import decode, difference, encode
 from rai_missions.journal.json_values import from_json, to_json
-from tests.journal.generated import steps, values
+from tests.rigs.journals import steps, values
 
 
 def through_json(content: Any) -> Any:

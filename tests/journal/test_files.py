@@ -19,7 +19,7 @@ from rai_missions.event import Event, Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
 from rai_missions.journal.rows import GENESIS, chained
 from rai_missions.journal.sqlite import LONGEST_BYTES
-from tests.journal.generated import blackboard_writes, steps
+from tests.rigs.journals import blackboard_writes, steps
 
 HEADER = Header('{"format": 1}', profile="{}", arguments={"alleys": 6}, run="r1")
 

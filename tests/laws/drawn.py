@@ -12,12 +12,11 @@ from typing import Any, NamedTuple
 from pydantic import TypeAdapter
 
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.step import Ask, CallService, StartGoal, Step
-from rai_missions.event import Event, Tick
 from rai_missions.guards import Guard
 from rai_missions.model import OneOf
+from tests.rigs.charts import Drawn
 
-__all__ = ("EVENTS", "GRID_S", "KEYS", "Answers", "Happening", "document", "happenings", "is_far", "terms")
+__all__ = ("EVENTS", "GRID_S", "KEYS", "Happening", "document", "happenings", "is_far", "terms")
 
 Json = dict[str, Any]
 GRID_S = 0.25
@@ -334,10 +333,10 @@ def terms(rng: random.Random) -> RobotFacts:
 
 
 class Happening(NamedTuple):
-    """One thing that happens: what kind, its words, and when."""
+    """One thing that happens, and when."""
 
-    kind: str
-    words: tuple[Any, ...]
+    drawn: Drawn
+    """As `ScriptedRobot.event` reads it."""
     at: float
 
 
@@ -372,46 +371,5 @@ def happenings(rng: random.Random, *, commands: bool = True) -> list[Happening]:
             words = (rng.choice(["autonomy", "agent", "operator"]),)
         elif kind == "command":
             words = (rng.choice(["pause", "pause", "resume", "resume", "resume", "cancel"]),)
-        script.append(Happening(kind, words, at))
+        script.append(Happening((kind, *words), at))
     return script
-
-
-class Answers:
-    """Makes raw events of happenings, with the numbers of what a chart has started."""
-
-    def __init__(self) -> None:
-        self.goals: list[int] = []
-        self.calls: list[int] = []
-        self.questions: list[int] = []
-
-    def learn(self, step: Step) -> Step:
-        for effect in step.effects:
-            if isinstance(effect, StartGoal):
-                self.goals.append(effect.number)
-            elif isinstance(effect, CallService):
-                self.calls.append(effect.number)
-            elif isinstance(effect, Ask):
-                self.questions.append(effect.question.number)
-        return step
-
-    def event(self, happening: Happening) -> Event:
-        kind, words, at = happening
-        if kind == "tick":
-            return Tick(at)
-        if kind == "write":
-            return Event(words[0], at, {"value": words[1], "stamp": at + words[2]}, "write")
-        if kind == "event":
-            return Event(words[0], at, {"k": words[1]})
-        if kind == "accepted":
-            return Event("drive", at, {}, "accepted", self._back(self.goals, words[0]))
-        if kind == "result":
-            numbers = sorted((*self.goals, *self.calls))
-            return Event(words[1], at, {"n": words[2]}, "result", self._back(numbers, words[0]))
-        if kind == "proposal":
-            data = {"option": words[1], **({"parameters": {"given": words[2]}} if words[2] > 1 else {})}
-            return Event("agent", at, data, "proposal", self._back(self.questions, words[0]))
-        return Event("uncertain" if kind == "doubt" else words[0], at, {}, kind)
-
-    @staticmethod
-    def _back(numbers: list[int], back: int) -> int:
-        return numbers[-1 - back] if back < len(numbers) else 99_999

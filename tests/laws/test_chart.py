@@ -11,11 +11,12 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
-from rai_missions.engine.step import Ask, CallService, CancelGoal, StartGoal, Step
+from rai_missions.engine.step import CancelGoal, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from tests.oracles.documents import Taste, charts, lineage, scripts
+from tests.rigs.charts import ScriptedRobot
 from tests.strategies import EVENTS, KEYS, OPTIONS, mission_documents
 
 Json = dict[str, Any]
@@ -61,43 +62,6 @@ def happenings(*, commands: bool = True) -> st.SearchStrategy[list[tuple[Any, ..
     return st.lists(st.tuples(st.one_of(kinds), waits), max_size=14)
 
 
-class Robot:
-    """Turns what was drawn into raw events, with the numbers of what the chart has started."""
-
-    def __init__(self) -> None:
-        self.goals: list[int] = []
-        self.calls: list[int] = []
-        self.questions: list[int] = []
-
-    def hear(self, step: Step) -> Step:
-        for effect in step.effects:
-            if isinstance(effect, StartGoal):
-                self.goals.append(effect.number)
-            elif isinstance(effect, CallService):
-                self.calls.append(effect.number)
-            elif isinstance(effect, Ask):
-                self.questions.append(effect.question.number)
-        return step
-
-    def event(self, drawn: tuple[Any, ...], at: float) -> Event:
-        kind = drawn[0]
-        if kind == "tick":
-            return Tick(at)
-        if kind == "write":
-            return Event(drawn[1], at, {"value": drawn[2]}, "write")
-        if kind == "accepted":
-            return Event("drive", at, {}, "accepted", self._back(self.goals, drawn[1]))
-        if kind == "result":
-            return Event(drawn[2], at, {"n": 1}, "result", self._back(sorted((*self.goals, *self.calls)), drawn[1]))
-        if kind == "proposal":
-            return Event("rules", at, {"option": drawn[2]}, "proposal", self._back(self.questions, drawn[1]))
-        return Event(drawn[1], at, {}, kind)
-
-    @staticmethod
-    def _back(numbers: list[int], back: int) -> int:
-        return numbers[-1 - back] if back < len(numbers) else 99_999
-
-
 def ticker() -> Any:
     return PyTrees()
 
@@ -105,13 +69,13 @@ def ticker() -> Any:
 def run(document: Json, script: list[tuple[Any, float]], *, fresh: bool = False) -> tuple[Chart, list[Step]]:
     """Let it all happen; with `fresh`, each event to a new chart that is restored from the last one's snapshot."""
     mission = Mission.model_validate(document)
-    chart, robot, at = Chart(mission, ticker()), Robot(), 0.0
-    steps = [robot.hear(chart.start(0.0))]
+    chart, robot, at = Chart(mission, ticker()), ScriptedRobot(), 0.0
+    steps = [robot.follow(chart.start(0.0))]
     for drawn, wait in script:
         at += wait
         if fresh:
             chart = Chart.restore(mission, copy.deepcopy(dict(chart.snapshot())), ticker())
-        steps.append(robot.hear(chart.send(robot.event(drawn, at))))
+        steps.append(robot.follow(chart.send(robot.event(drawn, at))))
     return chart, steps
 
 
@@ -150,13 +114,13 @@ def assert_accounted(before: frozenset[str], step: Step, after: frozenset[str]) 
 @lenient
 @given(mission_documents(), happenings())
 def test_no_event_leaves_the_graph_and_nothing_raises(document: Json, script: list[tuple[Any, float]]) -> None:
-    chart, robot, at = Chart(Mission.model_validate(document), ticker()), Robot(), 0.0
+    chart, robot, at = Chart(Mission.model_validate(document), ticker()), ScriptedRobot(), 0.0
     before, outcome, step = frozenset[str](), None, chart.start(0.0)
     for drawn, wait in [(None, 0.0), *script]:
         at += wait
         if drawn is not None:
             step = chart.send(robot.event(drawn, at))
-        robot.hear(step)
+        robot.follow(step)
         assert_accounted(before, step, chart.active)
         assert_legal(document, chart.active)
         assert outcome in (None, chart.outcome)

@@ -15,9 +15,10 @@ from rai_missions.engine.step import Handover, Step
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
-from tests.laws.test_chart import Robot, happenings
+from tests.laws.test_chart import happenings
 from tests.oracles.documents import Taste, charts
 from tests.oracles.documents import scripts as plain_scripts
+from tests.rigs.charts import ScriptedRobot
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -53,14 +54,18 @@ class Play:
     """
 
     def __init__(self, document: Json, stop: Event, go: Event) -> None:
-        self.chart, self.robot, self.stops = Chart(Mission.model_validate(document), PyTrees()), Robot(), (stop, go)
+        self.chart, self.robot, self.stops = (
+            Chart(Mission.model_validate(document), PyTrees()),
+            ScriptedRobot(),
+            (stop, go),
+        )
         self.steps: list[Step] = []
         self.at = 0.0
         self.chart.send(Event("agent", 0.0, {"by": "robot"}, "control"))
         self.hear(self.chart.start(0.0))
 
     def hear(self, step: Step) -> None:
-        self.steps.append(self.robot.hear(step))
+        self.steps.append(self.robot.follow(step))
 
     def play(self, script: Script) -> None:
         """What was drawn; a command stops it where it runs, and has it go on where it does not."""
@@ -239,20 +244,20 @@ def rows(document: Json) -> Iterator[tuple[str, str]]:
 
 def leaves_alone_what_is_held(document: Json, script: Script, hands: list[tuple[int, str, str]]) -> None:
     names = dict(rows(document))
-    chart, robot, at = Chart(Mission.model_validate(document), PyTrees()), Robot(), 0.0
-    robot.hear(chart.start(0.0))
+    chart, robot, at = Chart(Mission.model_validate(document), PyTrees()), ScriptedRobot(), 0.0
+    robot.follow(chart.start(0.0))
     for index, (drawn, wait) in enumerate(script):
         at += wait
         held = chart.held
-        step = robot.hear(chart.send(robot.event(drawn, at)))
+        step = robot.follow(chart.send(robot.event(drawn, at)))
         for place in (place for move in step.moves for place in move.taken):
             assert names.get(place.rpartition("/transitions/")[0]) not in held, "a held state takes no transition"
         if chart.held_by:
             assert not any(isinstance(effect, Handover) for effect in step.effects), "control is not asked for"
         for _, to, by in (each for each in hands if each[0] == index):
-            robot.hear(chart.send(Event(to, at, {"by": by}, "control")))
+            robot.follow(chart.send(Event(to, at, {"by": by}, "control")))
     given = Event("autonomy", at + 1.0, {"by": "operator"}, "control")
-    robot.hear(chart.send(given))
+    robot.follow(chart.send(given))
     assert not chart.held and not chart.snapshot()["_kept"] and not chart.snapshot()["_laid_by"]
 
 

@@ -24,8 +24,8 @@ from rai_missions.engine.surroundings import Surroundings
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
-from tests.engine.charts import chart, row, sent, ticked
-from tests.laws.drawn import GRID_S, Answers, Happening, document, happenings, is_far, terms
+from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far, terms
+from tests.rigs.charts import ScriptedRobot, chart, row, sent, ticked
 
 Json = dict[str, Any]
 PASSING = ("seq", "_wake", "_quick", "_listening", "_asked")
@@ -87,13 +87,13 @@ def play(
     """
     rng = random.Random(seed)
     made, script, robot = document(rng), happenings(rng), terms(rng)
-    one, answers, seen = started(made, robot, kind), Answers(), list[Any]()
-    answers.learn(one.start(0.0))
-    for happening in [*script, Happening("tick", (), script[-1].at + AFTER_S)]:
+    one, answers, seen = started(made, robot, kind), ScriptedRobot("agent"), list[Any]()
+    answers.follow(one.start(0.0))
+    for happening in [*script, Happening(("tick",), script[-1].at + AFTER_S)]:
         while ticks and one.at + GRID_S < happening.at:
-            answers.learn(one.send(Tick(one.at + GRID_S)))
-        event = events[len(seen)] if events is not None else answers.event(happening)
-        answers.learn(one.send(event))
+            answers.follow(one.send(Tick(one.at + GRID_S)))
+        event = events[len(seen)] if events is not None else answers.event(*happening)
+        answers.follow(one.send(event))
         seen.append((event, one.active, one.outcome, dict(one.view.board)))
     return one, [each[0] for each in seen], seen
 

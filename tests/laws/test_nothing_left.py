@@ -27,7 +27,8 @@ from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
 from rai_missions.trees import PyTrees
-from tests.laws.test_chart import Robot, happenings
+from tests.laws.test_chart import happenings
+from tests.rigs.charts import ScriptedRobot
 from tests.strategies import mission_documents
 from tests.trees.growing import FACTS, is_true
 from tests.trees.polling import COUNTERS, FLAGS, polled_trees
@@ -119,7 +120,7 @@ class Run:
         self.chart = Chart(Mission.model_validate(document), PyTrees())
         self.owners: dict[int, str] = {}
         self.ends: dict[str, str] = {}
-        self.robot = Robot()
+        self.robot = ScriptedRobot()
         self.take(self.chart.start(0.0))
 
     def send(self, event: Event) -> Step:
@@ -128,7 +129,7 @@ class Run:
         return self.take(self.chart.send(event))
 
     def take(self, step: Step) -> Step:
-        for effect in self.robot.hear(step).effects:
+        for effect in self.robot.follow(step).effects:
             if isinstance(effect, StartGoal | CallService) and effect.owner:
                 self.owners[effect.number] = effect.owner
         assert not list(left(self.chart, step, self.ends))

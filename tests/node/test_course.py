@@ -16,7 +16,7 @@ from rai_missions.node.run_session import RunSession
 from rai_missions.runtime.clock import Mailbox
 from rai_missions.runtime.runner import Runner
 from tests.node.scenes import mission, robot
-from tests.runtime.stages import Rig
+from tests.rigs.runs import Rig
 
 SPANS = st.lists(st.floats(0.001, 100.0), max_size=6)
 

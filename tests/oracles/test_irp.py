@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.event import Event, Tick
-from tests.engine.charts import chart, row
 from tests.oracles.ours import told
+from tests.rigs.charts import chart, row
 
 Json = dict[str, Any]
 COUNT = {"n": {"type": "integer", "initial": 0}}

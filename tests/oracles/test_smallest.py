@@ -7,8 +7,8 @@ import pytest
 
 from rai_missions.engine.step import CancelGoal
 from rai_missions.event import Event, Tick
-from tests.engine.charts import chart, row, sent
 from tests.oracles.ours import of_appendix_d, told
+from tests.rigs.charts import chart, row, sent
 
 COUNTER = {"n": {"type": "integer", "initial": 0}}
 ALWAYS = {"key": "n", "==": 0}

@@ -13,8 +13,6 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.step import Ask, CallService, Handover, StartBehaviour, StartGoal, Step
-from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Edge, Space
@@ -24,6 +22,7 @@ from rai_missions.prove.parts import parts
 from rai_missions.replay.rebuild import default_ticker
 from rai_missions.states.action import Action
 from rai_missions.states.tree.leaves import ActionLeaf
+from tests.rigs.charts import ScriptedRobot
 from tests.strategies import EVENTS, KEYS, OPTIONS
 
 Json = dict[str, Any]
@@ -113,66 +112,26 @@ def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
         st.tuples(st.just("result"), back, results, st.integers(0, 4)),
         st.tuples(st.just("proposal"), back, st.sampled_from([*OPTIONS, "nonsense"])),
         st.tuples(st.just("control"), st.sampled_from(["", "", *HANDS]), st.sampled_from(["operator", "robot"])),
-        st.tuples(st.just("command"), st.sampled_from(["cancel"] + ["pause", "resume"] * 3 + ["wait"] * 4)),
+        st.sampled_from(
+            [("command", "cancel"), *[("command", "pause"), ("command", "resume")] * 3, *[("tick", "")] * 4]
+        ),
     ]
     waits = st.sampled_from([0.0, 0.0, 0.0, 0.5, 1.0, 2.0, 3.7, 6.0, 25.0])
     return st.lists(st.tuples(st.one_of(kinds), waits), max_size=25)
-
-
-class Robot:
-    """Turns a script into events, with the numbers of what the chart has started."""
-
-    def __init__(self) -> None:
-        self.goals: list[int] = []
-        self.calls: list[int] = []
-        self.questions: list[int] = []
-        self.wanted: list[str] = []
-
-    def hear(self, step: Step) -> None:
-        for effect in step.effects:
-            if isinstance(effect, StartGoal):
-                self.goals.append(effect.number)
-            elif isinstance(effect, CallService | StartBehaviour):
-                self.calls.append(effect.number)
-            elif isinstance(effect, Ask):
-                self.questions.append(effect.question.number)
-            elif isinstance(effect, Handover):
-                self.wanted.append(effect.to)
-
-    def event(self, drawn: tuple[Any, ...], at: float) -> Event:
-        kind = drawn[0]
-        if kind == "write":
-            return Event(drawn[1], at, {"value": drawn[2]}, "write")
-        if kind == "accepted":
-            return Event("accepted", at, {}, "accepted", back(self.goals, drawn[1]))
-        if kind == "result":
-            return Event(drawn[2], at, {"n": drawn[3]}, "result", back(sorted((*self.goals, *self.calls)), drawn[1]))
-        if kind == "proposal":
-            return Event("rules", at, {"option": drawn[2]}, "proposal", back(self.questions, drawn[1]))
-        if kind == "control" and (drawn[1] or self.wanted):
-            by = drawn[2] if drawn[1] else "mission"
-            return Event(drawn[1] or self.wanted[-1], at, {"by": by}, "control")
-        if kind == "event" or drawn[1] in ("cancel", "pause", "resume"):
-            return Event(drawn[1], at, {}, kind)
-        return Event("tick", at, {}, "tick")
-
-
-def back(numbers: list[int], many: int) -> int:
-    return numbers[-1 - many] if many < len(numbers) else 99_999
 
 
 def walked(
     mission: Mission, script: list[tuple[tuple[Any, ...], float]], assumed: Container[str], **arguments: Any
 ) -> list[Seen]:
     """What the real chart came to, step by step, for as long as the invariants hold that are assumed of the robot."""
-    chart, robot, at = Chart(mission, default_ticker(mission)), Robot(), 0.0
+    chart, robot, at = Chart(mission, default_ticker(mission)), ScriptedRobot(), 0.0
     for key, value in arguments.items():
         assert key in KEYS
         chart.write(key, value, 0.0)
-    robot.hear(chart.start(0.0))
+    robot.follow(chart.start(0.0))
     found = [seen(chart)]
     for drawn, wait in script:
         at += wait
-        robot.hear(chart.send(robot.event(drawn, at)))
+        robot.follow(chart.send(robot.event(drawn, at)))
         found.append(seen(chart))
     return [each for each in found if each[1] is None] if chart.false_invariant in assumed else found

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from tests.runtime.stages import KEYS, Rig, mission
+from tests.rigs.runs import KEYS, Rig, mission
 
 MAX_AGE_S = 2.0
 ENDS_AT = 9.0

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
 from rai_missions.runtime.readings import Readings
-from tests.runtime.stages import KEYS, Rig, mission
+from tests.rigs.runs import KEYS, Rig, mission
 
 NEEDED = {**KEYS, "battery": {**KEYS["battery"], "optional": False}}
 BATTERY = "sensor_msgs/msg/BatteryState"

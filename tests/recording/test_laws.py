@@ -20,8 +20,8 @@ from rai_missions.recording import Recording, journal_of
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Runner
-from tests.journal.generated import blackboard_writes, steps
 from tests.recording.kept import LAMP, kept, rows_of
+from tests.rigs.journals import blackboard_writes, steps
 from tests.strategies import EVENTS, missions
 
 pytest.importorskip("mcap")

@@ -21,7 +21,7 @@ from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
 from rai_missions.replay.rebuild import default_ticker
 from rai_missions.runtime.clock import ContinuedClock, Mailbox, SimulatedClock
-from tests.runtime.stages import Rig, Stage, mission, robot
+from tests.rigs.runs import Rig, Stage, mission, robot
 
 Json = dict[str, Any]
 WINDOW_S = 2.0

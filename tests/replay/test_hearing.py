@@ -21,7 +21,7 @@ from tests.replay.farm import FARMER, Farm
 from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import Ended, has_ended, holds
 from tests.replay.test_kinds import ALWAYS, KEYS
-from tests.runtime.stages import Rig, mission, robot
+from tests.rigs.runs import Rig, mission, robot
 
 KNOWN = {**KEYS, "obstacle": {"type": "object", "source": "robot", "max_age_s": 3,
                               "fields": {"living": "boolean"}}}  # fmt: skip

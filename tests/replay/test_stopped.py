@@ -15,7 +15,7 @@ from rai_missions.journal import Header, Journal, StepRow, copied, read
 from rai_missions.mission.files import dump
 from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
-from tests.runtime.stages import ROBOT, Rig, mission, robot
+from tests.rigs.runs import ROBOT, Rig, mission, robot
 
 PATIENCE_S = 30.0
 LIT = mission({

@@ -13,7 +13,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.profile import Robot
 from rai_missions.runtime.goals import Goals
-from tests.runtime.stages import ROBOT
+from tests.rigs.runs import ROBOT
 
 DONE = Reply("succeeded", {"success": True})
 

@@ -19,7 +19,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import StartGoal
 from rai_missions.journal import Header, Journal
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer
-from tests.runtime.stages import KEYS, Book, Rig, mission, robot
+from tests.rigs.runs import KEYS, Book, Rig, mission, robot
 
 MOVING: dict[str, Any] = {
     "idle": {"transitions": [{"on": "go", "to": "moving"}]},

@@ -19,7 +19,7 @@ from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import MODES, Lifecycle, Status
 from rai_missions.runtime.runner import Result
 from rai_missions.testing import LateAnswerer
-from tests.runtime.stages import Rig, mission
+from tests.rigs.runs import Rig, mission
 
 MOVING: dict[str, Any] = {
     "moving": {
@@ -267,7 +267,7 @@ def test_a_message_that_gives_control_to_a_stranger_is_refused() -> None:
 
 
 def test_a_handover_that_is_never_acknowledged_is_a_rejected_start() -> None:
-    from tests.runtime.stages import robot
+    from tests.rigs.runs import robot
 
     states = {**DRIVING, "driving": {**DRIVING["driving"], "control": "agent", "handover_s": 3}}
     rig = Rig(states, robot=robot(control={"agent": "/give"}))
@@ -378,7 +378,7 @@ def test_whatever_is_commanded_the_run_ends_and_no_goal_outlives_it(script: list
 
 
 def test_an_operator_who_takes_control_of_a_paused_run_leaves_what_was_kept_going() -> None:
-    from tests.runtime.stages import ROBOT, robot
+    from tests.rigs.runs import ROBOT, robot
 
     keeps = robot(actions={**ROBOT["actions"], "move": {**ROBOT["actions"]["move"], "keep": True}})
     rig = Rig(DRIVING, robot=keeps)

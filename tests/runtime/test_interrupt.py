@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine.step import CancelGoal, StartGoal
-from tests.runtime.stages import Rig, mission
+from tests.rigs.runs import Rig, mission
 
 OUTCOMES = ["succeeded", "failed", "canceled", "rejected", "timed_out"]
 

@@ -16,7 +16,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
 from rai_missions.replay.replay import replay
-from tests.runtime.stages import Rig, mission, robot
+from tests.rigs.runs import Rig, mission, robot
 
 Moments = Mapping[float, Callable[[], object]]
 

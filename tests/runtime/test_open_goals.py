@@ -23,7 +23,7 @@ from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
-from tests.runtime.stages import Rig, Stage, mission
+from tests.rigs.runs import Rig, Stage, mission
 
 LASTS_S = 40
 ENDS = ["succeeded", "failed", "rejected", "canceled", "timed_out", "unverified"]

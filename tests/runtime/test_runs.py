@@ -11,7 +11,7 @@ import pytest
 from rai_missions.connectors.connector import Message
 from rai_missions.engine.step import CallService, StartGoal
 from rai_missions.errors import DefinitionError, UsageError
-from tests.runtime.stages import KEYS, Rig, mission, robot
+from tests.rigs.runs import KEYS, Rig, mission, robot
 
 MOVING: dict[str, Any] = {
     "idle": {"transitions": [{"on": "go", "to": "moving"}]},

@@ -18,7 +18,7 @@ from rai_missions.journal import writer_thread as clerk
 from rai_missions.runtime import clock
 from rai_missions.runtime.clock import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox, WallClock
 from rai_missions.runtime.result import Result
-from tests.runtime.stages import Book, Rig, robot
+from tests.rigs.runs import Book, Rig, robot
 
 PATIENCE_S = 30.0
 MOVING: dict[str, Any] = {

@@ -20,8 +20,9 @@ from rai_missions.mission.mission import Mission
 from rai_missions.runtime.clock import Mailbox
 from rai_missions.runtime.result import Result
 from rai_missions.runtime.runner import Runner
-from tests.laws.drawn import GRID_S, Answers, Happening, document, happenings, is_far
-from tests.runtime.stages import Book, Rig
+from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far
+from tests.rigs.charts import ScriptedRobot
+from tests.rigs.runs import Book, Rig
 
 Json = dict[str, Any]
 STALLS = (1, 2, 4, 10)
@@ -43,7 +44,7 @@ class World:
     def step(self) -> None:
         self._periods += 1
         while self._script and self._script[0].at <= self.now():
-            self.post(Answers().event(self._script.pop(0)))
+            self.post(ScriptedRobot("agent").event(*self._script.pop(0)))
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         while mailbox.empty and self.now() < until:
@@ -86,10 +87,10 @@ def traced(seed: int, share: float) -> Trace:
     """A run of what a number draws, of which a share of all calls stalls."""
     rng = random.Random(seed)
     mission = Mission.model_validate(document(rng, alone=True))
-    script = [each for each in happenings(rng) if each.kind in FROM_OUTSIDE]
+    script = [each for each in happenings(rng) if each.drawn[0] in FROM_OUTSIDE]
     script = [each._replace(at=each.at + GRID_S) for each in script]  # what is said before the start has no instant
     end = (script[-1].at if script else 0.0) + 4.0
-    world = World([*script, Happening("command", ("cancel",), end)])
+    world = World([*script, Happening(("command", "cancel"), end)])
     late, book, steps = Stalling(world, random.Random(seed + 1), share), Book(), list[tuple[Step, frozenset[str]]]()
     book.on_write = late.stall
 

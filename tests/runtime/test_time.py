@@ -23,7 +23,7 @@ from rai_missions.profile import dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import Mailbox, SimulatedClock, WallClock
 from rai_missions.runtime.runner import Result, Runner
-from tests.runtime.stages import Rig, Server, Stage, mission, robot
+from tests.rigs.runs import Rig, Server, Stage, mission, robot
 
 CALLING: dict[str, Any] = {
     "calling": {"call": "horn", "timeout_s": 5, "transitions": [{"on": "succeeded", "to": "over"}]},
