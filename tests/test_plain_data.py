@@ -21,7 +21,8 @@ from rai_missions.mission.files import dump
 from rai_missions.plain_data import apart
 from rai_missions.profile import dump_profile
 from rai_missions.testing import QUESTION, ReplyCallback, call
-from tests.rigs.runs import Book, Rig, mission, robot
+from tests.rigs.journals import MemoryJournal
+from tests.rigs.runs import Rig, mission, robot
 
 SPEED = {"type": "object", "properties": {"speed": {"type": "number", "maximum": 1}}, "additionalProperties": False}
 FAST = {"option": "go", "parameters": {"speed": 9, "state": "done"}}
@@ -141,7 +142,7 @@ def test_a_model_is_given_no_tool_that_it_could_use_by_itself() -> None:
 
 @pytest.mark.parametrize("who", ["model", "program"])
 def test_nobody_widens_what_an_option_takes(who: str) -> None:
-    given, book = mission(STATES, blackboard=KEYS), Book()
+    given, book = mission(STATES, blackboard=KEYS), MemoryJournal()
     written = dump(given)
     fast = AIMessage("", tool_calls=[call("go", **FAST["parameters"])])
     model = Pruning([fast, fast], profile={"tool_calling": True, "structured_output": False})

@@ -18,7 +18,7 @@ from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import UsageError
-from rai_missions.journal import Header, Journal, read
+from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
@@ -28,6 +28,7 @@ from rai_missions.runtime.runner import Runner
 from rai_missions.testing import ChaosConnector, Rates
 from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, Postponing, quick_folder, quick_tempers
 from tests.drills.yard import Yard, yard_mission, yard_robot
+from tests.rigs.journals import steps_of
 from tests.rigs.runs import Rig, robot
 from tests.strategies import missions
 from tests.tractor.conftest import TRACTOR
@@ -52,11 +53,6 @@ def unowned(running: Iterable[str], runner: Runner, steps: Sequence[Step]) -> li
     return [goal_id for goal_id in running if started.get(goal_id) not in told]
 
 
-def written(journal: Path) -> tuple[Step, ...]:
-    with read(journal) as record:
-        return tuple(record.steps())
-
-
 def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, folder: Path) -> list[str]:
     """Run a mission where nothing is certain; what was wrong."""
     at: list[Field] = []
@@ -76,7 +72,7 @@ def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, fo
             result = runner.run()
         except UsageError as refused:
             return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
-    again, steps = replay(path), written(path)
+    again, steps = replay(path), steps_of(path)
     return [
         *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
         *([f"it took {result.duration_s} s"] if result.duration_s > ENDS_S + 45 else []),
@@ -130,7 +126,7 @@ def in_the_yard(seed: int, incoming: Rates, outgoing: Rates, folder: Path, count
         except UsageError as refused:
             return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
     counts[result.outcome] = counts.get(result.outcome, 0) + 1
-    again, steps = replay(path), written(path)
+    again, steps = replay(path), steps_of(path)
     notes = [note for step in steps for note in step.notes]
     for word in ("orphaned", "the server said succeeded, but"):
         counts[word] = counts.get(word, 0) + any(word in note or word in result.why for note in notes)
@@ -234,7 +230,7 @@ def test_a_topic_that_lies_within_its_type_is_believed_and_found_out_where_anoth
         rig.publish("/there", data=True)
 
     rig.stage.each = lies
-    rig.stage.play({2.0: lambda: rig.move.say("succeeded")})
+    rig.stage.play({2.0: lambda: rig.move.report("succeeded")})
     rig.run()
     assert rig.entered[-1] == ("found_out" if both else "over")
 

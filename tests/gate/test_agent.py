@@ -17,33 +17,18 @@ from rai_missions.errors import ConnectorError
 from rai_missions.gate import GateAgent, GateWords, gate_words
 from rai_missions.gate.gate import EMPTY, STRING, TRIGGER
 from rai_missions.gate.state import Deed, Pass, Refuse
-from rai_missions.runtime.clock import Mailbox, WallClock
+from rai_missions.runtime.clock import WallClock
 from rai_missions.testing import Heard, check_agent
+from tests.rigs.runs import ManualClock
 
 TWIST = "geometry_msgs/msg/Twist"
-
-
-class HandClock:
-    """A clock that stands still until it is set."""
-
-    def __init__(self) -> None:
-        self.at = 0.0
-
-    def now(self) -> float:
-        return self.at
-
-    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
-        raise AssertionError("nobody waits in these tests")
-
-    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        """It stands still."""
 
 
 class Rig:
     """A gate, and everybody around it."""
 
     def __init__(self, words: GateWords | None = None) -> None:
-        self.clock = HandClock()
+        self.clock = ManualClock()
         self.connector = LocalConnector(now=self.clock.now)
         self.connector.start()
         self.deeds: list[Deed] = []

@@ -15,7 +15,7 @@ from rai_missions.gate import GateAgent, gate_words
 from rai_missions.profile import Robot, parse_profile
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Result
-from tests.rigs.runs import Rig, Stage, robot
+from tests.rigs.runs import Rig, ScriptedWorld, robot
 
 CONTROL = {who: f"/gate/{{by}}/hand_to_{who}" for who in ("autonomy", "agent", "operator", "nobody")}
 HOLDER = {"topic": "/gate/holder", "type": "std_msgs/msg/String"}
@@ -45,7 +45,7 @@ class Shared:
         self, moments: Mapping[float, Callable[[Shared], object]], *, gate: bool = True, profile: Robot | None = None,
         **words: Any,
     ) -> None:  # fmt: skip
-        stage = Stage({at: lambda do=do: do(self) for at, do in moments.items()})  # type: ignore[misc]
+        stage = ScriptedWorld({at: lambda do=do: do(self) for at, do in moments.items()})  # type: ignore[misc]
         clock = SimulatedClock(stage)
         connector = LocalConnector(now=clock.now)
         connector.start()

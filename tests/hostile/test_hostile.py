@@ -166,7 +166,7 @@ def test_a_guard_that_rests_on_a_reading_gone_stale_refuses_too() -> None:
 
 def test_of_two_answers_to_one_question_one_acts() -> None:
     made = rig(ChatteringAnswerer([{"option": "cross"}, {"option": "leave"}, {"option": "cross"}]))
-    made.stage.play({1.0: lambda: made.move.say("failed")})
+    made.stage.play({1.0: lambda: made.move.report("failed")})
     made.run()
     assert len(made.move.goals) == 1 and made.entered == ["asking", "crossing", "left"]
     assert [step.event.data["option"] for step in made.stale()] == ["leave", "cross"]
@@ -259,7 +259,7 @@ def test_an_action_that_the_facts_contradict_is_unverified() -> None:
 def test_a_timeout_leaves_no_action_running_and_a_cancel_before_acceptance_is_not_lost() -> None:
     made = rig(DecisionAgent(ScriptedModel([CROSS])))
     made.move.at_once = ()
-    made.stage.play({3.5: lambda: made.move.goals and made.move.say("accepted")})
+    made.stage.play({3.5: lambda: made.move.goals and made.move.report("accepted")})
     result = made.run()
     assert made.entered[-1] == "left" and result.outcome == "aborted"
     assert made.move.canceled == made.move.goals != []

@@ -13,34 +13,18 @@ from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.node.command import Command, CommandReply
 from rai_missions.node.run_session import RunSession
-from rai_missions.runtime.clock import Mailbox
 from rai_missions.runtime.runner import Runner
 from tests.node.scenes import mission, robot
-from tests.rigs.runs import Rig
+from tests.rigs.runs import ManualClock, Rig
 
 SPANS = st.lists(st.floats(0.001, 100.0), max_size=6)
-
-
-class Hand:
-    """A clock that is set."""
-
-    at = 0.0
-
-    def now(self) -> float:
-        return self.at
-
-    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
-        self.at = until
-
-    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        """Time goes on by itself."""
 
 
 class Stood:
     """A run whose steps the test makes, followed by its course."""
 
     def __init__(self) -> None:
-        self.clock = Hand()
+        self.clock = ManualClock(waits=True)
         self.runner = Runner(mission(), robot=robot({"kind": "local"}), clock=self.clock)
         self.course = RunSession(self.runner, None)
         self.course.step(self.runner.chart.start(0.0))

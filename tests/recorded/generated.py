@@ -21,6 +21,7 @@ from tests.recorded.small import Run
 from tests.replay.farm import FARMER, Farm
 from tests.replay.mortal import ONLOOKER, Fate, Wish, live
 from tests.replay.trial import tried, worth_a_trial
+from tests.rigs.runs import ReplyingAnswerer
 from tests.trees.growing import FACTS, rich_trees
 
 __all__ = ("generated",)
@@ -146,19 +147,12 @@ class Grove(Farm):
             self.runner.post(Event("poke", self.runner.clock.now()))
 
 
-class Leaning:
+def by_chance(seed: int) -> ReplyingAnswerer:
     """Answers with an option by chance, sometimes with one that is none."""
-
-    def __init__(self, seed: int) -> None:
-        self._chance = random.Random(seed)
-
-    def ask(self, question: Any, answer: Callable[[Any], None]) -> None:
-        answer({"option": self._chance.choice(["left", "right", "up"])})
-
-    def withdraw(self, number: int) -> None:
-        """It answers at once."""
+    chance = random.Random(seed)
+    return ReplyingAnswerer(lambda question: chance.choice(["left", "right", "up"]))
 
 
 def grown(mission: Mission, seed: int) -> Callable[[Path], object]:
-    who = {name: Leaning(seed) for name in ("agent", "operator")}
+    who = {name: by_chance(seed) for name in ("agent", "operator")}
     return lambda path: live(path, Grove(seed), mission, FORESTER, who, Fate())

@@ -15,9 +15,10 @@ from rai_missions.mission.mission import Mission
 from rai_missions.replay.migrate import Map, migrate
 from tests.replay import test_held as held
 from tests.replay.farm import FARMER
-from tests.replay.mortal import Choosing, Fate, Land, live
+from tests.replay.mortal import Fate, Land, live
 from tests.replay.test_kills import CALLING, MISSION, ROBOT, WAITING, land, lived
 from tests.replay.test_kinds import KINDS, farm
+from tests.rigs.runs import ReplyingAnswerer
 
 __all__ = ("Run", "small")
 
@@ -50,7 +51,7 @@ def small() -> Iterator[Run]:
 
 
 def of_kind(name: str, *fates: Fate) -> Callable[[Path], object]:
-    kind, who = KINDS[name], {"someone": Choosing("on")}
+    kind, who = KINDS[name], {"someone": ReplyingAnswerer("on")}
     return lambda path: lived(path, farm(kind), list(fates), kind.mission, FARMER, 0.0, who, kind.named)
 
 
@@ -59,7 +60,7 @@ def killed(mission: Mission, *fates: Fate, dead_s: float = 0.0) -> Callable[[Pat
 
 
 def unfinished(path: Path) -> None:
-    live(path, land(), MISSION, ROBOT, {"someone": Choosing("on")}, Fate(30))
+    live(path, land(), MISSION, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(30))
 
 
 def holding(*fates: Fate) -> Callable[[Path], object]:
@@ -137,21 +138,14 @@ CORNERS = Mission.model_validate({
 })  # fmt: skip
 
 
-class Exact:
+def exact() -> ReplyingAnswerer:
     """Answers with a parameter, after two answers that are refused."""
-
-    def __init__(self) -> None:
-        self._parameters = iter(({}, {"speed": "fast"}, {"speed": 1.5}))
-
-    def ask(self, question: Any, answer: Callable[[Any], None]) -> None:
-        answer({"option": "leave", "parameters": next(self._parameters), "why": "scripted"})
-
-    def withdraw(self, number: int) -> None:
-        """It answers at once."""
+    parameters = iter(({}, {"speed": "fast"}, {"speed": 1.5}))
+    return ReplyingAnswerer(lambda question: {"option": "leave", "parameters": next(parameters), "why": "scripted"})
 
 
 def corners(path: Path) -> None:
-    live(path, land(), CORNERS, ROBOT, {"someone": Exact()}, Fate())
+    live(path, land(), CORNERS, ROBOT, {"someone": exact()}, Fate())
 
 
 LOOK: dict[str, Any] = {

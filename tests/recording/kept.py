@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 from mcap.reader import make_reader
 
-from rai_missions.journal import Raw, Record
 from rai_missions.mission.mission import Mission
 
-__all__ = ("LAMP", "Kept", "kept", "rows_of")
+__all__ = ("LAMP", "Kept", "kept")
 
 LAMP = Mission.model_validate(
     {
@@ -66,8 +65,3 @@ def kept(path: Path) -> Kept:
         metadata = {each.name: each.metadata for each in reader.iter_metadata()}
         attachments = {each.name: each.data for each in reader.iter_attachments()}
     return Kept(dict(messages), dict(schemas), metadata, attachments, dict(times))
-
-
-def rows_of(journal: Path) -> list[Raw]:
-    with Record(journal) as record:
-        return list(record.raw())

@@ -18,7 +18,8 @@ from rai_missions.mission.json_reader import parse_json
 from rai_missions.profile import Robot
 from rai_missions.recording import journal_of
 from rai_missions.replay.replay import replay
-from tests.recording.kept import kept, rows_of
+from tests.recording.kept import kept
+from tests.rigs.journals import raw_rows_of
 
 pytest.importorskip("mcap")
 TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
@@ -45,7 +46,7 @@ def test_a_run_is_recorded_replayed_and_drawn(folder: Path, capsys: pytest.Captu
     assert main(["draw", "lamp.json", "--journal", "out/run.mcap", "-o", "recording.dot"]) == 0
     assert (folder / "journal.dot").read_text() == (folder / "recording.dot").read_text()
     with journal_of("out/run.mcap") as replayed:
-        assert rows_of(replayed.path) == rows_of(folder / "a.journal")
+        assert raw_rows_of(replayed.path) == raw_rows_of(folder / "a.journal")
 
 
 def test_a_run_in_json_names_its_recording(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -126,7 +127,7 @@ def test_a_run_that_goes_on_is_recorded_from_its_beginning(folder: Path) -> None
         prepared.journal.write(step, since=0.0)
     assert main(["run", "--resume", "b.journal", "--record", "run.mcap"]) == 1
     with journal_of("run.mcap") as replayed:
-        assert rows_of(replayed.path) == rows_of(folder / "b.journal")
+        assert raw_rows_of(replayed.path) == raw_rows_of(folder / "b.journal")
         assert replay(replayed.path).outcome == "aborted"
 
 
@@ -147,7 +148,7 @@ def test_a_run_that_breaks_off_leaves_a_recording_that_is_whole(tmp_path: Path) 
         prepared.runner.run()
     with journal_of(tmp_path / "run.mcap") as replayed:
         assert replayed.warning == ""
-        assert "the run breaks off" in str(rows_of(replayed.path)[-1])
+        assert "the run breaks off" in str(raw_rows_of(replayed.path)[-1])
 
 
 @pytest.mark.sim
@@ -179,6 +180,6 @@ def test_a_run_of_the_tractor_is_recorded_with_what_its_camera_saw(tmp_path: Pat
     assert any(step["verdicts"] for step in found.messages["/rai_missions/steps"])
     assert all(len(name) == 64 for name in found.attachments)
     with journal_of(path) as replayed:
-        assert rows_of(replayed.path) == rows_of(tmp_path / "run.journal")
+        assert raw_rows_of(replayed.path) == raw_rows_of(tmp_path / "run.journal")
         again = replay(replayed.path)
         assert again.holds and again.outcome == "succeeded"

@@ -27,7 +27,8 @@ from rai_missions.recording import queue as rooms
 from rai_missions.recording.queue import BoundedQueue, Waiting
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Runner
-from tests.recording.kept import LAMP, kept, rows_of
+from tests.recording.kept import LAMP, kept
+from tests.rigs.journals import raw_rows_of
 
 mcap = pytest.importorskip("mcap")
 PATIENCE_S = 30.0
@@ -187,7 +188,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
     made.end(journal)
     assert made.summary is not None and "No space left on device" in made.summary.why
     assert "broken off" in str(made.summary)
-    assert len(rows_of(tmp_path / "run.journal")) == 3
+    assert len(raw_rows_of(tmp_path / "run.journal")) == 3
 
 
 def test_a_room_holds_so_many_and_counts_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -239,7 +240,8 @@ def test_rows_for_which_there_was_no_room_are_read_from_the_journal(
     made.end(journal)
     assert made.summary is not None and made.summary.dropped == {}
     with journal_of(tmp_path / "run.mcap") as replayed:
-        assert rows_of(replayed.path) == rows_of(tmp_path / "run.journal") and len(rows_of(replayed.path)) == 21
+        rows = raw_rows_of(replayed.path)
+        assert rows == raw_rows_of(tmp_path / "run.journal") and len(rows) == 21
 
 
 def test_a_message_that_cannot_be_written_is_counted_and_the_others_are_kept(tmp_path: Path) -> None:
@@ -282,5 +284,5 @@ def test_what_was_flushed_is_read_when_the_process_was_killed(tmp_path: Path) ->
             process.send_signal(signal.SIGKILL)
     with journal_of(path) as replayed, read(replayed.path) as record:
         rows = list(record.raw())
-        assert len(rows) > 10 and rows == rows_of(tmp_path / "run.journal")[: len(rows)]
+        assert len(rows) > 10 and rows == raw_rows_of(tmp_path / "run.journal")[: len(rows)]
         assert f"{path} is cut off" in replayed.warning and f"up to row {len(rows) - 1}" in replayed.warning

@@ -20,8 +20,8 @@ from rai_missions.recording import Recording, journal_of
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Runner
-from tests.recording.kept import LAMP, kept, rows_of
-from tests.rigs.journals import blackboard_writes, steps
+from tests.recording.kept import LAMP, kept
+from tests.rigs.journals import blackboard_writes, raw_rows_of, steps
 from tests.strategies import EVENTS, missions
 
 pytest.importorskip("mcap")
@@ -50,7 +50,7 @@ def test_the_rows_that_were_recorded_are_the_journals(
     journal, path = written(tmp_path_factory.mktemp("run"), run)
     with journal_of(path) as replayed, read(replayed.path) as again, Record(journal) as before:
         assert replayed.warning == ""
-        assert rows_of(replayed.path) == rows_of(journal)
+        assert raw_rows_of(replayed.path) == raw_rows_of(journal)
         assert list(again.steps()) == [step for step, _ in run]
         assert {each: again.blob(each) for each in again.blobs()} == {
             each: before.blob(each) for each in before.blobs()
@@ -74,7 +74,7 @@ def test_a_recording_is_replayed_as_its_journal_is(
     made.end(journal)
     with journal_of(folder / "run.mcap") as replayed:
         assert replay(replayed.path) == replay(folder / "run.journal")
-    assert len(kept(folder / "run.mcap").messages["/rai_missions/journal"]) == len(rows_of(folder / "run.journal"))
+    assert len(kept(folder / "run.mcap").messages["/rai_missions/journal"]) == len(raw_rows_of(folder / "run.journal"))
 
 
 @pytest.fixture(scope="module")

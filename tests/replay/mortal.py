@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
@@ -286,25 +285,6 @@ class MortalClock:
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
         self._clock.taken(mailbox, paced=False)
-
-
-class Choosing:
-    """Answers every question with the same option.
-
-    Args:
-        option: Its name.
-    """
-
-    def __init__(self, option: str) -> None:
-        self._option = option
-        self.asked: list[Question] = []
-
-    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
-        self.asked.append(question)
-        answer({"option": self._option})
-
-    def withdraw(self, number: int) -> None:
-        """Nothing is thought about for long."""
 
 
 def live(

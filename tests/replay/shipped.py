@@ -11,17 +11,16 @@ from rai_missions.answerers.rules import RulesAnswerer
 from rai_missions.connectors.connector import Close, Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import Step
-from rai_missions.journal import read, verify
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.replay.replay import replay
 from rai_missions.runtime.runner import Runner
 from rai_missions.worlds.world import World, open_world
 from tests.replay.mortal import Fate, Land, live
+from tests.rigs.journals import assert_whole, steps_of
 from tests.trips import profile_of
 
-__all__ = ("AfterRow", "Outing", "Shipped", "rows_of")
+__all__ = ("AfterRow", "Outing", "Shipped")
 
 ROWS = ("write", "confirm", "note")
 
@@ -125,12 +124,10 @@ class Shipped(Land):
 
 def ended(path: Path) -> Outing:
     """How a run ended, as its journal has it."""
-    assert verify(path) == ()
-    again = replay(path)
-    assert again.holds, again.difference
-    with read(path) as record:
-        steps = list(record.steps())
-    doubts = (move.trigger in ("uncertain", "orphaned") and move.taken for step in steps for move in step.moves)
+    again = assert_whole(path)
+    doubts = (
+        move.trigger in ("uncertain", "orphaned") and move.taken for step in steps_of(path) for move in step.moves
+    )
     return Outing(again.outcome, again.why, any(doubts))
 
 
@@ -139,9 +136,3 @@ def given(mission: Mission, arguments: Mapping[str, Any]) -> Mission:
     keys = mission.blackboard
     changed = {name: keys[name].model_copy(update={"initial": value}) for name, value in arguments.items()}
     return mission.model_copy(update={"blackboard": {**keys, **changed}})
-
-
-def rows_of(path: Path) -> int:
-    """How many rows a journal has behind its first."""
-    with read(path) as record:
-        return sum(1 for _ in record.rows())

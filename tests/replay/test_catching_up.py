@@ -21,7 +21,7 @@ from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
 from rai_missions.replay.rebuild import default_ticker
 from rai_missions.runtime.clock import ContinuedClock, Mailbox, SimulatedClock
-from tests.rigs.runs import Rig, Stage, mission, robot
+from tests.rigs.runs import Rig, ScriptedWorld, mission, robot
 
 Json = dict[str, Any]
 WINDOW_S = 2.0
@@ -89,7 +89,7 @@ def test_a_cancel_that_is_sent_late_may_be_confirmed_late(tmp_path: Path) -> Non
                                                             {"on": "rejected", "to": "late"}]}}  # fmt: skip
 
     def turned(rig: Rig) -> None:
-        rig.turn.say("succeeded")
+        rig.turn.report("succeeded")
 
     words = {"cancel_s": 1}
     steps = resumed(tmp_path / "run.journal", {**states, "moving": {**states["moving"], **words}},
@@ -129,7 +129,7 @@ def test_a_result_that_comes_before_its_facts_is_no_failure(tmp_path: Path, sett
     moving = {"moving": {"action": "move", "achieved": {"key": "there", "==": True}, "settle_s": settle_s,
                          "transitions": ends}}  # fmt: skip
     moments: dict[float, Callable[[Rig], object]] = {
-        0.5: lambda rig: rig.move.say("succeeded"), 1.5: lambda rig: rig.publish("/there", data=True),
+        0.5: lambda rig: rig.move.report("succeeded"), 1.5: lambda rig: rig.publish("/there", data=True),
     }  # fmt: skip
     assert reached(resumed(tmp_path / "run.journal", moving, moments)) == ("early", 1.5)
 
@@ -152,7 +152,7 @@ def test_a_resumed_run_that_has_waited_until_an_instant_is_there(before: float, 
 
 
 def test_the_time_of_a_resumed_run_begins_when_it_looks() -> None:
-    stage, mailbox = Stage(), Mailbox()
+    stage, mailbox = ScriptedWorld(), Mailbox()
     clock = ContinuedClock(SimulatedClock(stage), 7.0)
     for _ in range(30):
         stage.step()

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from rai_missions.engine import Chart
-from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Ask
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read
@@ -21,7 +20,7 @@ from tests.replay.farm import FARMER, Farm
 from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import Ended, has_ended, holds
 from tests.replay.test_kinds import ALWAYS, KEYS
-from tests.rigs.runs import Rig, mission, robot
+from tests.rigs.runs import ReplyingAnswerer, Rig, mission, robot
 
 KNOWN = {**KEYS, "obstacle": {"type": "object", "source": "robot", "max_age_s": 3,
                               "fields": {"living": "boolean"}}}  # fmt: skip
@@ -50,22 +49,13 @@ class Meadow(Farm):
             self.connector.publish("/obstacle", "std_msgs/msg/String", {"data": text})
 
 
-class Slow:
+def slow_answerer() -> ReplyingAnswerer:
     """Thinks until it is asked again, then wants to drive over it."""
-
-    def __init__(self) -> None:
-        self.asked: list[Question] = []
-
-    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
-        self.asked.append(question)
-        if len(self.asked) > 1:
-            answer({"option": "over"})
-
-    def withdraw(self, number: int) -> None:
-        """It does not mind."""
+    made = ReplyingAnswerer(lambda question: "over" if len(made.asked) > 1 else None)
+    return made
 
 
-def asked_and_killed(path: Path, meadow: Meadow, slow: Slow) -> None:
+def asked_and_killed(path: Path, meadow: Meadow, slow: ReplyingAnswerer) -> None:
     """Live until the question is asked, and die."""
     for at in range(100):
         if live(path, meadow, OVER, FARMER, {"someone": slow}, Fate(at)) is None and slow.asked:
@@ -76,7 +66,7 @@ def asked_and_killed(path: Path, meadow: Meadow, slow: Slow) -> None:
     raise AssertionError("nobody was asked")
 
 
-def ended(path: Path, meadow: Meadow, slow: Slow) -> Ended:
+def ended(path: Path, meadow: Meadow, slow: ReplyingAnswerer) -> Ended:
     result = live(path, meadow, OVER, FARMER, {"someone": slow}, Fate())
     assert result is not None
     holds(path, meadow)
@@ -84,35 +74,35 @@ def ended(path: Path, meadow: Meadow, slow: Slow) -> Ended:
 
 
 def test_nobody_acts_on_what_was_so_before_the_process_died(tmp_path: Path) -> None:
-    path, meadow, slow = tmp_path / "run.journal", Meadow(), Slow()
+    path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     meadow.obstacle = {"living": True}
     assert ended(path, meadow, slow).outcome == "canceled", "what lives now is not driven over"
 
 
 def test_what_nobody_says_any_more_is_not_known(tmp_path: Path) -> None:
-    path, meadow, slow = tmp_path / "run.journal", Meadow(), Slow()
+    path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     meadow.obstacle = None
     assert ended(path, meadow, slow).outcome == "canceled"
 
 
 def test_what_is_as_it_was_is_answered_as_it_was(tmp_path: Path) -> None:
-    path, meadow, slow = tmp_path / "run.journal", Meadow(), Slow()
+    path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     assert ended(path, meadow, slow).outcome == "failed"
 
 
 def test_a_robot_that_is_heard_again_is_never_taken_for_silent_and_one_that_is_not_is(tmp_path: Path) -> None:
     for silent, outcome in ((frozenset[str](), "failed"), (frozenset({"/battery"}), "aborted")):
-        path, meadow, slow = tmp_path / f"{outcome}.journal", Meadow(), Slow()
+        path, meadow, slow = tmp_path / f"{outcome}.journal", Meadow(), slow_answerer()
         asked_and_killed(path, meadow, slow)
         meadow.silent = silent
         assert ended(path, meadow, slow).outcome == outcome
 
 
 def test_the_question_is_asked_again_under_its_number_and_counted_once(tmp_path: Path) -> None:
-    path, meadow, slow = tmp_path / "run.journal", Meadow(), Slow()
+    path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     result = live(path, meadow, OVER, FARMER, {"someone": slow}, Fate())
     assert result is not None and result.decisions == 1

@@ -18,7 +18,8 @@ from rai_missions.profile import Robot
 from rai_missions.replay.open_run import open_run
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.runner import Result
-from tests.replay.mortal import Choosing, Fate, Land, live
+from tests.replay.mortal import Fate, Land, live
+from tests.rigs.runs import ReplyingAnswerer
 
 ROBOT = Robot.model_validate({
     "name": "tried",
@@ -76,7 +77,7 @@ def lived(
     answerers: Mapping[str, Any] | None = None, named: Mapping[str, Any] | None = None,
 ) -> Ended:  # fmt: skip
     """Die as often as there are fates, then live to the end; between two lives the robot is alone for a while."""
-    answerers = answerers if answerers is not None else {"someone": Choosing("on")}
+    answerers = answerers if answerers is not None else {"someone": ReplyingAnswerer("on")}
     for fate in (*fates, Fate()):
         if path.exists() and has_ended(path, mission, named):
             break
@@ -122,7 +123,7 @@ def holds(path: Path, there: Land, mission: Mission | None = None) -> None:
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, list[str], list[str], int]:
     """The run without a death: its result, the states entered, the actions started, the things it did."""
     path, there, fate = tmp_path_factory.mktemp("whole") / "run.journal", land(), Fate()
-    result = live(path, there, MISSION, ROBOT, {"someone": Choosing("on")}, fate)
+    result = live(path, there, MISSION, ROBOT, {"someone": ReplyingAnswerer("on")}, fate)
     assert result is not None and result.outcome == "succeeded"
     return result, entered(path), [action for action, _ in there.started], fate.count
 

@@ -17,8 +17,9 @@ from rai_missions.event import Event
 from rai_missions.states.final import Final
 from rai_missions.states.tree import BehaviourLeaf, Sequence, Tree, WaitLeaf
 from tests.replay.farm import FARMER, Farm
-from tests.replay.mortal import Choosing, Fate, Wish, live
+from tests.replay.mortal import Fate, Wish, live
 from tests.replay.test_kills import entered, holds, lived
+from tests.rigs.runs import ReplyingAnswerer
 
 KEYS = {
     "hauls": {"type": "integer", "source": "robot", "max_age_s": 5, "optional": True},
@@ -155,7 +156,7 @@ def test_a_run_that_is_killed_at_each_thing_it_does_ends_as_if_it_had_not_been(t
 def killed_at_all(tmp_path: Path, name: str, *, every: int) -> None:
     """Kill a run at every so manyth thing that it does, right before it and right after it."""
     kind, fate, there = KINDS[name], Fate(), farm(KINDS[name])
-    answerers = {"someone": Choosing("on")}
+    answerers = {"someone": ReplyingAnswerer("on")}
     whole = tmp_path / "whole.journal"
     result = live(whole, there, kind.mission, FARMER, answerers, fate, kind.named)
     assert result is not None and result.outcome == "canceled"

@@ -19,9 +19,10 @@ from rai_missions.journal import Journal, verify
 from rai_missions.replay.migrate import Map, migrate
 from rai_missions.replay.open_run import open_run
 from rai_missions.replay.replay import replay
-from tests.replay.mortal import Choosing, Fate, live
+from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import ROBOT
 from tests.replay.test_migration import ERRAND, died, land, went_on
+from tests.rigs.runs import ReplyingAnswerer
 
 INSTANTS = frozenset({"execute", "rename", "unlink", "open", "flock", "close", "mkdir", "connect", "replace"})
 
@@ -133,7 +134,7 @@ def test_a_disk_that_is_full_leaves_the_run_where_it_was(tmp_path: Path, small: 
 
 def took_up(path: Path) -> None:
     """A process has gone on with a run, and died."""
-    live(path, land(), ERRAND, ROBOT, {"someone": Choosing("on")}, Fate(1, what="write"))
+    live(path, land(), ERRAND, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(1, what="write"))
 
 
 def test_a_journal_is_never_overwritten_and_a_folder_may_be_moved(tmp_path: Path) -> None:

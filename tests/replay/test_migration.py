@@ -18,8 +18,9 @@ from rai_missions.journal import Record, read
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.migrate import Map, load_map, map_schema, migrate
 from rai_missions.replay.open_run import open_run
-from tests.replay.mortal import Choosing, Fate, Land, live
+from tests.replay.mortal import Fate, Land, live
 from tests.replay.test_kills import ROBOT, Ended, entered, holds
+from tests.rigs.runs import ReplyingAnswerer
 
 DOCUMENT: dict[str, Any] = {
     "name": "errand", "version": "1.0.0", "initial": "work", "events": {"go": {}},
@@ -66,7 +67,7 @@ def land() -> Land:
 
 def died(path: Path, there: Land, waits: int = 3, mission: Mission = ERRAND) -> Path:
     """A run that was killed after so many periods of half a second."""
-    assert live(path, there, mission, ROBOT, {"someone": Choosing("on")}, Fate(waits, what="wait")) is None
+    assert live(path, there, mission, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(waits, what="wait")) is None
     return path
 
 
@@ -76,7 +77,7 @@ def moved(tmp_path: Path, there: Land, mission: Mission, **words: Any) -> Path:
 
 
 def went_on(path: Path, there: Land, mission: Mission) -> Ended:
-    result = live(path, there, mission, ROBOT, {"someone": Choosing("on")}, Fate())
+    result = live(path, there, mission, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate())
     assert result is not None
     holds(path, there, mission)
     return Ended(result.outcome, result.why)
@@ -140,7 +141,7 @@ def test_a_region_that_is_new_begins_and_one_that_is_gone_is_left(tmp_path: Path
 
 
 def test_a_question_that_is_as_it_was_is_asked_again_and_another_is_not(tmp_path: Path) -> None:
-    slow = Choosing("on")
+    slow = ReplyingAnswerer("on")
     for number, question in enumerate(("On?", "Further?")):
         there, path = land(), tmp_path / f"{number}.journal"
         assert live(path, there, ERRAND, ROBOT, {"someone": slow}, Fate(0, what="ask")) is None
@@ -267,7 +268,7 @@ def test_all_that_is_missing_is_told_at_once(tmp_path: Path) -> None:
 
 def test_a_run_that_has_ended_or_not_begun_has_nothing_to_go_on_with(tmp_path: Path) -> None:
     path, there = tmp_path / "run.journal", land()
-    live(path, there, ERRAND, ROBOT, {"someone": Choosing("on")}, Fate(0, what="write"))
+    live(path, there, ERRAND, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(0, what="write"))
     with pytest.raises(UsageError, match="has not begun"):
         migrate(path, ERRAND, Map(), to=tmp_path / "new.journal")
     went_on(path, there, ERRAND)

@@ -10,9 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.engine.step import StartGoal
-from rai_missions.journal import read, verify
-from rai_missions.replay.replay import replay
+from tests.rigs.journals import assert_whole
 from tests.tractor.ros2_processes import TRACTOR, Graph, Process, graph_in
 
 pytestmark = [pytest.mark.sim]
@@ -31,17 +29,6 @@ def go_on(graph: Graph, *words: str) -> Process:
 def kill(process: Process) -> None:
     process.signal(signal.SIGKILL)
     assert process.ends() == -signal.SIGKILL
-
-
-def is_whole(journal: Path) -> None:
-    assert verify(journal) == ()
-    again = replay(journal)
-    assert again.holds, again.difference
-    with read(journal) as record:
-        steps = list(record.steps())
-    assert [step.seq for step in steps] == sorted({step.seq for step in steps})
-    numbers = [each.number for step in steps for each in step.effects if isinstance(each, StartGoal)]
-    assert len(numbers) == len(set(numbers))
 
 
 def test_two_processes_do_not_go_on_with_one_run(graph: Graph) -> None:
@@ -75,7 +62,7 @@ def test_two_processes_do_not_go_on_with_one_run(graph: Graph) -> None:
     ended = go_on(graph)
     assert ended.ends() == 2
     assert f"the run of {journal} has ended, canceled: canceled by operator (interrupt)" in ended.text
-    is_whole(journal)
+    assert_whole(journal)
 
 
 def test_the_simulated_tractor_that_is_killed_goes_on_in_a_world_that_starts_anew(graph: Graph) -> None:
@@ -89,4 +76,4 @@ def test_the_simulated_tractor_that_is_killed_goes_on_in_a_world_that_starts_ane
     process = go_on(graph)
     assert process.ends() == 0, process.text
     assert "the simulated world starts anew, and what was under way in it is begun again" in process.text
-    is_whole(graph.folder / "run.journal")
+    assert_whole(graph.folder / "run.journal")

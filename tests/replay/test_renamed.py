@@ -28,6 +28,7 @@ from rai_missions.replay.replay import replay
 from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import has_ended, holds
 from tests.replay.trial import ROBOT, Watched, Yard, fates, thinkers, worth_a_trial
+from tests.rigs.journals import steps_of
 from tests.strategies import missions
 
 TWO = "_two"
@@ -85,8 +86,7 @@ def gone_over(folder: Path, mission: Mission, seed: int) -> str:
     ended = live(new, yard, now, second_robot(), who, Fate())
     assert ended is not None
     holds(new, yard, now)
-    with read(new) as record:
-        steps = list(record.steps())
+    steps = steps_of(new)
     assert steps[0].event.name == "migrate" and steps[0].outcome is None, "a migration ends no run"
     if any(step.event.kind == "doubt" and step.event.data.get("what") != "publish" for step in steps):
         return "an effect was in doubt"

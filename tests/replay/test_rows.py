@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tests.replay.shipped import AfterRow, Outing, Shipped, rows_of
+from tests.replay.shipped import AfterRow, Outing, Shipped
+from tests.rigs.journals import rows_of
 
 pytestmark = pytest.mark.sim
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -67,7 +68,7 @@ def test_killed_after_every_row(tmp_path: Path, capsys: pytest.CaptureFixture[st
     logging.disable(logging.CRITICAL)
     began, job, ends = time.monotonic(), JOBS[name], Counter[str]()
     undisturbed = driven(job, tmp_path / "whole.journal", None)
-    rows = rows_of(tmp_path / "whole.journal")
+    rows = len(rows_of(tmp_path / "whole.journal"))
     try:
         for row in range(1, rows):
             outing = driven(job, tmp_path / f"{row}.journal", row, dead_s)

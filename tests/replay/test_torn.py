@@ -18,8 +18,9 @@ from hypothesis import strategies as st
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.journal import Journal, read, verify
 from rai_missions.replay.open_run import open_run
-from tests.replay.mortal import Choosing, Fate, live
+from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import MISSION, ROBOT, holds, land, lived
+from tests.rigs.runs import ReplyingAnswerer
 
 WAL = "run.journal-wal"
 
@@ -31,7 +32,9 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     def die() -> bool:
         Journal.close = lambda _: None  # type: ignore[method-assign]
-        return live(folder / "run.journal", land(), MISSION, ROBOT, {"someone": Choosing("on")}, Fate(60)) is None
+        return (
+            live(folder / "run.journal", land(), MISSION, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(60)) is None
+        )
 
     assert in_another_process(die)
     assert (folder / WAL).exists()
@@ -115,7 +118,7 @@ def test_a_disk_that_is_full_when_the_run_goes_on_ends_it_before_anything_is_don
     def goes_on() -> bool:
         there = land()
         try:
-            live(path, there, MISSION, ROBOT, {"someone": Choosing("on")}, Fate())
+            live(path, there, MISSION, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate())
         except ConnectorError as error:
             return "cannot be written" in str(error) and there.started == []
         return False
@@ -130,7 +133,7 @@ def test_a_disk_that_fills_up_kills_the_run_and_leaves_a_journal_that_can_be_gon
 
     def is_killed() -> bool:
         there = land()
-        result = live(path, there, MISSION, ROBOT, {"someone": Choosing("on")}, Fate())
+        result = live(path, there, MISSION, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate())
         return result is not None and result.outcome == "aborted" and "journal" in result.why and not there.running
 
     assert in_another_process(is_killed, 100_000)

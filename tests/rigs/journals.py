@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steps as they come, generated: every effect, every kind of value."""
+"""The rig for journals: one in memory, what a file holds, and generated steps with every effect and kind of value."""
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
@@ -21,9 +24,87 @@ from rai_missions.engine.step import (
     Step,
     Withdraw,
 )
+from rai_missions.errors import ConnectorError
 from rai_missions.event import Event, Image
+from rai_missions.journal import Record, read, verify
+from rai_missions.journal.rows import JournalRow, Raw
+from rai_missions.replay.replay import Replay, replay
 
-__all__ = ("blackboard_writes", "steps", "values")
+__all__ = (
+    "MemoryJournal", "assert_whole", "blackboard_writes", "raw_rows_of", "rows_of", "steps", "steps_of", "values",
+)  # fmt: skip
+
+PATIENCE_S = 30.0
+
+
+def steps_of(path: Path) -> list[Step]:
+    """The steps of a journal's file."""
+    with read(path) as record:
+        return list(record.steps())
+
+
+def rows_of(path: Path) -> list[JournalRow]:
+    """The rows of a journal's file behind the first."""
+    with read(path) as record:
+        return list(record.rows())
+
+
+def raw_rows_of(path: Path) -> list[Raw]:
+    """All rows of a journal's file, as they are stored; no hash is checked."""
+    with Record(path) as record:
+        return list(record.raw())
+
+
+def assert_whole(path: Path) -> Replay:
+    """A journal's file has nothing wrong, no step and no goal twice, and its run can be repeated; gives the repeat."""
+    assert verify(path) == ()
+    again = replay(path)
+    assert again.holds, again.difference
+    steps = steps_of(path)
+    assert [step.seq for step in steps] == sorted({step.seq for step in steps})
+    numbers = [each.number for step in steps for each in step.effects if isinstance(each, StartGoal)]
+    assert len(numbers) == len(set(numbers))
+    return again
+
+
+class MemoryJournal:
+    """A journal in memory, whose disk may be full, or hang.
+
+    Args:
+        rows: How many rows it holds.
+        hangs_at: The event whose step the disk does not take before a test sets `answers`; `hangs` is set then.
+    """
+
+    path = Path("memory")
+
+    def __init__(self, rows: int = 10**9, *, hangs_at: str = "") -> None:
+        self._room, self._hangs_at = rows, hangs_at
+        self.hangs, self.answers = threading.Event(), threading.Event()
+        self.steps: list[Step] = []
+        self.quiet: list[Any] = []
+        self.notes: list[str] = []
+        self.on_write: Callable[[Step], None] = lambda step: None
+
+    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int:
+        self.on_write(step)
+        if step.event.name == self._hangs_at:
+            self.hangs.set()
+            assert self.answers.wait(PATIENCE_S)
+        if len(self.steps) >= self._room:
+            raise ConnectorError("the disk is full")
+        self.steps.append(step)
+        self.quiet += quiet
+        return len(self.steps)
+
+    def confirm(self, number: int, how: str) -> int:
+        return len(self.steps)
+
+    def note(self, text: str, data: Any = None) -> int:
+        self.notes.append(text)
+        return 0
+
+
+# -- generated steps --------------------------------------------------------------------------------------------------
 
 names = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
 words = st.text(max_size=12)

@@ -1,23 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A small robot on an in-process connector, a stage that plays what happens to it, and a mission to run on it."""
+"""The rig for runs: a small robot on an in-process connector, its servers, its world, and who answers its mission.
+
+Rule: nothing here waits; time is the test's.
+"""
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
-from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.runtime.clock import Clock, SimulatedClock
+from rai_missions.runtime.clock import Clock, Mailbox, SimulatedClock
 from rai_missions.runtime.runner import Result, Runner
+from tests.rigs.journals import MemoryJournal
 
-__all__ = ("Book", "Rig", "Server", "Stage", "mission", "robot")
+__all__ = (
+    "KEYS", "ROBOT", "ManualClock", "ManualServer", "Plan", "PlannedServer", "ReplyingAnswerer", "Rig", "ScriptedWorld",
+    "mission", "robot",
+)  # fmt: skip
 
 Json = dict[str, Any]
 KEYS: Json = {
@@ -43,7 +50,7 @@ ROBOT: Json = {
 }
 
 
-class Stage:
+class ScriptedWorld:
     """A world of scripted moments.
 
     Args:
@@ -71,8 +78,8 @@ class Stage:
             self._moments.pop(0)[1]()
 
 
-class Server:
-    """An action's server that says what it is told to, at once or when the test does.
+class ManualServer:
+    """An action's server that reports what a test wants, at once or when the test calls it.
 
     Args:
         at_once: What it reports of each goal as it comes.
@@ -90,50 +97,143 @@ class Server:
         self.goals.append(goal_id)
         self.given.append(goal)
         self._report[goal_id] = report
-        for said in self.at_once:
-            self.say(said)
+        for each in self.at_once:
+            self.report(each)
 
     def cancel(self, goal_id: str) -> None:
         self.canceled.append(goal_id)
-        for said in self.on_cancel:
-            self.say(said, self.goals.index(goal_id))
+        for each in self.on_cancel:
+            self.report(each, self.goals.index(goal_id))
 
-    def say(self, said: Any, which: int = -1, **data: Any) -> None:
+    def report(self, what: Any, which: int = -1, **data: Any) -> None:
         """Report of a goal, the last one by default."""
         goal_id = self.goals[which]
-        self._report[goal_id](Report(goal_id, said, data))
+        self._report[goal_id](Report(goal_id, what, data))
 
 
-class Book:
-    """A journal in memory, whose disk is full from a row on.
+class Plan(NamedTuple):
+    """What an action's server does with one goal; seconds after what they follow, None for never."""
+
+    accepts: float | None = 0.0
+    rejects: bool = False
+    ends: float | None = None
+    end: str = "succeeded"
+    cancels: float | None = 0.0
+    """How long the end takes after a cancel that is not refused."""
+    refuses: bool = False
+    raises: bool = False
+    """It raises where a cancel arrives."""
+    twice: bool = False
+    """It reports everything twice."""
+    dies: float | None = None
+    """When its process is gone, counted from the goal's arrival; for servers that have a process or node to lose."""
+
+
+class PlannedServer:
+    """An action's server that keeps to its plans, one a goal in turn, and knows which goals it is executing.
 
     Args:
-        rows: How many rows it holds.
+        call_later: Calls something after so many seconds; at once where there are none.
+        now: Seconds on the clock of the test.
+        plans: Its plans.
     """
 
-    path = Path("memory")
+    def __init__(
+        self, call_later: Callable[[float, Callable[[], object]], object], now: Callable[[], float], *plans: Plan
+    ) -> None:
+        self._call_later, self._now, self._plans = call_later, now, plans
+        self._lock = threading.Lock()
+        self._mine: dict[str, tuple[Plan, Callable[[Report], None]]] = {}
+        self.executing: set[str] = set()
+        self.over: dict[str, float] = {}
+        """Goals of which it has reported an end, and when."""
 
-    def __init__(self, rows: int = 10**9) -> None:
-        self._room = rows
-        self.steps: list[Step] = []
-        self.quiet: list[Any] = []
-        self.notes: list[str] = []
-        self.on_write: Callable[[Step], None] = lambda step: None
+    def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Report], None]) -> None:
+        plan = self._plans[len(self._mine) % len(self._plans)]
+        self._mine[goal_id] = (plan, report)
+        self._after(plan.accepts, lambda: self._decide(goal_id, plan))
 
-    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int:
-        self.on_write(step)
-        if len(self.steps) >= self._room:
-            raise ConnectorError("the disk is full")
-        self.steps.append(step)
-        self.quiet += quiet
-        return len(self.steps)
+    def cancel(self, goal_id: str) -> None:
+        plan, _ = self._mine[goal_id]
+        if plan.raises:
+            raise RuntimeError("no brakes")
+        if plan.refuses:
+            self.report(goal_id, "cancel_rejected")
+        else:
+            self._after(plan.cancels, lambda: self.end(goal_id, "canceled"))
 
-    def confirm(self, number: int, how: str) -> int:
-        return len(self.steps)
+    def obeys(self, goal_id: str) -> bool:
+        """Whether the goal ends once its cancel arrives."""
+        plan, _ = self._mine[goal_id]
+        return not plan.refuses and not plan.raises and plan.cancels is not None
 
-    def note(self, text: str, data: Any = None) -> int:
-        self.notes.append(text)
-        return 0
+    def end(self, goal_id: str, how: str) -> None:
+        """End a goal, once."""
+        with self._lock:
+            is_new = goal_id not in self.over
+            self.executing.discard(goal_id)
+            self.over.setdefault(goal_id, self._now())
+        if is_new:
+            self.report(goal_id, how)
+
+    def report(self, goal_id: str, what: Any) -> None:
+        plan, report = self._mine[goal_id]
+        for _ in range(1 + plan.twice):
+            report(Report(goal_id, what, {}))
+
+    def _decide(self, goal_id: str, plan: Plan) -> None:
+        if plan.rejects:
+            self.end(goal_id, "rejected")
+            return
+        self.executing.add(goal_id)
+        self.report(goal_id, "accepted")
+        self._after(plan.ends, lambda: self.end(goal_id, plan.end))
+
+    def _after(self, seconds: float | None, do: Callable[[], object]) -> None:
+        if seconds is not None:
+            self._call_later(seconds, do)
+
+
+class ReplyingAnswerer:
+    """Answers each question at once, or never.
+
+    Args:
+        reply: What it answers to a question: an option's name, a whole answer, or None for nothing at all.
+    """
+
+    def __init__(self, reply: str | Callable[[Question], str | Mapping[str, Any] | None]) -> None:
+        self._reply = (lambda question: reply) if isinstance(reply, str) else reply
+        self.asked: list[Question] = []
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        self.asked.append(question)
+        reply = self._reply(question)
+        if reply is not None:
+            answer({"option": reply} if isinstance(reply, str) else reply)
+
+    def withdraw(self, number: int) -> None:
+        """It answers at once or never: there is nothing to stop."""
+
+
+class ManualClock:
+    """A clock that a test sets.
+
+    Args:
+        waits: Whether a wait moves it to its end; else nothing may wait for it.
+    """
+
+    def __init__(self, *, waits: bool = False) -> None:
+        self.at, self._waits = 0.0, waits
+
+    def now(self) -> float:
+        return self.at
+
+    def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
+        assert self._waits, "nothing waits in these tests"
+        self.at = until
+
+    def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
+        """It is set by hand."""
 
 
 def mission(states: Json, **words: Any) -> Mission:
@@ -158,13 +258,13 @@ class Rig:
     def __init__(
         self, given: Mission | Json, moments: Mapping[float, Callable[[], object]] | None = None, **words: Any
     ) -> None:
-        self.stage = Stage(moments)
+        self.stage = ScriptedWorld(moments)
         self.clock: Clock = words.pop("clock", None) or SimulatedClock(self.stage)
         self.connector: Any = words.pop("connector", None) or LocalConnector(now=lambda: self.clock.now())
-        self.move, self.turn = Server("accepted"), Server("accepted")
+        self.move, self.turn = ManualServer("accepted"), ManualServer("accepted")
         self.called: list[tuple[float, str]] = []
         self.steps: list[Step] = []
-        self.book: Any = words.pop("journal", None) or Book()
+        self.book: Any = words.pop("journal", None) or MemoryJournal()
         self.serve()
         self.runner = Runner(
             given if isinstance(given, Mission) else mission(given),

@@ -12,10 +12,10 @@ import pytest
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.check import check
 from rai_missions.engine.step import Step
-from rai_missions.journal import read
 from rai_missions.mission.files import dump, load
 from rai_missions.profile import load_profile, missing
 from rai_missions.replay.replay import replay
+from tests.rigs.journals import steps_of
 
 ROSBOT = Path(__file__).parents[2] / "missions" / "rosbot"
 PROFILES = ["robot.sim.json", "robot.ros2.json"]
@@ -38,11 +38,6 @@ def test_over_ros_nothing_is_another_but_the_way_there_and_the_button() -> None:
     assert {key for key in one if one[key] != other[key]} == {"name", "about", "connector", "events"}
 
 
-def written(path: Path) -> list[Step]:
-    with read(path) as record:
-        return list(record.steps())
-
-
 @pytest.mark.sim
 def test_the_patrol_succeeds_and_its_journal_says_how(patrol: Any, tmp_path: Path) -> None:
     one = patrol(words={"journal": tmp_path / "one.journal"})
@@ -60,7 +55,7 @@ def test_the_same_seed_gives_the_same_run_to_the_bit(patrol: Any, tmp_path: Path
     for name in ("one", "two"):
         one = patrol(words={"journal": tmp_path / f"{name}.journal"}, blocked=["study_pantry"])
         one.run()
-        seen.append((written(tmp_path / f"{name}.journal"), one.world.fingerprint()))
+        seen.append((steps_of(tmp_path / f"{name}.journal"), one.world.fingerprint()))
         again = replay(tmp_path / f"{name}.journal")
         assert again.holds, again.difference
     assert seen[0] == seen[1]

@@ -19,7 +19,8 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import StartGoal
 from rai_missions.journal import Header, Journal
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer
-from tests.rigs.runs import KEYS, Book, Rig, mission, robot
+from tests.rigs.journals import MemoryJournal
+from tests.rigs.runs import KEYS, Rig, mission, robot
 
 MOVING: dict[str, Any] = {
     "idle": {"transitions": [{"on": "go", "to": "moving"}]},
@@ -70,11 +71,11 @@ def _quiet_logs(caplog: pytest.LogCaptureFixture) -> None:
 
 @pytest.mark.parametrize("rows", range(6))
 def test_a_journal_that_is_full_stops_the_robot(rows: int) -> None:
-    rig = Rig(MOVING, journal=Book(rows))
+    rig = Rig(MOVING, journal=MemoryJournal(rows))
     rig.stage.play(
         {
             1.0: lambda: rig.post("go"),
-            2.0: lambda: rig.move.goals and rig.move.say("feedback"),
+            2.0: lambda: rig.move.goals and rig.move.report("feedback"),
             3.0: lambda: rig.post("stop_now"),
             4.0: lambda: rig.post("stop_now"),
         }
@@ -103,7 +104,7 @@ def test_a_journal_that_raises_anything_else_stops_the_robot_too() -> None:
 
 
 def test_a_journal_that_fails_in_a_kill_does_not_undo_it() -> None:
-    rig = Rig(MOVING, journal=Book(4))
+    rig = Rig(MOVING, journal=MemoryJournal(4))
     rig.stage.play({1.0: lambda: rig.post("go"), 2.0: rig.runner.kill})
     result = rig.run()
     assert result.why.startswith("killed by") and rig.move.canceled == rig.move.goals != []
@@ -236,7 +237,7 @@ def test_whatever_servers_say_a_goal_is_never_another_goals_and_the_run_ends(
         goals.append(lambda word: report(Report(goal_id, word, {})))
 
     rig = Rig(MOVING, connector=Connector(send_goal=send_goal) if raw else None)
-    say = (lambda which, word: goals[which](word)) if raw else (lambda which, word: rig.move.say(word, which))
+    say = (lambda which, word: goals[which](word)) if raw else (lambda which, word: rig.move.report(word, which))
     for tenth, which, word in said:
         rig.stage.play(
             {
@@ -305,7 +306,7 @@ def test_an_observer_that_raises_does_not_end_the_run_and_is_told_of(
     observer: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     rig = Rig(MOVING, **{observer: fails})
-    rig.stage.play({1.0: lambda: rig.post("go"), 2.0: lambda: rig.move.say("succeeded")})
+    rig.stage.play({1.0: lambda: rig.post("go"), 2.0: lambda: rig.move.report("succeeded")})
     assert rig.run().outcome == "aborted"
     assert len([record for record in caplog.records if observer in record.message]) == 1
 

@@ -112,7 +112,7 @@ def test_a_cancel_goes_by_the_missions_own_way_and_a_second_changes_nothing() ->
         "parking": {"action": "turn", "timeout_s": 20, "transitions": [{"on": "succeeded", "to": "over"}]},
     }
     rig = Rig(mission(states, on_cancel="parking", cancel_s=30))
-    rig.stage.play({1.0: rig.runner.cancel, 2.0: rig.runner.cancel, 3.0: lambda: rig.turn.say("succeeded")})
+    rig.stage.play({1.0: rig.runner.cancel, 2.0: rig.runner.cancel, 3.0: lambda: rig.turn.report("succeeded")})
     result = rig.run()
     assert (result.outcome, result.duration_s) == ("canceled", 3.0) and len(rig.turn.goals) == 1
     assert [step.why for step in rig.book.steps if step.event.name == "cancel"] == ["", "it is being canceled already"]
@@ -352,8 +352,8 @@ COMMANDS: dict[str, Callable[[Rig], object]] = {
     "take": lambda rig: rig.runner.control("operator"),
     "give": lambda rig: rig.runner.control("autonomy"),
     "event": lambda rig: rig.post("go"),
-    "end": lambda rig: rig.turn.goals and rig.turn.say("succeeded"),
-    "die": lambda rig: rig.move.goals and rig.move.say("failed"),
+    "end": lambda rig: rig.turn.goals and rig.turn.report("succeeded"),
+    "die": lambda rig: rig.move.goals and rig.move.report("failed"),
 }
 
 

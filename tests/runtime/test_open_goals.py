@@ -10,7 +10,7 @@ import heapq
 import io
 import itertools
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -19,30 +19,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.cli.progress import Lines
-from rai_missions.connectors.connector import Reply, Report
+from rai_missions.connectors.connector import Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
-from tests.rigs.runs import Rig, Stage, mission
+from tests.rigs.runs import Plan, PlannedServer, Rig, ScriptedWorld, mission
 
 LASTS_S = 40
 ENDS = ["succeeded", "failed", "rejected", "canceled", "timed_out", "unverified"]
-
-
-class Plan(NamedTuple):
-    """What a server does with one goal; instants in seconds after what they follow, None for never."""
-
-    accepts: float | None = 0.0
-    rejects: bool = False
-    ends: float | None = None
-    end: str = "succeeded"
-    cancels: float | None = 0.0
-    """How long a cancel takes that is not refused."""
-    refuses: bool = False
-    raises: bool = False
-    """It raises instead of answering a cancel."""
-    twice: bool = False
-    """It reports everything twice."""
 
 
 PLANS = st.builds(
@@ -58,7 +42,7 @@ PLANS = st.builds(
 )
 
 
-class Agenda(Stage):
+class Agenda(ScriptedWorld):
     """A stage whose scenes may be arranged while it is played."""
 
     def __init__(self) -> None:
@@ -66,7 +50,7 @@ class Agenda(Stage):
         self._numbers = itertools.count()
         self._due: list[tuple[float, int, Callable[[], object]]] = []
 
-    def later(self, seconds: float, do: Callable[[], object]) -> None:
+    def call_later(self, seconds: float, do: Callable[[], object]) -> None:
         if seconds == 0.0:
             do()
         else:
@@ -76,60 +60,6 @@ class Agenda(Stage):
         super().step()
         while self._due and self._due[0][0] <= self.at:
             heapq.heappop(self._due)[2]()
-
-
-@dataclass
-class ScriptedServer:
-    """An action's server that keeps to its plans, one a goal, and knows what it is executing."""
-
-    agenda: Agenda
-    plans: list[Plan]
-
-    def __post_init__(self) -> None:
-        self._mine: dict[str, tuple[Plan, Callable[[Report], None]]] = {}
-        self.executing: set[str] = set()
-        self.over: dict[str, float] = {}
-        """Goals of which it has reported an end, and when."""
-
-    def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Report], None]) -> None:
-        plan = self.plans[len(self._mine) % len(self.plans)]
-        self._mine[goal_id] = (plan, report)
-        if plan.accepts is not None:
-            self.agenda.later(plan.accepts, lambda: self._decide(goal_id, plan))
-
-    def _decide(self, goal_id: str, plan: Plan) -> None:
-        if plan.rejects:
-            self._end(goal_id, "rejected")
-            return
-        self.executing.add(goal_id)
-        self._say(goal_id, "accepted")
-        if plan.ends is not None:
-            self.agenda.later(plan.ends, lambda: self._end(goal_id, plan.end))
-
-    def cancel(self, goal_id: str) -> None:
-        plan, _ = self._mine[goal_id]
-        if plan.raises:
-            raise RuntimeError("no brakes")
-        if plan.refuses:
-            self._say(goal_id, "cancel_rejected")
-        elif plan.cancels is not None:
-            self.agenda.later(plan.cancels, lambda: self._end(goal_id, "canceled"))
-
-    def _end(self, goal_id: str, said: str) -> None:
-        if goal_id not in self.over:
-            self.executing.discard(goal_id)
-            self.over[goal_id] = self.agenda.at
-            self._say(goal_id, said)
-
-    def _say(self, goal_id: str, said: Any) -> None:
-        plan, report = self._mine[goal_id]
-        for _ in range(1 + plan.twice):
-            report(Report(goal_id, said, {}))
-
-    def obeys(self, goal_id: str) -> bool:
-        """Whether the goal ends once its cancel arrives."""
-        plan, _ = self._mine[goal_id]
-        return not plan.refuses and not plan.raises and plan.cancels is not None
 
 
 class SlowServices(LocalConnector):
@@ -159,7 +89,7 @@ class SlowServices(LocalConnector):
             answered(Reply("succeeded", {"success": is_fine, "message": "" if is_fine else "no"}))
 
         if after is not None:
-            self.agenda.later(after, take_effect)
+            self.agenda.call_later(after, take_effect)
 
 
 class Act(NamedTuple):
@@ -184,7 +114,9 @@ class Scene:
         self.connector = SlowServices(agenda, self.plans[-1])
         self.statuses: list[Status] = []
         rig = _SceneRig(mission(_states(self.actions)), agenda, self.connector, self.statuses.append)
-        self.servers = {name: ScriptedServer(agenda, self.plans) for name in ("/move", "/turn")}
+        self.servers = {
+            name: PlannedServer(agenda.call_later, lambda: agenda.at, *self.plans) for name in ("/move", "/turn")
+        }
         for name, server in self.servers.items():
             rig.closes[name] = self.connector.offer(name, f"x/action/{name[1:].title()}", server)
         if not self.is_ours:
@@ -215,7 +147,7 @@ class Scene:
             assert not obedient, ("what is accepted after the end is canceled", obedient, story)
             assert not (self.connector.is_driving and self.connector.obeys), ("what begins late is stopped", story)
             return
-        before = self.connector.agenda.at - Stage.period_s / 2  # at the same instant either may come first
+        before = self.connector.agenda.at - ScriptedWorld.period_s / 2  # at the same instant either may come first
         over = {each for server in self.servers.values() for each, at in server.over.items() if at < before}
         assert not named & over, ("what has ended is not named", story)
         assert self.statuses[-1].open_goals == result.open_goals, story

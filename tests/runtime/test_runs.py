@@ -56,7 +56,7 @@ def test_an_action_succeeds_only_as_its_server_and_the_facts_say() -> None:
         {
             1.0: lambda: rig.post("go"),
             2.0: lambda: rig.publish("/there", data=True),
-            3.0: lambda: rig.move.say("succeeded"),
+            3.0: lambda: rig.move.report("succeeded"),
         }
     )
     result = rig.run()
@@ -76,7 +76,7 @@ def test_an_action_succeeds_only_as_its_server_and_the_facts_say() -> None:
 def test_an_action_that_does_not_succeed_is_no_success(said: str, why: str) -> None:
     rig = Rig(MOVING)
     rig.stage.play(
-        {1.0: lambda: rig.post("go"), 1.5: lambda: rig.publish("/there", data=True), 2.0: lambda: rig.move.say(said)}
+        {1.0: lambda: rig.post("go"), 1.5: lambda: rig.publish("/there", data=True), 2.0: lambda: rig.move.report(said)}
     )
     result = rig.run()
     assert (result.outcome, result.why) == ("failed", why)
@@ -88,8 +88,8 @@ def test_a_word_that_no_server_says_ends_no_goal() -> None:
         {
             1.0: lambda: rig.post("go"),
             1.5: lambda: rig.publish("/there", data=True),
-            2.0: lambda: rig.move.say("exploded"),
-            3.0: lambda: rig.move.say("succeeded"),
+            2.0: lambda: rig.move.report("exploded"),
+            3.0: lambda: rig.move.report("succeeded"),
         }
     )
     assert rig.run().outcome == "succeeded"
@@ -97,7 +97,7 @@ def test_a_word_that_no_server_says_ends_no_goal() -> None:
 
 def test_a_success_that_the_facts_do_not_bear_out_fails_the_mission() -> None:
     rig = Rig(MOVING)
-    rig.stage.play({1.0: lambda: rig.post("go"), 2.0: lambda: rig.move.say("succeeded")})
+    rig.stage.play({1.0: lambda: rig.post("go"), 2.0: lambda: rig.move.report("succeeded")})
     result = rig.run()
     assert result.outcome == "failed" and "there" in result.why
 
@@ -105,7 +105,7 @@ def test_a_success_that_the_facts_do_not_bear_out_fails_the_mission() -> None:
 def test_a_timeout_cancels_its_action_and_waits_for_the_end_of_it() -> None:
     rig = Rig(MOVING)
     rig.move.on_cancel = ()
-    rig.stage.play({1.0: lambda: rig.post("go"), 13.0: lambda: rig.move.say("canceled")})
+    rig.stage.play({1.0: lambda: rig.post("go"), 13.0: lambda: rig.move.report("canceled")})
     result = rig.run()
     assert (result.outcome, rig.entered[-1]) == ("failed", "late")
     assert len(rig.move.canceled) == 1
@@ -124,7 +124,7 @@ def test_a_goal_that_never_confirms_its_end_does_not_hold_up_the_end_of_the_run(
 def test_a_cancel_before_the_acceptance_is_sent_as_soon_as_it_is_accepted() -> None:
     rig = Rig(MOVING)
     rig.move.at_once = ()
-    rig.stage.play({1.0: lambda: rig.post("go"), 11.5: lambda: rig.move.say("accepted")})
+    rig.stage.play({1.0: lambda: rig.post("go"), 11.5: lambda: rig.move.report("accepted")})
     result = rig.run()
     assert len(rig.move.canceled) == 1 and result.duration_s == 11.5
 
@@ -136,7 +136,7 @@ def test_after_the_end_nothing_is_performed() -> None:
         {
             1.0: lambda: rig.post("go"),
             11.5: lambda: (rig.post("go"), rig.publish("/there", data=True)),
-            12.0: lambda: rig.move.say("succeeded"),
+            12.0: lambda: rig.move.report("succeeded"),
         }
     )
     result = rig.run()
@@ -171,7 +171,7 @@ def test_a_late_result_belongs_to_no_other_goal() -> None:
     }
     rig = Rig(states)
     rig.move.on_cancel = ()
-    rig.stage.play({3.0: lambda: rig.move.say("succeeded", 0)})
+    rig.stage.play({3.0: lambda: rig.move.report("succeeded", 0)})
     result = rig.run()
     assert len(rig.move.goals) == 2 and result.outcome == "failed"
 
@@ -356,8 +356,8 @@ def test_a_feedback_changes_nothing() -> None:
     rig.stage.play(
         {
             1.0: lambda: rig.post("go"),
-            2.0: lambda: rig.move.say("feedback", left_m=3.0),
-            3.0: lambda: rig.move.say("failed"),
+            2.0: lambda: rig.move.report("feedback", left_m=3.0),
+            3.0: lambda: rig.move.report("failed"),
         }
     )
     rig.run()
@@ -376,7 +376,7 @@ def test_goals_that_share_a_resource_do_not_overlap() -> None:
 
     def confirm() -> None:
         assert rig.turn.goals == [], "the old goal has not confirmed its end"
-        rig.move.say("canceled")
+        rig.move.report("canceled")
 
     rig.stage.play({1.0: lambda: rig.post("go"), 3.0: confirm})
     assert rig.run().outcome == "aborted" and len(rig.turn.goals) == 1

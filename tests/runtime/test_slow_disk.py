@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.engine.step import StartGoal, Step
+from rai_missions.engine.step import StartGoal
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import Header, Journal, read
@@ -18,7 +18,8 @@ from rai_missions.journal import writer_thread as clerk
 from rai_missions.runtime import clock
 from rai_missions.runtime.clock import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox, WallClock
 from rai_missions.runtime.result import Result
-from tests.rigs.runs import Book, Rig, robot
+from tests.rigs.journals import MemoryJournal
+from tests.rigs.runs import ReplyingAnswerer, Rig, robot
 
 PATIENCE_S = 30.0
 MOVING: dict[str, Any] = {
@@ -37,24 +38,6 @@ ASKING: dict[str, Any] = {
                                {"on": "left", "to": "over"}, {"on": "right", "to": "lost"}]},
     "over": {"final": "aborted"}, "lost": {"final": "failed"},
 }  # fmt: skip
-
-
-class Hanging(Book):
-    """A journal in memory, on a disk that hangs once it is to write a certain event.
-
-    Args:
-        event: The event's name.
-    """
-
-    def __init__(self, event: str) -> None:
-        super().__init__()
-        self._event, self.hangs, self.answers = event, threading.Event(), threading.Event()
-        self.on_write = self._hang
-
-    def _hang(self, step: Step) -> None:
-        if step.event.name == self._event:
-            self.hangs.set()
-            assert self.answers.wait(PATIENCE_S)
 
 
 @pytest.fixture
@@ -87,7 +70,7 @@ Running = Callable[[Rig], list[Result]]
 
 
 def test_an_emergency_stop_reaches_the_robot_while_the_disk_hangs(running: Running) -> None:
-    book = Hanging("again")
+    book = MemoryJournal(hangs_at="again")
     rig = Rig(MOVING, {1.0: lambda: rig.post("go"), 2.0: lambda: rig.post("again")}, journal=book)
     results = running(rig)
     assert book.hangs.wait(PATIENCE_S) and rig.move.canceled == []
@@ -102,7 +85,7 @@ def test_an_emergency_stop_reaches_the_robot_while_the_disk_hangs(running: Runni
 
 
 def test_what_waited_for_the_disk_while_an_emergency_stop_came_is_not_begun(running: Running) -> None:
-    book = Hanging("go")
+    book = MemoryJournal(hangs_at="go")
     rig = Rig(MOVING, {1.0: lambda: rig.post("go")}, journal=book)
     results = running(rig)
     assert book.hangs.wait(PATIENCE_S)
@@ -116,7 +99,7 @@ def test_what_waited_for_the_disk_while_an_emergency_stop_came_is_not_begun(runn
 
 def test_control_goes_to_nobody_while_the_disk_hangs(running: Running) -> None:
     asked: list[str] = []
-    book = Hanging("again")
+    book = MemoryJournal(hangs_at="again")
     profile = robot(control={"nobody": {"service": "/let_go", "type": "std_srvs/srv/Trigger"}})
     rig = Rig(MOVING, {1.0: lambda: rig.post("go"), 2.0: lambda: rig.post("again")}, journal=book, robot=profile)
 
@@ -139,7 +122,7 @@ def test_a_disk_that_never_answers_is_one_that_cannot_be_written(
     running: Running, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(clerk, "LONGEST_S", 0.3)
-    book = Hanging("stop_now")
+    book = MemoryJournal(hangs_at="stop_now")
     rig = Rig(MOVING, {1.0: lambda: rig.post("go"), 2.0: lambda: rig.post("stop_now")}, journal=book)
     results = running(rig)
     wait_for(lambda: results)
@@ -154,8 +137,8 @@ def test_a_deadline_that_passed_while_the_disk_hung_has_passed_and_what_came_bef
     running: Running, after_due_s: float, outcome: str
 ) -> None:
     """The run's time goes on; each thing has the time at which it came."""
-    book, wall, asked = Hanging("again"), Told(), threading.Event()
-    rig = Rig(ASKING, journal=book, clock=wall, answerers={"operator": Silent(asked)})
+    book, wall, asked = MemoryJournal(hangs_at="again"), Told(), threading.Event()
+    rig = Rig(ASKING, journal=book, clock=wall, answerers={"operator": ReplyingAnswerer(lambda question: asked.set())})
     results = running(rig)
     assert asked.wait(PATIENCE_S)
     rig.post("again")
@@ -180,23 +163,6 @@ class Told(WallClock):
     def now(self) -> float:
         is_here = threading.get_ident() == self._thread
         return self.here if is_here and self.here is not None else super().now()
-
-
-class Silent:
-    """Is asked, and says nothing.
-
-    Args:
-        asked: Set then.
-    """
-
-    def __init__(self, asked: threading.Event) -> None:
-        self._asked = asked
-
-    def ask(self, question: Any, answer: Any) -> None:
-        self._asked.set()
-
-    def withdraw(self, number: int) -> None:
-        """It thinks about nothing."""
 
 
 def test_what_a_robot_says_to_a_run_that_takes_nothing_does_not_fill_its_memory() -> None:

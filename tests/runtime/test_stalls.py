@@ -22,7 +22,8 @@ from rai_missions.runtime.result import Result
 from rai_missions.runtime.runner import Runner
 from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far
 from tests.rigs.charts import ScriptedRobot
-from tests.rigs.runs import Book, Rig
+from tests.rigs.journals import MemoryJournal
+from tests.rigs.runs import Rig
 
 Json = dict[str, Any]
 STALLS = (1, 2, 4, 10)
@@ -91,7 +92,8 @@ def traced(seed: int, share: float) -> Trace:
     script = [each._replace(at=each.at + GRID_S) for each in script]  # what is said before the start has no instant
     end = (script[-1].at if script else 0.0) + 4.0
     world = World([*script, Happening(("command", "cancel"), end)])
-    late, book, steps = Stalling(world, random.Random(seed + 1), share), Book(), list[tuple[Step, frozenset[str]]]()
+    late, book = Stalling(world, random.Random(seed + 1), share), MemoryJournal()
+    steps: list[tuple[Step, frozenset[str]]] = []
     book.on_write = late.stall
 
     def look(step: Step) -> None:

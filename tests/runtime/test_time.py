@@ -17,13 +17,14 @@ from hypothesis import strategies as st
 
 from rai_missions.engine.decision import Question
 from rai_missions.event import Event
-from rai_missions.journal import Header, Journal, read
+from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from rai_missions.profile import dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import Mailbox, SimulatedClock, WallClock
 from rai_missions.runtime.runner import Result, Runner
-from tests.rigs.runs import Rig, Server, Stage, mission, robot
+from tests.rigs.journals import steps_of
+from tests.rigs.runs import ManualServer, ReplyingAnswerer, Rig, ScriptedWorld, mission, robot
 
 CALLING: dict[str, Any] = {
     "calling": {"call": "horn", "timeout_s": 5, "transitions": [{"on": "succeeded", "to": "over"}]},
@@ -116,25 +117,15 @@ def test_once_nobody_thinks_time_flies_again() -> None:
 def test_simulated_time_has_a_speed_of_its_own_if_wanted() -> None:
     rig = Rig(
         {"waiting": {"transitions": [{"after_s": 2, "to": "over"}]}, "over": {"final": "aborted"}},
-        clock=SimulatedClock(Stage(), speed=10.0),
+        clock=SimulatedClock(ScriptedWorld(), speed=10.0),
     )
     began = time.monotonic()
     rig.run()
     assert 0.15 <= time.monotonic() - began <= 1.5
 
 
-class Readily:
-    """Answers everybody at once, for ever the same."""
-
-    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
-        answer({"option": "left"})
-
-    def withdraw(self, number: int) -> None:
-        """Nothing is thought about."""
-
-
 def test_rules_answer_at_once() -> None:
-    assert Rig(ASKING, answerers={"agent": Readily()}).run().duration_s == 0.0
+    assert Rig(ASKING, answerers={"agent": ReplyingAnswerer("left")}).run().duration_s == 0.0
 
 
 ROUND_AND_ROUND: dict[str, Any] = {
@@ -148,9 +139,9 @@ ROUND_AND_ROUND: dict[str, Any] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("clock", [None, SimulatedClock(), SimulatedClock(Stage(), speed=20.0)])
+@pytest.mark.parametrize("clock", [None, SimulatedClock(), SimulatedClock(ScriptedWorld(), speed=20.0)])
 def test_a_mission_whose_answers_lead_round_for_ever_in_an_instant_still_comes_to_its_timer(clock: Any) -> None:
-    rig = Rig(ROUND_AND_ROUND, answerers={"agent": Readily()}, clock=clock)
+    rig = Rig(ROUND_AND_ROUND, answerers={"agent": ReplyingAnswerer("left")}, clock=clock)
     result = rig.run()
     assert result.outcome == "aborted" and result.duration_s == pytest.approx(3.0, abs=0.21)
     assert len(rig.called) > 100
@@ -333,8 +324,8 @@ def test_a_replayed_run_is_the_run(tmp_path_factory: pytest.TempPathFactory, scr
             "resume": rig.runner.resume,
             "there": lambda: rig.publish("/there", data=True),
             "battery": lambda: rig.publish("/battery", percentage=0.3),
-            "said": lambda: rig.move.goals and rig.move.say("succeeded"),
-            "lost": lambda: rig.move.goals and rig.move.say("lost"),
+            "said": lambda: rig.move.goals and rig.move.report("succeeded"),
+            "lost": lambda: rig.move.goals and rig.move.report("lost"),
             "left": lambda: rig.runner.answer(2, "left"),
             "operator": lambda: rig.runner.control("operator"),
             "autonomy": lambda: rig.runner.control("autonomy"),
@@ -346,8 +337,7 @@ def test_a_replayed_run_is_the_run(tmp_path_factory: pytest.TempPathFactory, scr
     again = replay(path)
     assert again.holds, again.difference
     assert (again.outcome, again.why) == (result.outcome, result.why)
-    with read(path) as record:
-        written = list(record.steps())
+    written = steps_of(path)
     assert [step for step in rig.steps if step.seq in {each.seq for each in written}] == written
 
 
@@ -381,7 +371,7 @@ def test_simulated_time_does_not_move_past_a_waiting_event() -> None:
 
 
 def test_a_server_double_is_a_server() -> None:
-    server = Server("accepted", "succeeded")
+    server = ManualServer("accepted", "succeeded")
     said: list[str] = []
     server.accept("a", {}, lambda report: said.append(report.said))
     assert said == ["accepted", "succeeded"]

@@ -33,7 +33,6 @@ from rai_missions.cli.redacted_stdout import redacted_output
 from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
-from rai_missions.journal import read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.node import MissionNode
@@ -42,6 +41,7 @@ from rai_missions.profile import Robot
 from rai_missions.redaction import Redaction, logger
 from rai_missions.replay.replay import replay
 from tests.node.scenes import Client
+from tests.rigs.journals import steps_of
 from tests.security.test_secrets import texts
 from visualize import difference, draw, draw_difference, draw_review
 from visualize.live import LivePage, Place
@@ -204,8 +204,7 @@ def test_nothing_that_a_run_writes_or_shows_holds_a_secret(
         result = prepared.runner.run()
         lines.end(result)
     assert result.outcome == "aborted" and result.steps > 8
-    with read(journal) as record:
-        steps = tuple(record.steps())
+    steps = steps_of(journal)
     assert [name for step in steps for name in step.entered] == ["ask", "tell", "break", "go", "over"]
     assert replay(journal).holds, "what was hidden was hidden before it became a step"
     draw_review(MISSION, tmp_path / "page.html", [journal])

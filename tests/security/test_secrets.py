@@ -15,9 +15,9 @@ from pydantic import SecretStr
 from rai_missions.agents import run
 from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.cli.progress import Lines
-from rai_missions.journal import read
 from rai_missions.mission.mission import Mission
 from tests.recording.kept import kept
+from tests.rigs.journals import steps_of
 from visualize import draw, draw_review
 
 BY_TYPE = "canary-held-by-the-model-73d1"
@@ -88,8 +88,7 @@ def test_no_key_is_in_anything_that_a_run_leaves_behind(
     model = Holding(script=said * 6)
     result = run(ASKING, model=model, journal=journal, record=recording, on_step=lines.step, on_status=lines.status)
     lines.close()
-    with read(journal) as record:
-        steps = tuple(record.steps())
+    steps = steps_of(journal)
     assert len(model.script) < len(said * 6), "the model was heard"
     draw_review(ASKING, tmp_path / "page.html", [journal])
     for form in ("dot", "mmd", "md"):

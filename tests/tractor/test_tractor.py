@@ -11,11 +11,11 @@ import pytest
 
 from rai_missions.check import check
 from rai_missions.engine.step import Step
-from rai_missions.journal import read
 from rai_missions.mission.files import dump, load
 from rai_missions.profile import load_profile, missing
 from rai_missions.replay.replay import replay
 from rai_missions.testing import ChatteringAnswerer
+from tests.rigs.journals import steps_of
 
 TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
 ENDS = {"succeeded", "failed", "aborted"}
@@ -30,11 +30,6 @@ def test_the_mission_has_no_fault_and_its_profile_all_that_it_uses() -> None:
 def test_the_twin_in_python_is_equal() -> None:
     assert load(TRACTOR / "mission.py") == load(TRACTOR / "mission.json")
     assert dump(load(TRACTOR / "mission.py")) == dump(load(TRACTOR / "mission.json"))
-
-
-def written(path: Path) -> list[Step]:
-    with read(path) as record:
-        return list(record.steps())
 
 
 @pytest.mark.sim
@@ -64,7 +59,7 @@ def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, obstacles: list
     for name in ("one", "two"):
         one = drive(words={"journal": tmp_path / f"{name}.journal"}, alleys=len(obstacles), obstacles=obstacles)
         one.run()
-        seen.append((written(tmp_path / f"{name}.journal"), one.world.fingerprint()))
+        seen.append((steps_of(tmp_path / f"{name}.journal"), one.world.fingerprint()))
     assert seen[0] == seen[1]
 
 

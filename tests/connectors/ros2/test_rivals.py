@@ -12,7 +12,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
@@ -28,74 +28,42 @@ from rai_missions.profile import Robot
 from rai_missions.runtime.runner import Result, Runner
 from tests.connectors.ros2.peer_process import FIBONACCI, Peer
 from tests.connectors.ros2.scripted_server import PROGRAM, Script
+from tests.rigs.runs import Plan, PlannedServer
 
 Open = Callable[..., Any]
 PATIENCE_S = 30.0
 TRIGGER = "std_srvs/srv/Trigger"
 
 
-class Plan(NamedTuple):
-    """What a server does with every goal; seconds, None for never."""
-
-    accepts: float | None = 0.0
-    rejects: bool = False
-    ends: float | None = None
-    end: str = "succeeded"
-    cancels: float | None = 0.0
-    """How long the end takes once a cancel was taken."""
-    refuses: bool = False
-    dies: float | None = None
-    """When after a goal has come its node is gone, while the robot drives on."""
-
-
-class ScriptedServer:
-    """An action's server that keeps to its plan and knows which goals it is executing."""
+class RobotServer(PlannedServer):
+    """A planned server in real time; an end of a goal that it is not executing is reported to nothing."""
 
     def __init__(self, plan: Plan) -> None:
-        self.plan, self.executing, self.seen = plan, set[str](), Heard[str](PATIENCE_S)
+        super().__init__(self._start_timer, time.monotonic, plan)
+        self.plan, self.seen, self._timers = plan, Heard[str](PATIENCE_S), list[threading.Timer]()
         self.die: Callable[[], None] = lambda: None
-        self._reports: dict[str, Callable[[Report], None]] = {}
-        self._lock, self._timers = threading.Lock(), list[threading.Timer]()
 
     def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Report], None]) -> None:
-        self._reports[goal_id] = report
         self.seen(goal_id)
-        self._after(self.plan.dies, lambda: self.die())
-        self._after(self.plan.accepts, lambda: self._decide(goal_id))
+        if self.plan.dies is not None:
+            self._start_timer(self.plan.dies, lambda: self.die())
+        super().accept(goal_id, goal, report)
 
-    def cancel(self, goal_id: str) -> None:
-        if self.plan.refuses:
-            self._reports[goal_id](Report(goal_id, "cancel_rejected", {}))
-        else:
-            self._after(self.plan.cancels, lambda: self._end(goal_id, "canceled"))
+    def end(self, goal_id: str, how: str) -> None:
+        if how == "rejected" or goal_id in self.executing:
+            super().end(goal_id, how)
 
     def close(self) -> None:
         for timer in self._timers:
             timer.cancel()
 
-    def _decide(self, goal_id: str) -> None:
-        if self.plan.rejects:
-            self._reports[goal_id](Report(goal_id, "rejected", {}))
-            return
-        with self._lock:
-            self.executing.add(goal_id)
-        self._reports[goal_id](Report(goal_id, "accepted", {}))
-        self._after(self.plan.ends, lambda: self._end(goal_id, self.plan.end))
-
-    def _end(self, goal_id: str, said: Any) -> None:
-        with self._lock:
-            was_executing = goal_id in self.executing
-            self.executing.discard(goal_id)
-        if was_executing:
-            self._reports[goal_id](Report(goal_id, said, {}))
-
-    def _after(self, seconds: float | None, do: Callable[[], None]) -> None:
+    def _start_timer(self, seconds: float, do: Callable[[], object]) -> None:
         if seconds == 0.0:
             do()
-        elif seconds is not None:
-            self._timers.append(threading.Timer(seconds, do))
-            self._timers[-1].daemon = True
-            self._timers[-1].start()
+            return
+        self._timers.append(threading.Timer(seconds, do))
+        self._timers[-1].daemon = True
+        self._timers[-1].start()
 
 
 class Stand:
@@ -103,12 +71,12 @@ class Stand:
 
     def __init__(self, open_ros: Open) -> None:
         self._open, self.name = open_ros, f"/rivals_{uuid.uuid4().hex[:8]}"
-        self.servers: list[ScriptedServer] = []
+        self.servers: list[RobotServer] = []
         self.nodes: list[Any] = []
 
-    def serve(self, plan: Plan) -> ScriptedServer:
+    def serve(self, plan: Plan) -> RobotServer:
         """One more server, on a node of its own."""
-        server, node = ScriptedServer(plan), self._open()
+        server, node = RobotServer(plan), self._open()
         node.offer(self.name, FIBONACCI, server)
         server.die = lambda: node._session.runtime.close()  # as a process that is killed: nothing is aborted first
         self.servers.append(server)
