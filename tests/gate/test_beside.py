@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
+
+import pytest
 
 from rai_missions.connectors.connector import Mode
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.gate import bypass_monitor
 from rai_missions.gate.bypass_monitor import Beside
 
 
@@ -44,3 +48,14 @@ def test_a_connector_that_cannot_tell_finds_nobody_and_the_watch_ends_when_told_
     beside.stop()
     beside.stop()
     assert told == []
+
+
+def test_it_looks_by_itself_until_it_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bypass_monitor, "LOOK_S", 0.001)
+    found = threading.Event()
+    connector = Counted()
+    connector.topics = {"/cmd_vel": 2}
+    beside = Beside(connector, ["/cmd_vel"], lambda topic, count: found.set())
+    beside.run()
+    assert found.wait(10)
+    beside.stop()

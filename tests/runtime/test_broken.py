@@ -17,7 +17,9 @@ from hypothesis import strategies as st
 from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import StartGoal
-from rai_missions.journal import Header, Journal
+from rai_missions.errors import DefinitionError
+from rai_missions.journal import Header, Journal, read
+from rai_missions.replay.rebuild import mission_of
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer
 from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import KEYS, Rig, mission, robot
@@ -408,3 +410,20 @@ def test_a_robot_that_vanishes_during_the_run_is_noticed_by_its_silence() -> Non
     result = rig.run()
     assert result.why == "'blind' was reached" and result.duration_s == pytest.approx(5.0, abs=0.11)
     assert rig.move.canceled == rig.move.goals
+
+
+@pytest.mark.parametrize(("more", "outcome"), [(0, "canceled"), (1, "failed")])
+def test_an_answer_has_a_million_characters_at_most(more: int, outcome: str) -> None:
+    empty = {"option": "left", "why": ""}
+    why = "x" * (1_000_000 - len(str(empty)) + more)
+    states = copy.deepcopy(ASKING)
+    states["over"]["final"] = "canceled"
+    assert Rig(states, answerers={"agent": ChatteringAnswerer([{**empty, "why": why}])}).run().outcome == outcome
+
+
+def test_a_journal_of_a_mission_that_is_none_names_its_faults(tmp_path: Path) -> None:
+    path = tmp_path / "odd.journal"
+    with Journal.create(path, Header('{"name": "odd", "initial": "here", "states": {"here": {"finally": "aborted"}}}')):
+        pass
+    with read(path) as record, pytest.raises(DefinitionError, match="finally"):
+        mission_of(record)
