@@ -16,7 +16,7 @@ from rai_missions.recording import journal_of
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.result import Result
 from tests.node.scenes import mission
-from tests.recording.kept import rows_of
+from tests.rigs.journals import raw_rows_of
 from tests.visualize.live.stage import Viewer, ask, until
 from visualize.live import LivePage, Place
 
@@ -68,5 +68,5 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_go
         page.stop()
     assert ended[0].outcome == "aborted"
     with journal_of(recording) as replayed:
-        assert rows_of(replayed.path) == rows_of(journal)
+        assert raw_rows_of(replayed.path) == raw_rows_of(journal)
         assert replay(replayed.path).outcome == "aborted"
