@@ -241,7 +241,7 @@ def langgraph_peer(case: str) -> Send:
             "n": known["n"] + (case == "guarded"),
         }
 
-    def beside(known: Known) -> Json:
+    def parallel(known: Known) -> Json:
         return {"other": flip.get((known["other"], known["event"]), known["other"])}
 
     graph = StateGraph(Known)
@@ -252,7 +252,7 @@ def langgraph_peer(case: str) -> Send:
         graph.add_edge(START, "one")
     graph.add_edge("one", END)
     if case == "regions":
-        graph.add_node("two", beside)
+        graph.add_node("two", parallel)
         graph.add_edge(START, "two")
         graph.add_edge("two", END)
     app = graph.compile()
@@ -308,8 +308,8 @@ def table() -> None:
     for case, (peer, times) in TARGETS.items():
         theirs = rows[peer][case]
         if theirs is not None:
-            said = "reached" if own[case] * times <= theirs else "MISSED"
-            print(f"target {case}: at most 1/{times} of {peer}: 1/{theirs / own[case]:.1f}, {said}")
+            verdict = "reached" if own[case] * times <= theirs else "MISSED"
+            print(f"target {case}: at most 1/{times} of {peer}: 1/{theirs / own[case]:.1f}, {verdict}")
 
 
 # -- size -------------------------------------------------------------------------------------------------------------

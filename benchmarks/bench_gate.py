@@ -60,12 +60,12 @@ def base(speaker: subprocess.Popen[bytes]) -> dict[str, list[float]]:
     rclpy.init(domain_id=DOMAIN)
     node, took = rclpy.create_node("base"), {way: [] for way in WAYS}  # type: dict[str, list[float]]
 
-    def hear(way: str, message: Any) -> None:
+    def on_message(way: str, message: Any) -> None:
         if message.linear.x:
             took[way].append(time.monotonic() - message.angular.x)
 
     for way, topic in WAYS.items():
-        node.create_subscription(Twist, topic, lambda message, way=way: hear(way, message), 100)
+        node.create_subscription(Twist, topic, lambda message, way=way: on_message(way, message), 100)
     while speaker.poll() is None:
         rclpy.spin_once(node, timeout_sec=0.1)
     return took

@@ -56,9 +56,9 @@ def exchanges(agent: DecisionAgent, picture: Image | None) -> list[float]:
         answer = ReplyCallback()
         began = time.perf_counter()
         agent.ask(QUESTION._replace(number=number + 1, evidence=shown), answer)
-        said = answer.wait(30)
+        reply = answer.wait(30)
         spent.append(time.perf_counter() - began)
-        assert said["option"] == "replan", said
+        assert reply["option"] == "replan", reply
     return spent[5:]
 
 

@@ -36,7 +36,7 @@ def _real_time(*, camera: bool) -> float:
     connector = LocalConnector(now=lambda: world.at)
     world.open(connector)
     connector.start()
-    connector.call("/tractor1/continue", "", {}, answered=lambda _reply: None)
+    connector.call("/tractor1/continue", "", {}, on_reply=lambda _reply: None)
     begun = time.process_time()
     while world.at < SIMULATED_S:
         world.step()

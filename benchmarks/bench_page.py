@@ -72,12 +72,12 @@ def browser_times(page: bytes, *, scrub: bool) -> str:
         begin = time.perf_counter()
         window.goto(path.as_uri())
         window.wait_for_selector("html[data-ready]", state="attached")
-        said = f"opens in {time.perf_counter() - begin:.2f} s"
+        timing = f"opens in {time.perf_counter() - begin:.2f} s"
         if scrub:
             spent = window.evaluate(SCRUB, 200)
-            said += f", a step is shown in {spent[100]:.1f} ms (median), {spent[197]:.1f} ms (99 %)"
+            timing += f", a step is shown in {spent[100]:.1f} ms (median), {spent[197]:.1f} ms (99 %)"
         browser.close()
-    return said
+    return timing
 
 
 def main() -> None:

@@ -71,9 +71,9 @@ def by_spin(regions: int) -> tuple[int, float]:
             subprocess.run(command, cwd=folder, check=True, capture_output=True)
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         depth = f"-m{2 * DIGITS ** min(regions, 6)}"
-        said = subprocess.run(["./pan", depth], cwd=folder, check=True, capture_output=True, text=True).stdout
+        printed = subprocess.run(["./pan", depth], cwd=folder, check=True, capture_output=True, text=True).stdout
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    stored = re.search(r"(\d+) states, stored", said)
+    stored = re.search(r"(\d+) states, stored", printed)
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return int(stored[1]) if stored else 0, spent
 
@@ -84,15 +84,15 @@ def main() -> None:
         return
     for what in ["tractor", "rosbot", *(sys.argv[1:] or ["3", "4", "5"])]:
         ran = subprocess.run([sys.executable, __file__, "--one", what], capture_output=True, text=True, check=True)
-        told = json.loads(ran.stdout)
-        pace = told["steps"] / told["cpu_s"]
+        result = json.loads(ran.stdout)
+        pace = result["steps"] / result["cpu_s"]
         print(
-            f"{told['what']:<12} {told['verdict']:<9} {told['states']:>9} states {told['steps']:>9} steps"
-            f" {told['cpu_s']:>8.2f} s CPU {pace:>8.0f} steps/s {told['memory_mb']:>6.0f} MB"
+            f"{result['what']:<12} {result['verdict']:<9} {result['states']:>9} states {result['steps']:>9} steps"
+            f" {result['cpu_s']:>8.2f} s CPU {pace:>8.0f} steps/s {result['memory_mb']:>6.0f} MB"
         )
         if what.isdigit() and shutil.which("spin") and shutil.which("cc"):
             states, spent = by_spin(int(what))
-            ratio = f" {told['cpu_s'] / spent:>8.0f} times quicker" if spent >= 0.01 else ""
+            ratio = f" {result['cpu_s'] / spent:>8.0f} times quicker" if spent >= 0.01 else ""
             print(f"{'  SPIN':<22} {states:>9} states {'':>15} {spent:>8.2f} s CPU{ratio}")
 
 

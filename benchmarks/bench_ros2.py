@@ -232,8 +232,8 @@ def other(kind: str) -> Iterator[tuple[int, str]]:
         stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[1],
     ) as process:  # fmt: skip
         assert process.stdin is not None and process.stdout is not None
-        said = process.stdout.readline().strip()
-        yield process.pid, said
+        printed = process.stdout.readline().strip()
+        yield process.pid, printed
         process.stdin.close()
         process.wait()
 
@@ -302,11 +302,11 @@ def measure(robot: Robot) -> None:
     with other("polling") as (pid, _):
         calls(robot, "peer: a loop that looks 50 times a second", floor, lambda _: "/go")
         idle("such a loop", pid)
-    with other("mission") as (pid, said):
+    with other("mission") as (pid, printed):
         calls(robot, "mission", floor, lambda _: "/go")
         cancels(robot, "mission, a cancel", floor_cancel)
         idle("mission", pid)
-        print(f"    from the connector's start to the mission's: {said.split()[-1]} s")
+        print(f"    from the connector's start to the mission's: {printed.split()[-1]} s")
     with other("thinking"):
         calls(robot, "mission, while a model hangs", floor, lambda _: "/go")
     with other("pictures"):
@@ -314,10 +314,10 @@ def measure(robot: Robot) -> None:
             seen = calls(robot, "floor: plain rclpy, while pictures come", None, lambda _: "/go")
         with other("camera"):
             calls(robot, "mission, while pictures come", seen, lambda _: "/go")
-    with other("hundred") as (pid, said):
+    with other("hundred") as (pid, printed):
         calls(robot, f"{MISSIONS} missions, one connector", floor, lambda number: f"/go{number % MISSIONS}")
         idle(f"{MISSIONS} missions", pid)
-        print(f"    {MISSIONS} missions from the connector's start to the last one's: {said.split()[-1]} s")
+        print(f"    {MISSIONS} missions from the connector's start to the last one's: {printed.split()[-1]} s")
     print(WANTED)
 
 

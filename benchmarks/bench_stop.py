@@ -102,7 +102,7 @@ class Server:
     def __init__(self) -> None:
         self.moves, self.stopped = threading.Event(), threading.Event()
         self.at = 0.0
-        self._report: Callable[[Any], None] = lambda said: None
+        self._report: Callable[[Any], None] = lambda report: None
 
     def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Any], None]) -> None:
         from rai_missions.connectors.connector import Report

@@ -68,11 +68,11 @@ class Scripted(DoubleModel):
         return self._spent
 
     def says(self, messages: list[BaseMessage]) -> str | AIMessage:
-        said = self._count(messages)
+        count = self._count(messages)
         if self._released.is_set() and self._script is not hangs:
             raise RuntimeError("nobody waits any more")
         self._released.wait(THINKS_S)
-        made = self._script(self, messages, said)
+        made = self._script(self, messages, count)
         self._spent["tokens"] += len(str(made) if isinstance(made, str) else str(made.text) + str(made.tool_calls)) // 4
         return made
 
@@ -170,29 +170,29 @@ def says_nothing(model: Scripted, messages: list[BaseMessage], is_asked: bool) -
 def is_careful(model: Scripted, messages: list[BaseMessage], is_asked: bool) -> str | AIMessage:
     """A good model: looks before it acts, and looks where it is before it claims anything."""
     if is_asked:
-        said = str(messages[-1].content)
-        return wish("cross" if "- cross" in said else "signal" if "- signal" in said else "detour", True)
-    said, last = heard(messages).replace("\\", ""), model.last
-    if last == "position" and (_number(said) >= 6.0 or model.step > 60):
-        return wish("finish", False) if _number(said) >= 6.0 else "I could not finish."
-    model.last = _next(last, said)
+        reply = str(messages[-1].content)
+        return wish("cross" if "- cross" in reply else "signal" if "- signal" in reply else "detour", True)
+    reply, last = heard(messages).replace("\\", ""), model.last
+    if last == "position" and (_number(reply) >= 6.0 or model.step > 60):
+        return wish("finish", False) if _number(reply) >= 6.0 else "I could not finish."
+    model.last = _next(last, reply)
     return look(f"/yard/{model.last}") if model.last in ("position", "thing") else wish(model.last, False)
 
 
-def _next(last: str, said: str) -> str:
+def _next(last: str, reply: str) -> str:
     """What a careful driver does after what was done last, and said to it."""
     if last in ("", "cross", "signal", "detour"):
         return "drive"
     if last in ("drive", "position"):
         return {"drive": "position", "position": "thing"}[last]
-    if '"kind"' not in said:
+    if '"kind"' not in reply:
         return "drive"
-    return "signal" if '"living": true' in said else "cross" if '"height_m": 0.1,' in said else "detour"
+    return "signal" if '"living": true' in reply else "cross" if '"height_m": 0.1,' in reply else "detour"
 
 
-def _number(said: str) -> float:
+def _number(reply: str) -> float:
     """How far it has come, as /yard/position says."""
-    found = re.search(r'"data": ([\d.]+)', said)
+    found = re.search(r'"data": ([\d.]+)', reply)
     return float(found.group(1)) if found else 0.0
 
 
@@ -246,13 +246,13 @@ def react(script: Says, seed: int) -> Seen:
         box = Toolbox(connector, Allowed(write=("/yard/*",)), now=lambda: yard.at)
         model = Scripted(script, seed)
         loop = create_react_agent(model, list(box.tools), prompt=GOAL)
-    said: list[str] = []
+    replies: list[str] = []
 
     def run() -> None:
         try:
-            said.append(loop.invoke({"messages": [("user", "Begin.")]})["messages"][-1].text)
+            replies.append(loop.invoke({"messages": [("user", "Begin.")]})["messages"][-1].text)
         except Exception as error:  # noqa: BLE001 - how the peer breaks off is what is looked at
-            said.append(f"broke off: {type(error).__name__}")
+            replies.append(f"broke off: {type(error).__name__}")
 
     thread, ended = threading.Thread(target=run, daemon=True), threading.Event()
     world = threading.Thread(target=goes_on, args=(yard, ended), daemon=True)
@@ -266,7 +266,7 @@ def react(script: Says, seed: int) -> Seen:
     model._released.set()
     box.close()
     thread.join(LONGEST_S)
-    claims = "complete" in (said[0] if said and not hung else "").lower()
+    claims = "complete" in (replies[0] if replies and not hung else "").lower()
     spent = model.spent
     return Seen(claims, is_done, unsafe_in(yard), hung, left, spent["calls"], spent["tokens"])
 
@@ -321,8 +321,8 @@ def row(name: str, who: str, seen: list[Seen]) -> None:
     unsafe, hung = sum(each.unsafe for each in seen), sum(each.hung for each in seen)
     left = sum(each.left for each in seen)
     calls, tokens = sum(each.calls for each in seen), sum(each.tokens for each in seen)
-    told = (len(seen), done, false, unsafe, hung, left)
-    print(f"{name:<26}{who:<7}" + "".join(f"{each:>7}" for each in told) + f"{calls:>8}{tokens:>10}", flush=True)
+    cells = (len(seen), done, false, unsafe, hung, left)
+    print(f"{name:<26}{who:<7}" + "".join(f"{each:>7}" for each in cells) + f"{calls:>8}{tokens:>10}", flush=True)
 
 
 def main(seeds: int = SEEDS) -> None:

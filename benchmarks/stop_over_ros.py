@@ -46,7 +46,7 @@ def mission_process() -> None:
     connector = open_connector({})
     connector.start()
     runners: list[Any] = []
-    connector.subscribe("/stop", EMPTY, lambda heard: runners[-1].kill("the button"))
+    connector.subscribe("/stop", EMPTY, lambda _message: runners[-1].kill("the button"))
     for number in range(ROUNDS):
         ended = threading.Event()
         runner, journal = loaded(connector, "ros2", folder, number, ended)
@@ -82,9 +82,9 @@ def plain_process() -> None:
         unwanted.clear()
         move.send_goal_async(Fibonacci.Goal()).add_done_callback(accepted)
 
-    node.create_subscription(Image, "/camera", lambda heard: None, 10)
+    node.create_subscription(Image, "/camera", lambda _message: None, 10)
     node.create_subscription(
-        Empty, "/stop", lambda heard: (unwanted.set(), goals and goals[-1].cancel_goal_async()), 10
+        Empty, "/stop", lambda _message: (unwanted.set(), goals and goals[-1].cancel_goal_async()), 10
     )
     start()
     rclpy.spin(node)

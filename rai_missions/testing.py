@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         call,
     )
     from rai_missions.connectors.chaos import ChaosConnector, Rates
-    from rai_missions.connectors.contract import Heard, PatientServer, check_connector
+    from rai_missions.connectors.contract import Inbox, PatientServer, check_connector
     from rai_missions.worlds.contract import check_world
 
 __all__ = (
@@ -32,7 +32,7 @@ __all__ = (
     "ChaosConnector",
     "ChatteringAnswerer",
     "HangingModel",
-    "Heard",
+    "Inbox",
     "LateAnswerer",
     "LyingModel",
     "PatientServer",
@@ -64,7 +64,7 @@ ROOMS = {
     "answerers.test_answerers": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
     "answerers.script": ("ScriptAnswerer",),
     "connectors.chaos": ("ChaosConnector", "Rates"),
-    "connectors.contract": ("Heard", "PatientServer", "check_connector"),
+    "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
     "worlds.contract": ("check_world",),
 }  # fmt: skip
 """Module → what is offered from it."""

@@ -41,39 +41,43 @@ def test_the_licence_travels_with_the_package() -> None:
 
 @pytest.mark.parametrize("code", ["import rai_missions", "from rai_missions.cli.main import main; main(['--help'])"])
 def test_what_is_heavy_is_imported_when_used(code: str) -> None:
-    told = f"import sys\ntry:\n    {code}\nexcept SystemExit: pass\nprint([m for m in {HEAVY!r} if m in sys.modules])"
-    heard = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
-    assert heard.stdout.splitlines()[-1] == "[]"
+    reported = (
+        f"import sys\ntry:\n    {code}\nexcept SystemExit: pass\nprint([m for m in {HEAVY!r} if m in sys.modules])"
+    )
+    received = subprocess.run([sys.executable, "-c", reported], capture_output=True, text=True, check=True)
+    assert received.stdout.splitlines()[-1] == "[]"
 
 
 def test_help_names_every_command() -> None:
-    heard = rai_missions_command("--help")
-    assert heard.returncode == 0, heard.stderr
-    assert all(word in heard.stdout for word in ("run", "check", "draw", "diff", "replay", "schema", "new", "doctor"))
+    received = rai_missions_command("--help")
+    assert received.returncode == 0, received.stderr
+    assert all(
+        word in received.stdout for word in ("run", "check", "draw", "diff", "replay", "schema", "new", "doctor")
+    )
 
 
 def test_the_shipped_mission_passes_the_check() -> None:
-    heard = rai_missions_command("check", MISSION)
-    assert heard.returncode == 0, heard.stdout + heard.stderr
+    received = rai_missions_command("check", MISSION)
+    assert received.returncode == 0, received.stdout + received.stderr
 
 
 def test_a_faulty_mission_is_refused_with_its_place(tmp_path: Path) -> None:
     (tmp_path / "bad.json").write_text('{"format": 1, "name": "bad", "initial": "nowhere", "states": {"here": {}}}')
-    heard = rai_missions_command("check", "bad.json", cwd=tmp_path)
-    assert heard.returncode == 2
-    assert "nowhere" in heard.stderr
-    assert "Traceback" not in heard.stderr
+    received = rai_missions_command("check", "bad.json", cwd=tmp_path)
+    assert received.returncode == 2
+    assert "nowhere" in received.stderr
+    assert "Traceback" not in received.stderr
 
 
 def test_the_schema_is_shipped() -> None:
-    heard = rai_missions_command("schema")
-    assert heard.returncode == 0, heard.stderr
-    assert json.loads(heard.stdout)["$schema"]
+    received = rai_missions_command("schema")
+    assert received.returncode == 0, received.stderr
+    assert json.loads(received.stdout)["$schema"]
 
 
 def test_a_picture_is_drawn(tmp_path: Path) -> None:
-    heard = rai_missions_command("draw", MISSION, "-o", "tractor.svg", cwd=tmp_path)
-    assert heard.returncode == 0, heard.stderr
+    received = rai_missions_command("draw", MISSION, "-o", "tractor.svg", cwd=tmp_path)
+    assert received.returncode == 0, received.stderr
     assert "<svg" in (tmp_path / "tractor.svg").read_text(encoding="utf-8")
 
 

@@ -116,13 +116,13 @@ def test_what_is_apart_is_equal_and_shares_nothing_that_can_be_changed(value: An
 
 @pytest.mark.parametrize("profile", [{}, {"tool_calling": True, "structured_output": False}])
 def test_a_model_that_cuts_into_its_schemas_finds_them_whole_the_next_time(profile: dict[str, Any]) -> None:
-    said = AIMessage('{"option": "stop"}') if not profile else AIMessage("", tool_calls=[call("stop")])
-    model = Pruning([said, said], profile=profile)
+    reported = AIMessage('{"option": "stop"}') if not profile else AIMessage("", tool_calls=[call("stop")])
+    model = Pruning([reported, reported], profile=profile)
     question = QUESTION._replace(options=(Offer("go", parameters=copy.deepcopy(SPEED)), Offer("stop")))
     for number in (1, 2):
-        agent, told = DecisionAgent(model), ReplyCallback()
-        agent.ask(question._replace(number=number), told)
-        assert told.wait()["option"] == "stop"
+        agent, results = DecisionAgent(model), ReplyCallback()
+        agent.ask(question._replace(number=number), results)
+        assert results.wait()["option"] == "stop"
     first, second = model._given
     assert first == second
     assert question.options[0].parameters == SPEED
@@ -132,9 +132,9 @@ def test_a_model_is_given_no_tool_that_it_could_use_by_itself() -> None:
     look = StructuredTool.from_function(
         lambda: "a crate", name="look", description="Look.", metadata={"read_only": True}
     )
-    model, told = ScriptedModel([AIMessage("", tool_calls=[call("abort")])]), ReplyCallback()
-    DecisionAgent(model, tools=[look]).ask(QUESTION._replace(tools=("look",)), told)
-    assert told.wait()["option"] == "abort"
+    model, reported = ScriptedModel([AIMessage("", tool_calls=[call("abort")])]), ReplyCallback()
+    DecisionAgent(model, tools=[look]).ask(QUESTION._replace(tools=("look",)), reported)
+    assert reported.wait()["option"] == "abort"
     offered = model.heard[0][1]["tools"]
     assert not [each for each in offered if isinstance(each, BaseTool)]
     assert offered[0]["function"]["name"] == "look"

@@ -34,8 +34,8 @@ def text(
     broken = wrapped(given, size, limit, bold=bold)
     if not "".join(broken).strip():
         return ""
-    said = [f"<b>{shown(line)}</b>" if bold else shown(line) for line in broken]
-    body = '<br align="left"/>'.join(said) + ('<br align="left"/>' if len(said) > 1 else "")
+    parts = [f"<b>{shown(line)}</b>" if bold else shown(line) for line in broken]
+    body = '<br align="left"/>'.join(parts) + ('<br align="left"/>' if len(parts) > 1 else "")
     wide = max(width(line, size, bold=bold) for line in broken) + 4
     return (
         f'<tr><td align="left" balign="left" width="{wide:.0f}">'
@@ -63,8 +63,8 @@ def look_of(node: Node) -> Look:
     return OUTCOMES[node.outcome] if node.kind == "final" else LOOKS[node.kind]
 
 
-def marked(mark: str, said: str) -> str:
-    return f"{mark} {said}" if mark else said
+def marked(mark: str, text: str) -> str:
+    return f"{mark} {text}" if mark else text
 
 
 def row_text(edge: Edge) -> str:
@@ -123,9 +123,9 @@ def _choice(choice: Choice, *, limit: float) -> str:
 def decision_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = False) -> str:
     """The label of a decision: its question on top, an option a field, each with a port."""
     look = LOOKS["decision"]
-    beside = len(node.choices) <= SIDE_BY_SIDE
-    span = f'colspan="{len(node.choices)}"' if beside else ""
-    wide = max(LINE, COLUMN * len(node.choices)) if beside else LINE * 1.6
+    side_by_side = len(node.choices) <= SIDE_BY_SIDE
+    span = f'colspan="{len(node.choices)}"' if side_by_side else ""
+    wide = max(LINE, COLUMN * len(node.choices)) if side_by_side else LINE * 1.6
     head = [
         text(
             f"{marked(node.mark, '?')} {node.name}" + (f" (was {node.was})" if node.was else ""),
@@ -137,9 +137,9 @@ def decision_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = Fal
     head += [text(line, 10 if line.startswith("“") else 9, limit=wide) for line in node.lines]
     head += list(_below(node, staying, wide))
     pen = MARKS[node.mark][0] if node.mark else look.pen
-    fields = [_field(choice, node.fallback, COLUMN if beside else LINE * 1.6) for choice in node.choices]
+    fields = [_field(choice, node.fallback, COLUMN if side_by_side else LINE * 1.6) for choice in node.choices]
     header = f'<tr><td {span} bgcolor="{look.fill}" sides="b" border="1">{table(head)[1:-1]}</td></tr>'
-    body = f"<tr>{''.join(fields)}</tr>" if beside else "".join(f"<tr>{field}</tr>" for field in fields)
+    body = f"<tr>{''.join(fields)}</tr>" if side_by_side else "".join(f"<tr>{field}</tr>" for field in fields)
     more = f'border="{4 if bold else 2}" color="{pen}" bgcolor="#FFFFFF" cellborder="1" cellspacing="0" cellpadding="3"'
     return table([header, body], more)
 
@@ -230,8 +230,8 @@ def edge_table(edge: Edge, *, short: bool = False) -> str:
 
 def anywhere_table(rows: Sequence[tuple[str, Edge]]) -> str:
     """The label of the mission's own rows, a field each: (port, the row)."""
-    beside = len(rows) <= SIDE_BY_SIDE
-    limit = COLUMN * 1.6 if beside else LINE * 1.6
+    side_by_side = len(rows) <= SIDE_BY_SIDE
+    limit = COLUMN * 1.6 if side_by_side else LINE * 1.6
     fields = []
     for port, edge in rows:
         inner = [text(row_text(edge), 9.5, bold=bool(edge.taken.times), limit=limit)]
@@ -240,9 +240,9 @@ def anywhere_table(rows: Sequence[tuple[str, Edge]]) -> str:
             [small(f"taken {edge.taken.words()}", bold=True, color=INK)] if edge.taken.times and not edge.target else []
         )
         fields.append(f'<td port="{port}">{table(inner)[1:-1]}</td>')
-    span = f'colspan="{len(rows)}"' if beside else ""
+    span = f'colspan="{len(rows)}"' if side_by_side else ""
     header = f'<tr><td {span} bgcolor="#EDEDED">{table([text("from every state", 11, bold=True)])[1:-1]}</td></tr>'
-    body = f"<tr>{''.join(fields)}</tr>" if beside else "".join(f"<tr>{field}</tr>" for field in fields)
+    body = f"<tr>{''.join(fields)}</tr>" if side_by_side else "".join(f"<tr>{field}</tr>" for field in fields)
     return table([header, body], 'border="1" cellborder="1" cellspacing="0" cellpadding="3" color="#5A5A5A"')
 
 
@@ -251,8 +251,10 @@ def title_table(picture: Picture) -> str:
     version = f"{picture.compared} → {picture.version}" if picture.compared else picture.version
     rows = [text(f"{picture.name} {version}", 16, bold=True, limit=640), text(picture.about, 11, limit=640)]
     if picture.steps:
-        said = f"a run of {picture.steps} steps, its path in bold" + (f": {picture.outcome}" if picture.outcome else "")
-        rows.append(text(said + (f", {picture.why}" if picture.why else ""), 11, bold=True, limit=640))
+        summary = f"a run of {picture.steps} steps, its path in bold" + (
+            f": {picture.outcome}" if picture.outcome else ""
+        )
+        rows.append(text(summary + (f", {picture.why}" if picture.why else ""), 11, bold=True, limit=640))
     rows += [small(note, limit=640, color=INK, bold=True) for note in picture.notes[:NOTES]]
     if len(picture.notes) > NOTES:
         rows.append(small(f"and {len(picture.notes) - NOTES} more", color=INK, bold=True))
@@ -273,7 +275,7 @@ def _legend(picture: Picture) -> str:
 
 def _swatch(word: str, pen: str, fill: str) -> str:
     wide = width(word, 9) + 6
-    said = shown(word)
+    label = shown(word)
     return (
-        f'<td color="{pen}" bgcolor="{fill}" width="{wide:.0f}"><font point-size="9" color="{INK}">{said}</font></td>'
+        f'<td color="{pen}" bgcolor="{fill}" width="{wide:.0f}"><font point-size="9" color="{INK}">{label}</font></td>'
     )

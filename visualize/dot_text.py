@@ -43,13 +43,15 @@ def quoted(given: str) -> str:
 
 def attributes(**given: str | float | None) -> str:
     """`[a=…, b=…]`; a label in angle brackets stands as it is."""
-    said = []
+    parts = []
     for name, value in given.items():
         if value is None or value == "":
             continue
         raw = isinstance(value, str) and value.startswith("<<table")
-        said.append(f"{name.rstrip('_')}={value if raw else quoted(value if isinstance(value, str) else f'{value:g}')}")
-    return f"[{', '.join(said)}]"
+        parts.append(
+            f"{name.rstrip('_')}={value if raw else quoted(value if isinstance(value, str) else f'{value:g}')}"
+        )
+    return f"[{', '.join(parts)}]"
 
 
 def dot_text(picture: Picture, *, dpi: int | None = None) -> str:

@@ -144,16 +144,16 @@ def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[
         listed = ", ".join(f".{each}" for each in endings)
         raise UsageError(f"'{target}' does not end in a form of picture; the endings are {listed}")
     data = made(ending)
-    beside = None
+    temporary = None
     try:
-        number, beside = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        number, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         with os.fdopen(number, "wb") as file:
             file.write(data)
-        os.chmod(beside, 0o666 & ~_umask())
-        os.replace(beside, target)
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, target)
     except OSError as error:
-        if beside is not None:
-            Path(beside).unlink(missing_ok=True)
+        if temporary is not None:
+            Path(temporary).unlink(missing_ok=True)
         raise UsageError(f"'{target}' cannot be written: {error.strerror or error}") from None
     return target
 

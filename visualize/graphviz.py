@@ -32,8 +32,8 @@ def layout_program() -> Path:
     Raises:
         UsageError: There is none on this machine.
     """
-    beside = Path(sys.executable).with_name("graphviz-pure")
-    for found in (shutil.which("dot"), shutil.which("graphviz-pure"), str(beside) if beside.exists() else None):
+    bundled = Path(sys.executable).with_name("graphviz-pure")
+    for found in (shutil.which("dot"), shutil.which("graphviz-pure"), str(bundled) if bundled.exists() else None):
         if found:
             return Path(found)
     raise UsageError(
@@ -61,9 +61,9 @@ def render(picture: Picture, form: Literal["svg", "png"]) -> bytes:
             data: bytes = graphviz.Source(attempt).pipe(format=form, quiet=True)
             break
         except (graphviz.CalledProcessError, graphviz.ExecutableNotFound) as error:
-            said = (getattr(error, "stderr", b"") or b"").decode(errors="replace")
+            why = (getattr(error, "stderr", b"") or b"").decode(errors="replace")
     else:
-        raise UsageError(f"{dot_command.DOT_BINARY} could not draw '{picture.name}': {said}")
+        raise UsageError(f"{dot_command.DOT_BINARY} could not draw '{picture.name}': {why}")
     return _portable(data) if form == "svg" else data
 
 

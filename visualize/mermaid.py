@@ -162,11 +162,11 @@ def _arrows(picture: Picture) -> Iterator[list[Edge]]:
 
 def _arrow(edges: list[Edge], ids: dict[str, str]) -> str:
     source, target = ids.get(edges[0].source, ANYWHERE), edges[0].target
-    text = "<br/>".join(escaped(part) for edge in edges for line in _said(edge) for part in wrapped(line, 10, LIMIT))
+    text = "<br/>".join(escaped(part) for edge in edges for line in _phrase(edge) for part in wrapped(line, 10, LIMIT))
     return f"{source} --> {ids.get(target, source)}: {text}"
 
 
-def _said(edge: Edge) -> Iterator[str]:
+def _phrase(edge: Edge) -> Iterator[str]:
     yield row_text(edge) + ("" if edge.target else " (stays)")
     if edge.taken.times:
         yield edge.taken.words()
@@ -174,9 +174,9 @@ def _said(edge: Edge) -> Iterator[str]:
 
 def escaped(given: str) -> str:
     """A text as Mermaid shows it: what its grammar or HTML could read as more than text is written by its number."""
-    said = clean(given).replace("\n", " ")
-    plain = {at for found in PLAIN.finditer(said) for at in range(*found.span())}
-    return "".join(each if at in plain else f"#{ord(each)};" for at, each in enumerate(said))
+    text = clean(given).replace("\n", " ")
+    plain = {at for found in PLAIN.finditer(text) for at in range(*found.span())}
+    return "".join(each if at in plain else f"#{ord(each)};" for at, each in enumerate(text))
 
 
 def described(given: str) -> str:

@@ -64,11 +64,11 @@ def _part(row: Transition, field: str, indent: str) -> Iterator[str]:
 
 
 def _trigger(row: Transition) -> str:
-    said = (
+    words = (
         f"after {_json(row.after_s)} s" if row.after_s is not None else "on " + ", ".join(row.on) if row.on else "now"
     )
     of = f" of {row.of}" if row.of else ""
-    return f"{said}{of} → {', '.join(row.to)}" if row.to else f"{said}{of}, stays"
+    return f"{words}{of} → {', '.join(row.to)}" if row.to else f"{words}{of}, stays"
 
 
 def _guard(guard: Guard) -> str:

@@ -40,10 +40,10 @@ def raster(svg: bytes, dpi: int) -> bytes | None:
 
     Warns of characters that no font here has: those are boxes in the picture.
     """
-    told = subprocess.run([sys.executable, "-c", PROGRAM, str(dpi)], input=svg, capture_output=True, check=False)
-    if told.returncode or not told.stdout.startswith(b"\x89PNG"):
+    ended = subprocess.run([sys.executable, "-c", PROGRAM, str(dpi)], input=svg, capture_output=True, check=False)
+    if ended.returncode or not ended.stdout.startswith(b"\x89PNG"):
         return None
-    lacking = dict.fromkeys(chr(int(found, 16)) for found in LACKING.findall(told.stderr.decode(errors="replace")))
+    lacking = dict.fromkeys(chr(int(found, 16)) for found in LACKING.findall(ended.stderr.decode(errors="replace")))
     if lacking:
         some = " ".join(list(lacking)[:SHOWN]) + (" …" if len(lacking) > SHOWN else "")
         log.warning(
@@ -51,4 +51,4 @@ def raster(svg: bytes, dpi: int) -> bytes | None:
             " install a font that has them (on Debian: apt-get install fonts-noto), or draw an .svg",
             len(lacking), some,
         )  # fmt: skip
-    return told.stdout
+    return ended.stdout

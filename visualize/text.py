@@ -67,8 +67,8 @@ def trigger(row: Transition) -> str:
         return row.words()
     if row.after_s is not None:
         return f"after {row.after_s:g} s"
-    said = " or ".join("any event" if name == "*" else name for name in row.on)
-    return f"{said} of {row.of}" if row.of else said
+    words = " or ".join("any event" if name == "*" else name for name in row.on)
+    return f"{words} of {row.of}" if row.of else words
 
 
 def state_title(state: State) -> str:
@@ -98,13 +98,13 @@ def _lines(state: State) -> Iterator[str]:
         yield f"requires {state.requires.words()}"
     if state.timeout_s is not None and not isinstance(state, Action | Call):
         yield f"at most {state.timeout_s:g} s"
-    yield _said("entry", state.entry)
-    yield _said("exit", state.exit)
+    yield _phrase("entry", state.entry)
+    yield _phrase("exit", state.exit)
 
 
-def _said(word: str, given: Iterable[Effect]) -> str:
-    said = "; ".join(effects(given))
-    return f"{word}: {said}" if said else ""
+def _phrase(word: str, given: Iterable[Effect]) -> str:
+    words = "; ".join(effects(given))
+    return f"{word}: {words}" if words else ""
 
 
 def doing(work: Action | Call | ActionLeaf | CallLeaf) -> Iterator[str]:
@@ -176,8 +176,8 @@ def twigs(tree: Tree, place: str) -> tuple[Twig, ...]:
 
 
 def _twig_text(node: TreeNode) -> str:
-    said = _twig_words(node)
-    return f"{node.name}: {said}" if node.name else said
+    words = _twig_words(node)
+    return f"{node.name}: {words}" if node.name else words
 
 
 def _twig_words(node: TreeNode) -> str:
@@ -214,5 +214,5 @@ def _arranging(node: TreeNode) -> str:
     if isinstance(value, int | float):
         unit = {"timeout": " s", "retry": "×", "repeat": "×"}.get(node.word, "")
         return f"{word} {value:g}{unit}" if value != -1 else f"{word} for ever"
-    said = f"{word} {value}" if isinstance(value, str) else word
-    return f"{said}, {policy.replace('_', ' ')}" if (policy := getattr(node, "policy", "")) else said
+    words = f"{word} {value}" if isinstance(value, str) else word
+    return f"{words}, {policy.replace('_', ' ')}" if (policy := getattr(node, "policy", "")) else words

@@ -27,7 +27,7 @@ k = Keys(
     skipped=Key(int, source="mission", initial=0, about="waypoints that were left out"),
 )
 
-ANEW = [Set(k.failures, 0), Set(k.waits, 0)]
+RESET = [Set(k.failures, 0), Set(k.waits, 0)]
 CHARGING = k.supply.is_in([1, 4])
 
 
@@ -54,7 +54,7 @@ def mission() -> Mission:
         achieved=k.pose.near(k.waypoint, within_m=0.4),
         settle_s=1,
         control="autonomy",
-        transitions=[On("succeeded", to="visited", do=ANEW), On(*TROUBLE, to="deciding", do=[Set(k.failures, add=1)])],
+        transitions=[On("succeeded", to="visited", do=RESET), On(*TROUBLE, to="deciding", do=[Set(k.failures, add=1)])],
     )
     deciding = Decision(
         "The robot cannot reach its waypoint. What should it do?",
@@ -120,7 +120,9 @@ def mission() -> Mission:
                 ]
             ),
             "visited": Final("succeeded"),
-            "passed_by": Final("succeeded", about="left out, and on to the next", entry=[Set(k.skipped, add=1), *ANEW]),
+            "passed_by": Final(
+                "succeeded", about="left out, and on to the next", entry=[Set(k.skipped, add=1), *RESET]
+            ),
         },
         transitions=[On("succeeded", to="returning")],
     )

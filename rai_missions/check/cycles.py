@@ -59,15 +59,15 @@ class Cycle(NamedTuple):
 
 def endless_cycles(survey: MissionIndex) -> Found:
     """Rows without an event do not lead round in a circle while their guards stay true."""
-    return _told(survey, certain=True)
+    return _found(survey, certain=True)
 
 
 def possible_cycles(survey: MissionIndex) -> Found:
     """Rows without an event do not lead round in a circle where different guards happen to be true together."""
-    return _told(survey, certain=False)
+    return _found(survey, certain=False)
 
 
-def _told(survey: MissionIndex, *, certain: bool) -> Found:
+def _found(survey: MissionIndex, *, certain: bool) -> Found:
     for cycle in _cycles(survey):
         if cycle.certain is certain:
             rows = " → ".join(jump.row.place for jump in (*cycle.jumps, cycle.jumps[0])[:12])
@@ -141,8 +141,8 @@ def _after(jump: Jump, guard: Guard, owner: StateRef | None) -> Truth:
     """What a guard says by the configuration alone once a jump is made; None where facts decide."""
     if jump.ends:
         return False
-    anew = owner is not None and owner.inside(jump.stays) and bool(jump.row.transition.to)
-    return guard.after_jump(lambda name: _active(jump, name), restarted=anew)
+    reenters = owner is not None and owner.inside(jump.stays) and bool(jump.row.transition.to)
+    return guard.after_jump(lambda name: _active(jump, name), restarted=reenters)
 
 
 def _active(jump: Jump, name: str) -> Truth:

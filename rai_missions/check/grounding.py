@@ -37,7 +37,7 @@ class Origin(NamedTuple):
         return Origin(self.robot or other.robot, self.stranger or other.stranger, self.constants | other.constants)
 
 
-ROBOT, STRANGER, NOBODY = Origin(robot=True), Origin(stranger=True), Origin()
+ROBOT, STRANGER, NO_ROBOT = Origin(robot=True), Origin(stranger=True), Origin()
 
 
 def origins(survey: MissionIndex) -> Mapping[str, Origin]:
@@ -69,7 +69,7 @@ def origins(survey: MissionIndex) -> Mapping[str, Origin]:
 
 def _first(source: str, initial: Any) -> Origin:
     if source == "mission":
-        return NOBODY if initial is None else Origin(constants=frozenset([_text(initial)]))
+        return NO_ROBOT if initial is None else Origin(constants=frozenset([_text(initial)]))
     return ROBOT if source == "robot" else STRANGER
 
 
@@ -94,7 +94,7 @@ def _of(write: Write) -> Origin:
     root = write.value.partition(".")[0]
     if root == "event":
         return ROBOT if _from_activity(write) else STRANGER
-    return STRANGER if root == "answer" else NOBODY
+    return STRANGER if root == "answer" else NO_ROBOT
 
 
 def _from_activity(write: Write) -> bool:

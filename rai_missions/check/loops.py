@@ -44,7 +44,7 @@ where that depends on what may change: a key, the time, a state."""
 MOST_TIMES = 10_000
 ENDED = frozenset({"success", "failure"})
 WAITS = frozenset({"waits"})
-SAYS: Mapping[type[TreeNode], Mapping[str, str]] = {
+STATUSES: Mapping[type[TreeNode], Mapping[str, str]] = {
     Inverter: {"success": "failure", "failure": "success"},
     FailureIsSuccess: {"failure": "success"},
     SuccessIsFailure: {"success": "failure"},
@@ -69,10 +69,10 @@ def long_loops(survey: MissionIndex) -> Found:
 def waitless_loops(survey: MissionIndex) -> Found:
     """A loop without a number has something to wait for between its rounds: a leaf that takes time, or a key."""
     for place, node in _nodes(survey):
-        goes_on = _goes_on(node)
-        if goes_on and isinstance(node, Decorator):
+        continues = _continues(node)
+        if continues and isinstance(node, Decorator):
             ends = _ends(node.child, survey.mission.blackboard)
-            if ends <= ENDED and ends & goes_on:
+            if ends <= ENDED and ends & continues:
                 yield (
                     place,
                     f"'{node.word}' has nothing to wait for: each round would end at once, so no second one begins; "
@@ -87,7 +87,7 @@ def _nodes(survey: MissionIndex) -> Iterator[tuple[str, TreeNode]]:
                 yield pointer(spot.place, "tree") + (f"/{path}" if path else ""), node
 
 
-def _goes_on(node: TreeNode) -> Ends:
+def _continues(node: TreeNode) -> Ends:
     """The ends of its child after which a loop without a number begins it again; none for any other node."""
     if isinstance(node, FailureIsRunning):
         return frozenset({"failure"})
@@ -148,15 +148,15 @@ def _together(node: ParallelTree, keys: Mapping[str, Key]) -> Ends:
 
 def _decorated(node: Decorator, ends: Ends) -> Ends:
     """What a decorator says; a loop that begins its child again runs."""
-    if type(node) in SAYS:
-        return frozenset(SAYS[type(node)].get(end, end) for end in ends)
+    if type(node) in STATUSES:
+        return frozenset(STATUSES[type(node)].get(end, end) for end in ends)
     if isinstance(node, OneShot) and node.policy == "on_completion" and "running" not in ends:
         return ends - WAITS  # its first end is for good
     if isinstance(node, Condition):
-        said = {"success"} if node.status in ends else set()
-        return frozenset(said | (ends & WAITS) | ({"running"} if ends - WAITS - {node.status} else set()))
-    goes_on = _goes_on(node)
-    return (ends - goes_on) | {"running"} if ends & goes_on else ends
+        ended = {"success"} if node.status in ends else set()
+        return frozenset(ended | (ends & WAITS) | ({"running"} if ends - WAITS - {node.status} else set()))
+    continues = _continues(node)
+    return (ends - continues) | {"running"} if ends & continues else ends
 
 
 def _is_settled(guard: Guard, keys: Mapping[str, Key]) -> bool:

@@ -76,7 +76,7 @@ def deaf_rows(survey: MissionIndex) -> Found:
                 f"'{source.name}' is never active together with '{row.owner.name}', so this row never fires; move it",
             )
             continue
-        possible = ends.by(source) if source is not None else ends.heard(row.owner)
+        possible = ends.by(source) if source is not None else ends.possible_at(row.owner)
         whose = source or row.owner
         if whose is not None and isinstance(whose.state, Action | Call):
             words = [word for word in words if word != "timed_out"]  # without a timeout: told, and the row is right

@@ -173,16 +173,16 @@ def _frees(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> bool:
         return True
     if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in transition.on):
         return True
-    outcomes = _heard_over(survey, row, spot)
+    outcomes = _covered_by(survey, row, spot)
     return any(word in outcomes for word in transition.on)
 
 
-def _heard_over(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> frozenset[str]:
+def _covered_by(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> frozenset[str]:
     """The outcomes that a row can hear while a state that runs nothing is active: those of regions beside it."""
     if row.transition.of is not None:
         source = survey.spot(row.transition.of)
         return reported(survey).by(source) if source is not None else frozenset()
     for here in spot.upward():
         if isinstance(here.state, Parallel) and (here is row.owner or row.owner is None or here.inside(row.owner)):
-            return reported(survey).heard(row.owner)
+            return reported(survey).possible_at(row.owner)
     return frozenset()

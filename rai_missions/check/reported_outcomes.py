@@ -32,7 +32,7 @@ class Reported:
         """What it can report about itself."""
         return self._ends[spot.index]
 
-    def heard(self, spot: StateRef | None) -> frozenset[str]:
+    def possible_at(self, spot: StateRef | None) -> frozenset[str]:
         """What rows of it can hear: its own, and what climbs from inside."""
         return self.anywhere if spot is None else self._ends[spot.index] | self._below[spot.index]
 

@@ -32,7 +32,7 @@ class Rule(NamedTuple):
     """Place and sentence of each breach."""
 
     @property
-    def says(self) -> str:
+    def summary(self) -> str:
         """What holds where the rule is kept, in a sentence."""
         return (inspect.getdoc(self.find) or "").partition("\n\n")[0]
 

@@ -18,7 +18,7 @@ def lost_timers(survey: MissionIndex) -> Found:
     """A transition with `after_s` and `when` fires at one instant or never; another one says what happens otherwise."""
     for row in survey.rows:
         after_s, guard = row.transition.after_s, row.transition.when
-        if after_s is not None and guard is not None and not _goes_on(survey, row):
+        if after_s is not None and guard is not None and not _continues(survey, row):
             wait = f'"when": {{"all": [{{"elapsed_s": {after_s:g}}}, …]}}'
             yield (
                 f"{row.place}/when",
@@ -27,7 +27,7 @@ def lost_timers(survey: MissionIndex) -> Found:
             )
 
 
-def _goes_on(survey: MissionIndex, row: TransitionRef) -> bool:
+def _continues(survey: MissionIndex, row: TransitionRef) -> bool:
     """Whether a later instant decides what happens where the guard was not true."""
     rows = row.owner.rows if row.owner is not None else [each for each in survey.rows if each.owner is None]
     assert row.transition.after_s is not None

@@ -87,14 +87,14 @@ class ChaosConnector:
     def listed(self, mode: Mode) -> Mapping[str, str]:
         return self._connector.listed(mode)
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
-        def heard(message: Message) -> None:
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+        def disturbed(message: Message) -> None:
             if self._befalls(self._incoming.silence):
                 self._silent.add(topic)
             if topic not in self._silent:
-                self._pass(self._incoming, lambda: hear(self._spoiled(message)))
+                self._pass(self._incoming, lambda: on_message(self._spoiled(message)))
 
-        return self._connector.subscribe(topic, type_name, heard)
+        return self._connector.subscribe(topic, type_name, disturbed)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         self._pass(self._outgoing, lambda: self._connector.publish(topic, type_name, message))
@@ -105,23 +105,23 @@ class ChaosConnector:
         type_name: str,
         request: Data,
         *,
-        answered: Callable[[Reply], None],
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
-        told = threading.Event()
+        is_over = threading.Event()
 
-        def hear(reply: Reply) -> None:
-            told.set()
-            answered(reply)
+        def replied(reply: Reply) -> None:
+            is_over.set()
+            on_reply(reply)
 
         def give_up() -> None:
-            if not told.is_set():
-                hear(Reply("timed_out", {}, f"{service} did not answer within {timeout_s:g} s"))
+            if not is_over.is_set():
+                replied(Reply("timed_out", {}, f"{service} did not answer within {timeout_s:g} s"))
 
         def ask() -> None:
             self._connector.call(
                 service, type_name, request, timeout_s=timeout_s,
-                answered=lambda reply: self._pass(self._incoming, lambda: hear(reply)),
+                on_reply=lambda reply: self._pass(self._incoming, lambda: replied(reply)),
             )  # fmt: skip
 
         if timeout_s is not None:
@@ -129,20 +129,24 @@ class ChaosConnector:
         self._pass(self._outgoing, ask)
 
     def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         def send() -> None:
             with self._lock:
                 is_known = goal_id in self._sent
                 self._sent.add(goal_id)
             if not is_known:  # servers know a goal by its id, and take it once
-                self._connector.send_goal(action, type_name, goal, goal_id=goal_id, report=self._reporting(report))
+                self._connector.send_goal(
+                    action, type_name, goal, goal_id=goal_id, on_report=self._reporting(on_report)
+                )
 
         self._pass(self._outgoing, send)
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
-        found = self._reporting(report)
-        self._pass(self._outgoing, lambda: self._connector.find_goal(action, type_name, goal_id=goal_id, report=found))
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+        found = self._reporting(on_report)
+        self._pass(
+            self._outgoing, lambda: self._connector.find_goal(action, type_name, goal_id=goal_id, on_report=found)
+        )
 
     def cancel_goal(self, goal_id: str) -> None:
         self._pass(self._outgoing, lambda: self._connector.cancel_goal(goal_id))
@@ -153,8 +157,8 @@ class ChaosConnector:
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
         return self._connector.offer(action, type_name, server)
 
-    def _reporting(self, report: Callable[[Report], None]) -> Callable[[Report], None]:
-        return lambda said: self._pass(self._incoming, lambda: report(said))
+    def _reporting(self, on_report: Callable[[Report], None]) -> Callable[[Report], None]:
+        return lambda one: self._pass(self._incoming, lambda: on_report(one))
 
     def _pass(self, rates: Rates, do: Callable[[], None]) -> None:
         """Do it, or not, or later, or twice."""

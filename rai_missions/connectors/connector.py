@@ -80,7 +80,7 @@ class Report(NamedTuple):
     """
 
     goal_id: str
-    said: Literal[
+    status: Literal[
         "accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost", "contested",
         "stray", "over",
     ]  # fmt: skip
@@ -108,7 +108,7 @@ class SupportsRawMessages(Protocol):
         """How the bytes of a type are read, as the wire's own language says it; raises `ConnectorError`."""
 
     def tap(
-        self, topic: str, type_name: str, hear: Callable[[Message], None], hear_raw: Callable[[RawMessage], None]
+        self, topic: str, type_name: str, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None]
     ) -> Close:
         """Subscribe; each message comes raw first, then as plain data."""
 
@@ -145,14 +145,15 @@ class Parametrized(Protocol):
 class Surveyor(Protocol):
     """A connector on whose names two servers may be, and that finds out whether both live."""
 
-    def survey(self, action: str, type_name: str, *, within_s: float, told: Callable[[str], None]) -> None:
+    def survey(self, action: str, type_name: str, *, within_s: float, on_result: Callable[[str], None]) -> None:
         """Find out whether more than one server answers for an action.
 
         Args:
             action: Its name.
             type_name: Its type.
             within_s: How long a second server may take to go.
-            told: Takes, once and from any thread, a sentence that names the servers; empty where at most one answers.
+            on_result: Receives a sentence that names the servers, once and from any thread; empty where at most one
+                answers.
         """
 
 
@@ -178,7 +179,7 @@ class Connector(Protocol):
         What somebody listens to counts as a topic too. A connector that does not run lists nothing.
         """
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close: ...
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close: ...
 
     def publish(self, topic: str, type_name: str, message: Data) -> None: ...
 
@@ -188,17 +189,17 @@ class Connector(Protocol):
         type_name: str,
         request: Data,
         *,
-        answered: Callable[[Reply], None],
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
-        """Call a service; `answered` is told exactly once."""
+        """Call a service; `on_reply` is told exactly once."""
 
     def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         """Ask an action's server to pursue a goal under the id given."""
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         """Ask for a goal that an earlier process sent, and be told of it from now on.
 
         Reports `accepted` if it runs, its end if it has ended, and `lost` if its server knows nothing of it or nobody

@@ -14,7 +14,7 @@ from typing import Any, Generic, TypeVar, get_args
 from rai_missions.connectors.connector import Connector, Data, Message, Mode, Reply, Report
 from rai_missions.errors import UsageError
 
-__all__ = ("Heard", "PatientServer", "check_connector")
+__all__ = ("Inbox", "PatientServer", "check_connector")
 
 T = TypeVar("T")
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
@@ -23,7 +23,7 @@ PATIENCE_S = 30.0
 ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 
 
-class Heard(Generic[T]):
+class Inbox(Generic[T]):
     """Collects what a callback is told, from any thread.
 
     Args:
@@ -43,8 +43,8 @@ class Heard(Generic[T]):
     def wait(self, enough: Callable[[list[T]], bool], what: str) -> list[T]:
         """Wait until enough was heard, and something at all; else an `AssertionError` that says what did not come."""
         with self._changed:
-            heard = self._changed.wait_for(lambda: bool(self.all) and enough(self.all), self._within_s)
-            assert heard, f"{what}; heard only {self.all}"
+            is_enough = self._changed.wait_for(lambda: bool(self.all) and enough(self.all), self._within_s)
+            assert is_enough, f"{what}; heard only {self.all}"
             return list(self.all)
 
 
@@ -52,7 +52,7 @@ class PatientServer:
     """An action server that does only what the test tells it; the words of its goals are kept in order."""
 
     def __init__(self) -> None:
-        self.asked: Heard[tuple[str, str]] = Heard()
+        self.asked: Inbox[tuple[str, str]] = Inbox()
         self.goals: dict[str, Data] = {}
         self.report: dict[str, Callable[[Report], None]] = {}
 
@@ -63,8 +63,8 @@ class PatientServer:
     def cancel(self, goal_id: str) -> None:
         self.asked(("cancel", goal_id))
 
-    def say(self, goal_id: str, said: Any, data: Data | None = None) -> None:
-        self.report[goal_id](Report(goal_id, said, data or {}))
+    def send(self, goal_id: str, status: Any, data: Data | None = None) -> None:
+        self.report[goal_id](Report(goal_id, status, data or {}))
 
 
 def check_connector(
@@ -140,98 +140,98 @@ def _lists_its_actions(connector: Connector, action_type: str, _goal: Data) -> N
     _comes_to_list(connector, "actions", None, "/check/action")
 
 
-def _hears_what_is_published(connector: Connector, *_: Any) -> None:
-    heard: Heard[Message] = Heard()
-    close = connector.subscribe("/check/topic", STRING, heard)
+def _receives_what_is_published(connector: Connector, *_: Any) -> None:
+    inbox: Inbox[Message] = Inbox()
+    close = connector.subscribe("/check/topic", STRING, inbox)
     for text in ("one", "two", "three"):
         connector.publish("/check/topic", STRING, {"data": text})
-    messages = heard.wait(lambda all_: len(all_) == 3, "three messages were published")
+    messages = inbox.wait(lambda all_: len(all_) == 3, "three messages were published")
     assert [message.data["data"] for message in messages] == ["one", "two", "three"], "messages come in order"
     assert all(message.topic == "/check/topic" for message in messages), "a message names its topic"
     close()
     close()
     connector.publish("/check/topic", STRING, {"data": "late"})
-    assert len(heard.all) == 3, "a closed subscription hears nothing"
+    assert len(inbox.all) == 3, "a closed subscription hears nothing"
 
 
-def _hears_nothing_after_stop(connector: Connector, *_: Any) -> None:
-    heard: Heard[Message] = Heard()
-    connector.subscribe("/check/topic", STRING, heard)
+def _receives_nothing_after_stop(connector: Connector, *_: Any) -> None:
+    inbox: Inbox[Message] = Inbox()
+    connector.subscribe("/check/topic", STRING, inbox)
     connector.stop()
     connector.start()
     connector.publish("/check/topic", STRING, {"data": "late"})
-    assert heard.all == [], "stop closes the subscriptions"
+    assert inbox.all == [], "stop closes the subscriptions"
 
 
 def _answers_a_call_once(connector: Connector, *_: Any) -> None:
-    replies: Heard[Reply] = Heard()
+    replies: Inbox[Reply] = Inbox()
     connector.serve("/check/service", TRIGGER, lambda _request: {"success": True, "message": "done"})
-    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=PATIENCE_S)
+    connector.call("/check/service", TRIGGER, {}, on_reply=replies, timeout_s=PATIENCE_S)
     (reply,) = replies.wait(bool, "the service was called")
     assert (reply.outcome, dict(reply.data)) == ("succeeded", {"success": True, "message": "done"}), reply
 
 
-def _says_why_a_call_failed(connector: Connector, *_: Any) -> None:
+def _reports_why_a_call_failed(connector: Connector, *_: Any) -> None:
     def answer(_request: Data) -> Data:
         raise ValueError("no lamp")
 
-    replies: Heard[Reply] = Heard()
+    replies: Inbox[Reply] = Inbox()
     connector.serve("/check/service", TRIGGER, answer)
-    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=5.0)
+    connector.call("/check/service", TRIGGER, {}, on_reply=replies, timeout_s=5.0)
     (reply,) = replies.wait(bool, "the service raised")
     assert reply.outcome in ("failed", "timed_out"), reply
     assert reply.outcome == "timed_out" or "no lamp" in reply.why, reply
 
 
-def _says_that_nobody_serves(connector: Connector, *_: Any) -> None:
-    replies: Heard[Reply] = Heard()
+def _reports_that_no_server_offers(connector: Connector, *_: Any) -> None:
+    replies: Inbox[Reply] = Inbox()
     close = connector.serve("/check/service", TRIGGER, lambda _request: {})
     close()
-    connector.call("/check/service", TRIGGER, {}, answered=replies, timeout_s=0.5)
+    connector.call("/check/service", TRIGGER, {}, on_reply=replies, timeout_s=0.5)
     (reply,) = replies.wait(bool, "nobody serves it")
     assert reply.outcome in ("unavailable", "timed_out"), reply
 
 
 def _sent(
     connector: Connector, action_type: str, goal: Data, goal_id: str, server: PatientServer | None = None
-) -> tuple[PatientServer, Heard[Report]]:
-    server, reports = server or PatientServer(), Heard[Report]()
+) -> tuple[PatientServer, Inbox[Report]]:
+    server, reports = server or PatientServer(), Inbox[Report]()
     connector.offer("/check/action", action_type, server)
-    connector.send_goal("/check/action", action_type, goal, goal_id=goal_id, report=reports)
+    connector.send_goal("/check/action", action_type, goal, goal_id=goal_id, on_report=reports)
     server.asked.wait(bool, "a goal was sent")
     return server, reports
 
 
-def _ended_with(*said: str) -> Callable[[list[Report]], bool]:
+def _ended_with(*ends: str) -> Callable[[list[Report]], bool]:
     """Whether the last report, if any has come yet, is one of these."""
-    return lambda reports: bool(reports) and reports[-1].said in said
+    return lambda reports: bool(reports) and reports[-1].status in ends
 
 
 def _carries_a_goal_to_its_end(connector: Connector, action_type: str, goal: Data) -> None:
     server, reports = _sent(connector, action_type, goal, "g1")
     assert {key: server.goals["g1"][key] for key in goal} == dict(goal), "the server gets the goal as it was sent"
-    for said in ("accepted", "feedback", "succeeded", "succeeded", "failed", "feedback"):
-        server.say("g1", said)
-    said_all = [report.said for report in reports.wait(_ended_with(*ENDS), "the goal succeeded")]
-    assert said_all[0] == "accepted", said_all
-    assert said_all[-1] == "succeeded", f"nothing is reported after the end, but: {said_all}"
-    assert said_all.count("succeeded") == 1, said_all
+    for status in ("accepted", "feedback", "succeeded", "succeeded", "failed", "feedback"):
+        server.send("g1", status)
+    statuses = [report.status for report in reports.wait(_ended_with(*ENDS), "the goal succeeded")]
+    assert statuses[0] == "accepted", statuses
+    assert statuses[-1] == "succeeded", f"nothing is reported after the end, but: {statuses}"
+    assert statuses.count("succeeded") == 1, statuses
 
 
 def _remembers_an_early_cancel(connector: Connector, action_type: str, goal: Data) -> None:
     server, reports = _sent(connector, action_type, goal, "g2")
     connector.cancel_goal("g2")
-    server.say("g2", "accepted")
+    server.send("g2", "accepted")
     server.asked.wait(lambda all_: ("cancel", "g2") in all_, "a cancel before the acceptance is sent after it")
-    server.say("g2", "canceled")
+    server.send("g2", "canceled")
     reports.wait(_ended_with("canceled"), "the goal was canceled")
 
 
 def _ignores_a_cancel_of_nothing(connector: Connector, action_type: str, goal: Data) -> None:
     connector.cancel_goal("nobody")
     server, reports = _sent(connector, action_type, goal, "g3")
-    server.say("g3", "accepted")
-    server.say("g3", "failed")
+    server.send("g3", "accepted")
+    server.send("g3", "failed")
     reports.wait(_ended_with("failed"), "the goal failed")
     connector.cancel_goal("g3")
     assert ("cancel", "g3") not in server.asked.all, "an ended goal is not canceled"
@@ -241,17 +241,17 @@ class StubbornServer(PatientServer):
     """An action server that refuses every cancel."""
 
     def cancel(self, goal_id: str) -> None:
-        self.say(goal_id, "cancel_rejected")
+        self.send(goal_id, "cancel_rejected")
         super().cancel(goal_id)
 
 
 def _reports_a_refused_cancel(connector: Connector, action_type: str, goal: Data) -> None:
     server, reports = _sent(connector, action_type, goal, "g6", StubbornServer())
-    server.say("g6", "accepted")
+    server.send("g6", "accepted")
     reports.wait(_ended_with("accepted"), "the goal was accepted")
     connector.cancel_goal("g6")
     reports.wait(_ended_with("cancel_rejected"), "a refused cancel is reported, and is no end")
-    server.say("g6", "succeeded")
+    server.send("g6", "succeeded")
     reports.wait(_ended_with("succeeded"), "the goal ends nevertheless")
 
 
@@ -277,26 +277,26 @@ def _is_refused(serve: Callable[[], Any]) -> None:
     raise AssertionError("a second server on one name is refused")
 
 
-def _rejects_what_nobody_serves(connector: Connector, action_type: str, goal: Data) -> None:
-    reports: Heard[Report] = Heard()
-    connector.send_goal("/check/nobody", action_type, goal, goal_id="g4", report=reports)
+def _rejects_what_no_server_offers(connector: Connector, action_type: str, goal: Data) -> None:
+    reports: Inbox[Report] = Inbox()
+    connector.send_goal("/check/nobody", action_type, goal, goal_id="g4", on_report=reports)
     (report,) = reports.wait(bool, "nobody serves the action")
-    assert report.said in ("rejected", "lost"), report
+    assert report.status in ("rejected", "lost"), report
 
 
 def _cancels_running_goals_on_stop(connector: Connector, action_type: str, goal: Data) -> None:
     server, _reports = _sent(connector, action_type, goal, "g5")
-    server.say("g5", "accepted")
+    server.send("g5", "accepted")
     connector.stop()
     assert ("cancel", "g5") in server.asked.all, "stop cancels the goals that run"
 
 
 Check = Callable[[Connector, str, Data], None]
-TOPICS: tuple[Check, ...] = (_hears_what_is_published, _hears_nothing_after_stop, _lists_its_topics)
+TOPICS: tuple[Check, ...] = (_receives_what_is_published, _receives_nothing_after_stop, _lists_its_topics)
 SERVICES: tuple[Check, ...] = (
     _answers_a_call_once,
-    _says_why_a_call_failed,
-    _says_that_nobody_serves,
+    _reports_why_a_call_failed,
+    _reports_that_no_server_offers,
     _lists_what_is_served,
     _refuses_to_serve_twice,
 )
@@ -304,7 +304,7 @@ ACTIONS: tuple[Check, ...] = (
     _carries_a_goal_to_its_end,
     _remembers_an_early_cancel,
     _ignores_a_cancel_of_nothing,
-    _rejects_what_nobody_serves,
+    _rejects_what_no_server_offers,
     _cancels_running_goals_on_stop,
     _lists_its_actions,
     _reports_a_refused_cancel,

@@ -75,16 +75,16 @@ class LocalConnector:
         with self._lock:
             if mode == "topics":
                 spoken = [name for kind, name in self._types if kind == "topics"]
-                names = {*spoken, *(topic for topic, hears in self._subscribers.items() if hears)}
+                names = {*spoken, *(topic for topic, subscribers in self._subscribers.items() if subscribers)}
             else:
                 names = {*(self._services if mode == "services" else self._servers)}
             return {name: self._types.get((mode, name), "") for name in sorted(names)} if self._running else {}
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         key = object()
         with self._lock:
             self._agree("topics", topic, type_name)
-            self._subscribers[topic][key] = hear
+            self._subscribers[topic][key] = on_message
         return lambda: self._unsubscribe(topic, key)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
@@ -93,11 +93,11 @@ class LocalConnector:
                 return
             self._agree("topics", topic, type_name)
             keys = tuple(self._subscribers.get(topic, ()))
-        heard = Message(topic, message, *self._date(message))
+        dated = Message(topic, message, *self._date(message))
         for key in keys:
-            hear = self._subscribers.get(topic, {}).get(key)
-            if hear is not None:
-                _run(hear, heard, topic)
+            on_message = self._subscribers.get(topic, {}).get(key)
+            if on_message is not None:
+                _run(on_message, dated, topic)
 
     def call(
         self,
@@ -105,22 +105,22 @@ class LocalConnector:
         type_name: str,
         request: Data,
         *,
-        answered: Callable[[Reply], None],
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
         with self._lock:
             answer = self._services.get(service) if self._running else None
             wrong = self._disagreement("services", service, type_name)
         if answer is None:
-            answered(Reply("unavailable", {}, f"nobody serves {service}"))
+            on_reply(Reply("unavailable", {}, f"nobody serves {service}"))
         elif wrong:
-            answered(Reply("failed", {}, wrong))
+            on_reply(Reply("failed", {}, wrong))
         else:
             reply = _answer(answer, request, service)
-            answered(reply._replace(age_s=self._date(reply.data).age_s))
+            on_reply(reply._replace(age_s=self._date(reply.data).age_s))
 
     def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         with self._lock:
             if goal_id in self._goals:
@@ -128,24 +128,24 @@ class LocalConnector:
             found = self._servers.get(action) if self._running else None
             wrong = self._disagreement("actions", action, type_name)
             if found is not None and not wrong:
-                sent = Goal(goal_id, action, found[0], found[1], report, ended=self._forget)
+                sent = Goal(goal_id, action, found[0], found[1], on_report, ended=self._forget)
                 self._goals[goal_id] = sent
         if found is None:
-            report(Report(goal_id, "rejected", {}, f"nobody serves {action}"))
+            on_report(Report(goal_id, "rejected", {}, f"nobody serves {action}"))
         elif wrong:
-            report(Report(goal_id, "rejected", {}, wrong))
+            on_report(Report(goal_id, "rejected", {}, wrong))
         else:
             sent.send(goal)
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         with self._lock:
             found = self._goals.get(goal_id) or self._ended.get(goal_id)
             is_served = action in self._servers
         if found is not None:
-            found.tell(report)
+            found.deliver(on_report)
         else:
             why = f"the server of {action} knows nothing of the goal" if is_served else f"nobody serves {action}"
-            report(Report(goal_id, "lost", {}, why))
+            on_report(Report(goal_id, "lost", {}, why))
 
     def cancel_goal(self, goal_id: str) -> None:
         goal = self._goals.get(goal_id)
@@ -201,7 +201,7 @@ class LocalConnector:
             del self._servers[action]
             left = tuple(goal for goal in self._goals.values() if goal.action == action)
         for goal in left:
-            goal.hear(Report(goal.goal_id, "lost", {}, f"{action} is no longer served"))
+            goal.on_report(Report(goal.goal_id, "lost", {}, f"{action} is no longer served"))
 
     def _forget(self, goal: Goal) -> None:
         with self._lock:
@@ -219,9 +219,9 @@ def _answer(answer: Callable[[Data], Data], request: Data, service: str) -> Repl
         return Reply("failed", {}, f"{type(fault).__name__}: {fault}")
 
 
-def _run(hear: Callable[[Message], None], message: Any, topic: str) -> None:
+def _run(on_message: Callable[[Message], None], message: Any, topic: str) -> None:
     """One subscriber's fault must not keep the message from the others."""
     try:
-        hear(message)
+        on_message(message)
     except Exception:
         log.exception("a subscriber of %s failed", topic)

@@ -66,12 +66,12 @@ class Goal:
         action: str,
         server: ActionServer,
         calls: Mailbox,
-        report: Callable[[Report], None],
+        on_report: Callable[[Report], None],
         *,
         ended: Callable[[Goal], None],
     ) -> None:
         self.goal_id, self.action = goal_id, action
-        self._server, self._calls, self._report, self._ended = server, calls, report, ended
+        self._server, self._calls, self._report, self._ended = server, calls, on_report, ended
         self._reports = Mailbox()
         self._is_accepted = self._is_over = self._is_unwanted = False
         self.end: Report | None = None
@@ -83,32 +83,32 @@ class Goal:
     def cancel(self) -> None:
         self._reports.post(self._want_no_more)
 
-    def hear(self, report: Report) -> None:
+    def on_report(self, report: Report) -> None:
         """What the server says; dropped when it comes late, twice or under another goal's id."""
         self._reports.post(lambda: self._pass_on(report))
 
-    def tell(self, report: Callable[[Report], None]) -> None:
+    def deliver(self, on_report: Callable[[Report], None]) -> None:
         """Tell somebody else from now on, beginning with what has become of it."""
-        self._reports.post(lambda: self._begin_anew(report))
+        self._reports.post(lambda: self._begin_again(on_report))
 
-    def _begin_anew(self, report: Callable[[Report], None]) -> None:
-        self._report = report
+    def _begin_again(self, on_report: Callable[[Report], None]) -> None:
+        self._report = on_report
         if self.end is not None:
-            report(self.end)
+            on_report(self.end)
         elif self._is_accepted:
-            report(Report(self.goal_id, "accepted", {}))
+            on_report(Report(self.goal_id, "accepted", {}))
 
     def silence(self) -> None:
         """Nothing more is reported; what is accepted nevertheless is canceled, as any unwanted goal."""
-        self._report, self._is_unwanted = _to_nobody, True
+        self._report, self._is_unwanted = _discard, True
 
     def _accept(self, goal: Data) -> None:
         try:
-            self._server.accept(self.goal_id, goal, self.hear)
+            self._server.accept(self.goal_id, goal, self.on_report)
         except Exception as fault:
             log.exception("%s could not take goal %s", self.action, self.goal_id)
             end = "failed" if self._is_accepted else "rejected"
-            self.hear(Report(self.goal_id, end, {}, f"{type(fault).__name__}: {fault}"))  # type: ignore[arg-type]
+            self.on_report(Report(self.goal_id, end, {}, f"{type(fault).__name__}: {fault}"))  # type: ignore[arg-type]
 
     def _want_no_more(self) -> None:
         if not self._is_over and self._is_accepted:
@@ -121,26 +121,26 @@ class Goal:
                 self._server.cancel(self.goal_id)
         except Exception as fault:
             log.exception("%s could not cancel goal %s", self.action, self.goal_id)
-            self.hear(Report(self.goal_id, "cancel_rejected", {}, f"{type(fault).__name__}: {fault}"))
+            self.on_report(Report(self.goal_id, "cancel_rejected", {}, f"{type(fault).__name__}: {fault}"))
 
     def _pass_on(self, report: Report) -> None:
-        is_lost = self.end is not None and self.end.said == "lost"
-        if is_lost and report.goal_id == self.goal_id and report.said in ENDS and report.said != "lost":
+        is_lost = self.end is not None and self.end.status == "lost"
+        if is_lost and report.goal_id == self.goal_id and report.status in ENDS and report.status != "lost":
             self.end = report
-            self._report(Report(self.goal_id, "over", {}, f"its server reports that it has ended: {report.said}"))
+            self._report(Report(self.goal_id, "over", {}, f"its server reports that it has ended: {report.status}"))
             return
-        if self._is_over or report.goal_id != self.goal_id or (report.said == "accepted" and self._is_accepted):
+        if self._is_over or report.goal_id != self.goal_id or (report.status == "accepted" and self._is_accepted):
             return
-        if not self._is_accepted and report.said not in ("accepted", "rejected", "lost"):
+        if not self._is_accepted and report.status not in ("accepted", "rejected", "lost"):
             self._pass_on(Report(self.goal_id, "accepted", {}))
-        self._is_accepted = self._is_accepted or report.said == "accepted"
-        if report.said in ENDS:
+        self._is_accepted = self._is_accepted or report.status == "accepted"
+        if report.status in ENDS:
             self._is_over, self.end = True, report
             self._ended(self)
         self._report(report)
-        if report.said == "accepted" and self._is_unwanted:
+        if report.status == "accepted" and self._is_unwanted:
             self._calls.post(self._cancel_now)
 
 
-def _to_nobody(_report: Report) -> None:
+def _discard(_report: Report) -> None:
     """Nobody listens any more."""

@@ -13,7 +13,7 @@ from rai_missions.connectors.connector import Connector, SupportsDiscoveryCount
 from rai_missions.errors import ConnectorError
 from rai_missions.redaction import logger
 
-__all__ = ("Beside",)
+__all__ = ("BypassMonitor",)
 
 log = logger(__name__)
 
@@ -21,7 +21,7 @@ LOOK_S = 2.0
 """Seconds between two looks; also how long whoever is there already may take to be found."""
 
 
-class Beside:
+class BypassMonitor:
     """Looks for others on the gate's topics, an `Agent`.
 
     Args:
@@ -30,8 +30,8 @@ class Beside:
         told: Hears of a topic once when others are there, and again after they were gone: topic and how many.
     """
 
-    def __init__(self, connector: Connector, topics: Iterable[str], told: Callable[[str, int], None]) -> None:
-        self._connector, self._topics, self._told = connector, tuple(topics), told
+    def __init__(self, connector: Connector, topics: Iterable[str], on_change: Callable[[str, int], None]) -> None:
+        self._connector, self._topics, self._on_change = connector, tuple(topics), on_change
         self._known: frozenset[str] = frozenset()
         self._is_over = threading.Event()
         self._thread: threading.Thread | None = None
@@ -43,7 +43,7 @@ class Beside:
         counts = self._connector.offered("topics")
         others = {topic: counts[topic] - 1 for topic in self._topics if counts.get(topic, 0) > 1}
         for topic in others.keys() - self._known:
-            self._told(topic, others[topic])
+            self._on_change(topic, others[topic])
         self._known = frozenset(others)
 
     def run(self) -> None:

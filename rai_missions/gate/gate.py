@@ -32,9 +32,9 @@ from rai_missions.gate.state import (
     GateEvent,
     Halt,
     Pass,
+    Publish,
     Refuse,
     Request,
-    Tell,
     Tick,
     status_of,
 )
@@ -134,13 +134,13 @@ class GateAgent:
         for who in COMMANDERS:
             below = f"{name}/{who}"
             for topic in self._words.commands:
-                self._hear(f"{below}{topic.topic}", topic.type, partial(self._command, who, topic.topic))
-            self._hear(f"{below}/alive", EMPTY, partial(self._live, who))
-            self._hear(f"{below}/request", STRING, partial(self._ask_by_message, who))
+                self._subscribe(f"{below}{topic.topic}", topic.type, partial(self._command, who, topic.topic))
+            self._subscribe(f"{below}/alive", EMPTY, partial(self._live, who))
+            self._subscribe(f"{below}/request", STRING, partial(self._ask_by_message, who))
             for to in CONTROLLERS:
                 service = f"{below}/hand_to_{to}"
                 self._closes.append(self._connector.serve(service, TRIGGER, partial(self._serve, to, who)))
-        self._hear(f"{name}/status", STRING, self._look_at_gate)
+        self._subscribe(f"{name}/status", STRING, self._look_at_gate)
         self.tick()
 
     def close(self) -> None:
@@ -149,8 +149,8 @@ class GateAgent:
             self._closes.pop()()
         self._do_in_turn((Halt("the gate has ended"),), is_last=True)
 
-    def _hear(self, topic: str, kind: str, hear: Callable[[Message], None]) -> None:
-        self._closes.append(self._connector.subscribe(topic, kind, hear))
+    def _subscribe(self, topic: str, kind: str, on_message: Callable[[Message], None]) -> None:
+        self._closes.append(self._connector.subscribe(topic, kind, on_message))
 
     # -- what happens ----------------------------------------------------------------------------------------------
 
@@ -172,22 +172,22 @@ class GateAgent:
     def _live(self, who: str, _: Message) -> None:
         self._take(lambda at: Alive(at, who))
 
-    def _ask_by_message(self, who: str, heard: Message) -> None:
+    def _ask_by_message(self, who: str, message: Message) -> None:
         """`{"to": "agent"}`, or the name alone."""
-        text = str(heard.data.get("data", ""))
+        text = str(message.data.get("data", ""))
         try:
-            said = json.loads(text)
+            request = json.loads(text)
         except (ValueError, RecursionError):
-            said = text
-        to, by = (said.get("to"), said.get("by", who)) if isinstance(said, Mapping) else (said, who)
+            request = text
+        to, by = (request.get("to"), request.get("by", who)) if isinstance(request, Mapping) else (request, who)
         if by != who:
             log.warning("%s asked for control in the name of %.60s; it speaks for itself alone", who, by)
         self.ask(cut(to, 60), who if by == who else cut(f"{who} as {by}", 60))
 
-    def _look_at_gate(self, heard: Message) -> None:
+    def _look_at_gate(self, message: Message) -> None:
         """A status of this name: our own, or another gate's."""
         try:
-            began, identity = json.loads(heard.data["data"])["gate"]
+            began, identity = json.loads(message.data["data"])["gate"]
             is_older = [float(began), str(identity)] < self._identity
         except (KeyError, TypeError, ValueError, RecursionError):
             return
@@ -196,9 +196,9 @@ class GateAgent:
             log.critical("another gate stands at %s already; this one ends", self._words.name)
             self.end()
 
-    def _command(self, who: str, topic: str, heard: Message) -> None:
-        made = heard.at if heard.age_s is not None else math.inf
-        self._take(lambda at: Command(at, who, topic, heard.data, made))
+    def _command(self, who: str, topic: str, message: Message) -> None:
+        made = message.at if message.age_s is not None else math.inf
+        self._take(lambda at: Command(at, who, topic, message.data, made))
 
     # -- what is done ----------------------------------------------------------------------------------------------
 
@@ -237,8 +237,8 @@ class GateAgent:
                 self._publish_stops()
                 if self._memory is not None and isinstance(deed, Change):
                     self._memory.note(deed.holder)
-            elif isinstance(deed, Tell):
-                self._tell(deed.gate)
+            elif isinstance(deed, Publish):
+                self._publish(deed.gate)
             if self._observe is not None:
                 self._observe(deed)
         except Exception:
@@ -253,7 +253,7 @@ class GateAgent:
             if topic.stop_message is not None:
                 self._connector.publish(topic.topic, topic.type, topic.stop_message)
 
-    def _tell(self, gate: Gate) -> None:
+    def _publish(self, gate: Gate) -> None:
         status = {"gate": self._identity, **status_of(gate, self._terms), "commands": list(self._topics)}
         self._connector.publish(f"{self._words.name}/status", STRING, {"data": json.dumps(status)})
         self._connector.publish(f"{self._words.name}/holder", STRING, {"data": gate.holder})

@@ -35,8 +35,8 @@ class Memory:
         try:
             if sort := irregular(self.path):  # a pipe would never end
                 raise OSError(f"that is {sort}")
-            said = json.loads(self.path.read_text(encoding="utf-8"))
-            last = said["holder"]
+            stored = json.loads(self.path.read_text(encoding="utf-8"))
+            last = stored["holder"]
         except FileNotFoundError:
             return safe
         except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
@@ -48,9 +48,9 @@ class Memory:
         """Control is with another holder from now on; a file that cannot be written is logged."""
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            beside = self.path.with_name(f"{self.path.name}.{os.getpid()}")
-            beside.write_text(json.dumps({"holder": holder}), encoding="utf-8")
-            beside.replace(self.path)
+            temporary = self.path.with_name(f"{self.path.name}.{os.getpid()}")
+            temporary.write_text(json.dumps({"holder": holder}), encoding="utf-8")
+            temporary.replace(self.path)
         except OSError:
             log.exception("a gate that is started again will not know that %s holds control", holder)
 

@@ -22,9 +22,9 @@ from rai_missions.gate.state import (
     GateEvent,
     GateRules,
     Pass,
+    Publish,
     Refuse,
     Request,
-    Tell,
 )
 from rai_missions.runtime.lifecycle import Control
 
@@ -46,9 +46,9 @@ def step(terms: GateRules, gate: Gate, happening: GateEvent) -> Turn:
     else:
         gate, done = (_alive(gate, happening.who) if isinstance(happening, Alive) else gate), ()
     done = (*lapsed, *done)
-    if gate.at >= gate.told + terms.status_s or any(isinstance(each, Change | Answer) for each in done):
-        gate = gate._replace(told=gate.at)
-        done = (*done, Tell(gate))
+    if gate.at >= gate.published + terms.status_s or any(isinstance(each, Change | Answer) for each in done):
+        gate = gate._replace(published=gate.at)
+        done = (*done, Publish(gate))
     return gate, done
 
 
@@ -73,8 +73,8 @@ def _request(gate: Gate, request: Request) -> Turn:
     if request.by not in COMMANDERS:
         why = f"nobody called '{request.by}' can ask for control; there is: {', '.join(COMMANDERS)}"
     if why:
-        said = f"{request.by} asked for control to go to {request.to}: {why}"
-        gate = gate._replace(requests_refused=_counted(gate.requests_refused, request.by), last_refusal=said)
+        note = f"{request.by} asked for control to go to {request.to}: {why}"
+        gate = gate._replace(requests_refused=_counted(gate.requests_refused, request.by), last_refusal=note)
         return gate, (Answer(gate.revision, request, why),)
     changes: tuple[Deed, ...] = ()
     if request.to != gate.holder:

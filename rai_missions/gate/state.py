@@ -24,9 +24,9 @@ __all__ = (
     "GateRules",
     "Halt",
     "Pass",
+    "Publish",
     "Refuse",
     "Request",
-    "Tell",
     "Tick",
     "status_of",
 )  # fmt: skip
@@ -129,13 +129,13 @@ class Answer(NamedTuple):
     why: str
 
 
-class Tell(NamedTuple):
+class Publish(NamedTuple):
     """The status is published."""
 
     gate: Gate
 
 
-Deed = Change | Halt | Pass | Refuse | Answer | Tell
+Deed = Change | Halt | Pass | Refuse | Answer | Publish
 
 
 # -- what is known -----------------------------------------------------------------------------------------------------
@@ -154,7 +154,7 @@ class Gate(NamedTuple):
     why: str = "the gate has begun"
     at: float = 0.0
     """The last instant that it knows of."""
-    told: float = -math.inf
+    published: float = -math.inf
     """When the status was last told."""
     alive: Mapping[str, float] = NOTHING
     """Who → its last sign of life: a command, refused or not, or a heartbeat."""
@@ -177,7 +177,7 @@ class Gate(NamedTuple):
 
     def wake_at(self, terms: GateRules) -> float:
         """When the gate next does something by itself."""
-        return min(self.lapses_at(terms), self.told + terms.status_s)
+        return min(self.lapses_at(terms), self.published + terms.status_s)
 
 
 def status_of(gate: Gate, terms: GateRules) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rai_missions.engine.step import Step
-from rai_missions.journal.in_flight import weighty
+from rai_missions.journal.in_flight import needs_confirmation
 from rai_missions.journal.writer_thread import WriterThread
 from rai_missions.keys import Blackboard
 
@@ -54,7 +54,7 @@ class BufferedWriter:
         """The instant at which what travels must be written down; infinity if nothing does."""
         return self._since + QUIET_S
 
-    def go_on(self, at: float) -> None:
+    def resume(self, at: float) -> None:
         """The run was cut short, and goes on at this instant of its clock; raises as `write` does."""
         self.note("taken up again")
         self.silent_from = at + QUIET_S if self._book is not None else math.inf
@@ -78,7 +78,7 @@ class BufferedWriter:
 
     def confirm(self, step: Step) -> None:
         """Write down that a step's effects were carried out, where doing so twice may harm; raises as `write` does."""
-        if weighty(step):
+        if needs_confirmation(step):
             self.settle(step.seq, "performed")
 
     def settle(self, seq: int, how: str) -> None:

@@ -39,7 +39,7 @@ def _parted(place: str, expected: Any, got: Any) -> str:
         if isinstance(expected, list | tuple):
             longest = range(max(len(expected), len(got)))
             return _first(place, [(f"[{index}]", _at(expected, index), _at(got, index)) for index in longest])
-    return f"{place} was {_said(expected)}, now it is {_said(got)}"
+    return f"{place} was {_shown(expected)}, now it is {_shown(got)}"
 
 
 def _first(place: str, pairs: list[tuple[str, Any, Any]]) -> str:
@@ -61,5 +61,5 @@ def _at(items: Any, index: int) -> Any:
     return items[index] if index < len(items) else MISSING
 
 
-def _said(value: Any) -> str:
+def _shown(value: Any) -> str:
     return "absent" if value is MISSING else f"{cut_repr(value, 120)}"

@@ -25,16 +25,16 @@ from rai_missions.engine.step import (
 from rai_missions.event import Event
 from rai_missions.journal.rows import Confirmation, JournalRow, StepRow
 
-__all__ = ("InFlight", "underway", "weighty")
+__all__ = ("InFlight", "needs_confirmation", "underway")
 
 WEIGHTY = (StartGoal, CallService, PublishMessage, SayAloud)
 OPENING = (StartGoal, CallService, Ask, StartBehaviour)
 CLOSING = (Withdraw, StopBehaviour)
-SAID = frozenset({"accepted", "feedback", "result"})
+SPOKEN = frozenset({"accepted", "feedback", "result"})
 """Kinds of events by which a server shows that it was reached."""
 
 
-def weighty(step: Step) -> bool:
+def needs_confirmation(step: Step) -> bool:
     """Its effects may not be carried out twice, so the journal says when they have been."""
     return any(isinstance(effect, WEIGHTY) for effect in step.effects)
 
@@ -80,7 +80,7 @@ class InFlight:
 
     def _step(self, step: Step) -> None:
         event = step.event
-        if event.kind in SAID:
+        if event.kind in SPOKEN:
             self._settle(lambda effect: isinstance(effect, StartGoal | CallService) and effect.number == event.number)
         elif event.kind == "doubt":
             name = event.data.get("name")

@@ -198,6 +198,6 @@ class Record:
         try:
             return make()
         except BAD as error:
-            said = f"'{error.args[0]}' is missing" if isinstance(error, KeyError) else str(error)
-            fault = Fault(f"row {number}", f"no {cut(kind, 20)} can be read here: {cut(said, 200)}")
+            why = f"'{error.args[0]}' is missing" if isinstance(error, KeyError) else str(error)
+            fault = Fault(f"row {number}", f"no {cut(kind, 20)} can be read here: {cut(why, 200)}")
             raise DefinitionError([fault], str(self.path)) from None

@@ -48,13 +48,13 @@ class WriterThread:
         self._ticket += 1
         ticket, until = self._ticket, time.monotonic() + LONGEST_S
         self._work.put(lambda: self._write(write, ticket))
-        said = self._hear(until)
-        while said[0] != ticket:
-            if said[0] == CALL:
+        task = self._next_task(until)
+        while task[0] != ticket:
+            if task[0] == CALL:
                 self._called()
-            said = self._hear(until)
-        if said[1] is not None:
-            raise said[1]
+            task = self._next_task(until)
+        if task[1] is not None:
+            raise task[1]
 
     def call(self) -> None:
         """Whoever waits looks up; from any thread."""
@@ -70,7 +70,7 @@ class WriterThread:
     def _why(self) -> str:
         return f"its disk has not answered for {LONGEST_S:g} s"
 
-    def _hear(self, until: float) -> tuple[int, BaseException | None]:
+    def _next_task(self, until: float) -> tuple[int, BaseException | None]:
         try:
             return self._bell.get(timeout=max(0.0, until - time.monotonic()))
         except queue.Empty:

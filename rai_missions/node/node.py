@@ -205,7 +205,7 @@ class MissionNode:
             is_answered.set()
 
         service, kind = self.name.below("get_state"), "lifecycle_msgs/srv/GetState"
-        self._carrier.connector.call(service, kind, {}, answered=answered, timeout_s=LOOK_S)
+        self._carrier.connector.call(service, kind, {}, on_reply=answered, timeout_s=LOOK_S)
         is_answered.wait(LOOK_S + 1.0)
         if replies and replies[0].outcome == "succeeded":
             raise UsageError(f"another node is called {self.name.path} already; give this one a name with --node NAME")

@@ -80,8 +80,8 @@ def json_of(text: Any) -> Any:
     try:
         return plain(json.loads(text))
     except (ValueError, RecursionError) as error:
-        said = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise ConnectorError(f"a message's text is no JSON: {cut(said, 120)}") from None
+        why = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise ConnectorError(f"a message's text is no JSON: {cut(why, 120)}") from None
 
 
 def pose_of(message: Any) -> dict[str, Any] | None:
@@ -156,9 +156,9 @@ def image_of(message: Any, ref: str) -> Image:
             data = None
     if not isinstance(data, bytes | bytearray | memoryview):
         raise ConnectorError(f"{cut_repr(message, 60)} stands where a picture belongs: its 'data' is no bytes")
-    raw, said = bytes(data), message.get("format")
-    if isinstance(said, str):
-        return Image(ref, 0, 0, "png" if "png" in said.lower() else "jpeg", raw)
+    raw, format_name = bytes(data), message.get("format")
+    if isinstance(format_name, str):
+        return Image(ref, 0, 0, "png" if "png" in format_name.lower() else "jpeg", raw)
     width, height, encoding = (message.get(word) for word in ("width", "height", "encoding"))
     channels = {"rgb8": 3, "bgr8": 3, "mono8": 1}.get(str(encoding), 0)
     step = message.get("step") or (width * channels if isinstance(width, int) else 0)

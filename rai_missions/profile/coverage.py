@@ -78,23 +78,23 @@ def _events(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
 
 
 def _actions(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
-    told: set[str] = set()
+    reported: set[str] = set()
     for work, place, *_ in survey.works:
         if not isinstance(work, Action | ActionLeaf):
             continue
         entry = robot.actions.get(work.action)
         if entry is None:
-            if work.action not in told:
-                told.add(work.action)
+            if work.action not in reported:
+                reported.add(work.action)
                 yield _lacks("actions", work.action, robot.actions, f"{place}/action")
             continue
         for field in {path.partition(".")[0] for path in references(entry.goal)} - work.goal.keys():
             where = pointer(["actions", work.action, "goal"])
             yield Fault(where, f"it takes '{field}' from the mission, which gives no such field at {place}/goal")
         for word, guard in (("succeeded", entry.succeeded), ("failed", entry.failed)):
-            if guard is not None and work.action not in told:
+            if guard is not None and work.action not in reported:
                 yield from _unknown_keys(survey, guard, pointer(["actions", work.action, word]))
-        told.add(work.action)
+        reported.add(work.action)
 
 
 def _services(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
@@ -108,13 +108,13 @@ def _services(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
 
 
 def _topics(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
-    said = [
+    faults = [
         (done.effect.publish, f"{done.place}/publish") for done in survey.effects if isinstance(done.effect, Publish)
     ]
     for _, planted in survey.planted:
         if isinstance(planted.node, PublishLeaf):
-            said.append((planted.node.publish, f"{planted.place}/publish"))
-    for name, place in dict(reversed(said)).items():
+            faults.append((planted.node.publish, f"{planted.place}/publish"))
+    for name, place in dict(reversed(faults)).items():
         if name not in robot.topics:
             yield _lacks("topics", name, robot.topics, place)
 

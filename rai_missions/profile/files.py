@@ -58,10 +58,10 @@ def identity_folder(robot: Robot, file: str | os.PathLike[str]) -> Path | None:
     """
     if not robot.identity:
         return None
-    beside = Path(file).resolve().parent
+    home = Path(file).resolve().parent
     try:
-        folder = (beside / robot.identity).resolve()
-        if not folder.is_relative_to(beside):
+        folder = (home / robot.identity).resolve()
+        if not folder.is_relative_to(home):
             sentence = f"{shown(robot.identity)} lies outside the profile's own folder; move it beside the profile"
         elif not folder.is_dir():
             sentence = f"there is no folder {shown(robot.identity)} beside the profile; add it or drop 'identity'"

@@ -15,7 +15,7 @@ from rai_missions.guards.guard import Guard
 from rai_missions.keys import is_number
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.convert import at_path
-from rai_missions.profile.message_types import Kind, heard
+from rai_missions.profile.message_types import Kind, listened
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.redaction import cut_repr
@@ -40,7 +40,7 @@ def misnamed(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tupl
         fields_of: Tells what a type holds; what it cannot tell is left to the run.
     """
     faults = []
-    for sort, name, source in heard(mission, robot):
+    for sort, name, source in listened(mission, robot):
         fields = fields_of(source.type, "srv" if source.service is not None else "msg") if source.type else None
         for where, path in _paths(source) if fields is not None else ():
             if why := _lack(fields, path):

@@ -15,7 +15,7 @@ from rai_missions.states import Action
 from rai_missions.states.effects import Call, Publish
 from rai_missions.states.tree import ActionLeaf, PublishLeaf
 
-__all__ = ("Kind", "Typed", "heard", "lacking", "typed")
+__all__ = ("Kind", "Typed", "lacking", "listened", "typed")
 
 Kind = Literal["msg", "srv", "action"]
 
@@ -31,7 +31,7 @@ class Typed(NamedTuple):
 def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
     """The types of what the mission uses, of everything without one; a type not written is left out."""
     used = _used(mission) if mission is not None else _all(robot)
-    for sort, name, source in heard(mission, robot):
+    for sort, name, source in listened(mission, robot):
         yield from _one(source.type, "srv" if source.service is not None else "msg", sort, name, "type")
     for name, action in robot.actions.items():
         if name in used["actions"]:
@@ -49,7 +49,7 @@ def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
         yield from _one(service.type, "srv", "control", name)
 
 
-def heard(mission: Mission | None, robot: Robot) -> Iterator[tuple[str, str, Source | EventSource]]:
+def listened(mission: Mission | None, robot: Robot) -> Iterator[tuple[str, str, Source | EventSource]]:
     """What the mission hears, everything without one: `blackboard` or `events`, the name there, and the source."""
     for name, source in robot.blackboard.items():
         if mission is None or name in mission.blackboard:
@@ -67,8 +67,8 @@ def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> 
         robot: On which robot.
         why: Says of a type and its kind why it is not here; empty if it is.
     """
-    told = {each: why(each.type, each.kind) for each in typed(mission, robot)}
-    return tuple(Fault(each.place, sentence) for each, sentence in told.items() if sentence)
+    reasons = {each: why(each.type, each.kind) for each in typed(mission, robot)}
+    return tuple(Fault(each.place, sentence) for each, sentence in reasons.items() if sentence)
 
 
 def _one(type_name: str, kind: Kind, *place: str) -> Iterator[Typed]:

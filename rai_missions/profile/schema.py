@@ -15,14 +15,14 @@ from rai_missions.profile.sources import EventSource, Source
 
 __all__ = ("robot_schema",)
 
-HEARD = {
+SOURCES = {
     "oneOf": [{"required": ["topic"]}, {"required": ["service"]}],
     "dependentRequired": {"service": ["every_s"], "every_s": ["service"]},
 }
 POSTED = {"properties": {"posted": {"const": True}}, "required": ["posted"]}
 RULES: dict[str, dict[str, Any]] = {
-    Source.__name__: HEARD,
-    EventSource.__name__: {"if": POSTED, "then": {"not": {"anyOf": HEARD["oneOf"]}}, "else": HEARD},
+    Source.__name__: SOURCES,
+    EventSource.__name__: {"if": POSTED, "then": {"not": {"anyOf": SOURCES["oneOf"]}}, "else": SOURCES},
     ActionEntry.__name__: {
         "oneOf": [{"required": ["action"]}, {"required": ["start", "succeeded"]}],
         "not": {"required": ["action", "start"]},

@@ -20,7 +20,7 @@ from rai_missions.model import Bool, Json, MissionModel, Name, OneOf, Seconds, T
 from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
 from rai_missions.redaction import cut_repr
 
-__all__ = ("EventSource", "Source", "check_heard", "truth_of")
+__all__ = ("EventSource", "Source", "check_source", "truth_of")
 
 Read = Literal["plain", "pose", "image"]
 READ_AS: Mapping[str, Read] = {
@@ -65,8 +65,8 @@ class Source(MissionModel):
     """`pose` or `image`; left out, the type of the message says it."""
 
     @model_validator(mode="after")
-    def _heard_somewhere(self) -> Self:
-        check_heard(self.topic, self.service, self.every_s)
+    def _has_a_source(self) -> Self:
+        check_source(self.topic, self.service, self.every_s)
         if self.topic is not None and self.request:
             raise fault("request", "a topic is not asked; 'request' belongs to a 'service'")
         if self.json_ and self.read is not None:
@@ -146,9 +146,9 @@ class EventSource(MissionModel):
     """Nothing of the robot says it: another program or a person posts it to the runner."""
 
     @model_validator(mode="after")
-    def _heard_somewhere(self) -> Self:
+    def _has_a_source(self) -> Self:
         if not self.posted:
-            check_heard(self.topic, self.service, self.every_s)
+            check_source(self.topic, self.service, self.every_s)
         elif self.topic is not None or self.service is not None:
             raise fault("posted", "an event is 'posted' or heard on a topic or service, not both; drop one")
         elif self.during is not None:
@@ -161,7 +161,7 @@ class EventSource(MissionModel):
         Raises:
             ConnectorError: The message is not what the profile says it is.
         """
-        return True if self.when is None else truth_of(self.when, self._said(message))
+        return True if self.when is None else truth_of(self.when, self._content(message))
 
     def happens(self, before: Truth, now: Truth) -> bool:
         """Whether it happens with a message for which `fires` says `now`, after one for which it said `before`."""
@@ -173,16 +173,18 @@ class EventSource(MissionModel):
         Raises:
             ConnectorError: The message is not what the profile says it is.
         """
-        said = self._said(message)
+        content = self._content(message)
         if self.fields:
-            return {name: plain(at_path(said, path)) for name, path in self.fields.items()}
-        return cast("dict[str, Any]", plain({name: item for name, item in said.items() if not isinstance(item, bytes)}))
+            return {name: plain(at_path(content, path)) for name, path in self.fields.items()}
+        return cast(
+            "dict[str, Any]", plain({name: item for name, item in content.items() if not isinstance(item, bytes)})
+        )
 
-    def _said(self, message: Mapping[str, Any]) -> Mapping[str, Any]:
-        said = json_of(message.get("data")) if self.json_ else message
-        if not isinstance(said, Mapping):
-            raise ConnectorError(f"{cut_repr(said, 60)} stands where an object with fields belongs")
-        return said
+    def _content(self, message: Mapping[str, Any]) -> Mapping[str, Any]:
+        content = json_of(message.get("data")) if self.json_ else message
+        if not isinstance(content, Mapping):
+            raise ConnectorError(f"{cut_repr(content, 60)} stands where an object with fields belongs")
+        return content
 
 
 def truth_of(guard: Guard, message: Mapping[str, Any]) -> Truth:
@@ -192,7 +194,7 @@ def truth_of(guard: Guard, message: Mapping[str, Any]) -> Truth:
     return guard.compile(Site("", WORDS_OF_GUARDS))(cast(View, view))
 
 
-def check_heard(topic: str | None, service: str | None, every_s: float | None) -> None:
+def check_source(topic: str | None, service: str | None, every_s: float | None) -> None:
     """Whether a source is one thing.
 
     Raises:

@@ -56,28 +56,28 @@ class RecordedConnector:
         if isinstance(self._inner, SupportsPreconnect):
             self._inner.expect(mode, name, type_name)
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         """Subscribe; a topic that is subscribed to more than once is recorded once."""
         key = object()
 
         def is_kept() -> bool:
             return self._keeps.setdefault(topic, key) is key
 
-        def heard(message: Message) -> None:
+        def record(message: Message) -> None:
             if is_kept():
-                self._recording.heard(message, type_name)
-            hear(message)
+                self._recording.received(message, type_name)
+            on_message(message)
 
         definition = self._definition(type_name)
         if isinstance(self._inner, SupportsRawMessages) and definition:
 
-            def heard_raw(message: RawMessage) -> None:
+            def record_raw(message: RawMessage) -> None:
                 if is_kept():
-                    self._recording.heard_raw(message, definition)
+                    self._recording.received_raw(message, definition)
 
-            close = self._inner.tap(topic, type_name, hear, heard_raw)
+            close = self._inner.tap(topic, type_name, on_message, record_raw)
         else:
-            close = self._inner.subscribe(topic, type_name, heard)
+            close = self._inner.subscribe(topic, type_name, record)
 
         def end() -> None:
             close()
@@ -102,31 +102,31 @@ class RecordedConnector:
         type_name: str,
         request: Data,
         *,
-        answered: Callable[[Reply], None],
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
         began = time.monotonic()
 
-        def told(reply: Reply) -> None:
+        def record(reply: Reply) -> None:
             self._recording.called(service, request, reply, time.monotonic() - began)
-            answered(reply)
+            on_reply(reply)
 
-        self._inner.call(service, type_name, request, answered=told, timeout_s=timeout_s)
+        self._inner.call(service, type_name, request, on_reply=record, timeout_s=timeout_s)
 
     def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
-        self._inner.send_goal(action, type_name, goal, goal_id=goal_id, report=self._told(action, report))
+        self._inner.send_goal(action, type_name, goal, goal_id=goal_id, on_report=self._recorded(action, on_report))
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
-        self._inner.find_goal(action, type_name, goal_id=goal_id, report=self._told(action, report))
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+        self._inner.find_goal(action, type_name, goal_id=goal_id, on_report=self._recorded(action, on_report))
 
-    def _told(self, action: str, report: Callable[[Report], None]) -> Callable[[Report], None]:
-        def told(said: Report) -> None:
-            self._recording.reported(action, said)
-            report(said)
+    def _recorded(self, action: str, on_report: Callable[[Report], None]) -> Callable[[Report], None]:
+        def record(one: Report) -> None:
+            self._recording.reported(action, one)
+            on_report(one)
 
-        return told
+        return record
 
     def cancel_goal(self, goal_id: str) -> None:
         self._inner.cancel_goal(goal_id)

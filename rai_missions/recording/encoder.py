@@ -49,27 +49,27 @@ class MessageEncoder:
         self._rows: set[int] = set()
         self._blobs: set[str] = set()
 
-    def json(self, topic: str, schema: Schema, said: Any, when: When) -> None:
+    def json(self, topic: str, schema: Schema, content: Any, when: When) -> None:
         """A message as JSON."""
         channel = self._file.channel(topic, "json", schema.name, "jsonschema", schema.text)
-        self._file.add(channel, json.dumps(said, separators=(",", ":")).encode(), when.wall, when.run)
+        self._file.add(channel, json.dumps(content, separators=(",", ":")).encode(), when.wall, when.run)
 
     def raw(self, message: RawMessage, definition: str, when: When) -> None:
         """A message of ROS, byte for byte."""
         channel = self._file.channel(message.topic, "cdr", message.type, "ros2msg", definition, message.quality)
         self._file.add(channel, message.data, when.wall, when.run)
 
-    def heard(self, message: Message, type_name: str, when: When) -> None:
+    def received(self, message: Message, type_name: str, when: When) -> None:
         """A message as plain data."""
         image = image_in(message.data)
         if image is not None:
             schema, shown = picture_of(image, message.data, when.run)
             self.json(message.topic, schema, shown, when)
             return
-        said = plain(message.data)
+        content = plain(message.data)
         if message.topic not in self._schemas:
-            self._schemas[message.topic] = described(type_name or f"message of {message.topic}", said)
-        self.json(message.topic, self._schemas[message.topic], said, when)
+            self._schemas[message.topic] = described(type_name or f"message of {message.topic}", content)
+        self.json(message.topic, self._schemas[message.topic], content, when)
 
     def row(self, raw: Raw, blobs: Iterable[Blob], when: When) -> None:
         """A row of the journal with the pictures that it refers to, and what it tells, for those who only look."""

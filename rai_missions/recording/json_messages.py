@@ -69,20 +69,20 @@ def picture_of(image: Image, data: Any, at_ns: int) -> tuple[Schema, Json]:
     """A picture as Foxglove shows it; its bytes are made here if nobody has asked for them before."""
     header = data.get("header") if isinstance(data, Mapping) else None
     frame = header.get("frame_id") if isinstance(header, Mapping) else None
-    said: Json = {"timestamp": stamp(at_ns), "frame_id": str(frame or "")}
+    words: Json = {"timestamp": stamp(at_ns), "frame_id": str(frame or "")}
     pixels = base64.b64encode(image.data).decode()
     if image.encoding != "rgb8":
-        return COMPRESSED_IMAGE, said | {"data": pixels, "format": image.encoding}
+        return COMPRESSED_IMAGE, words | {"data": pixels, "format": image.encoding}
     size = {"width": image.width, "height": image.height, "encoding": "rgb8", "step": image.width * 3}
-    return RAW_IMAGE, said | size | {"data": pixels}
+    return RAW_IMAGE, words | size | {"data": pixels}
 
 
 def write_of(key: str, value: Any, at: float) -> Json:
     """A write of the blackboard."""
-    said: Json = {"key": key, "value": plain(value), "at": at, "text": short(value)}
+    words: Json = {"key": key, "value": plain(value), "at": at, "text": short(value)}
     if isinstance(value, bool | int) or (isinstance(value, float) and math.isfinite(value)):
-        said["number"] = float(value)
-    return said
+        words["number"] = float(value)
+    return words
 
 
 def status_of(status: Status, mission: Mission) -> Json:

@@ -50,8 +50,8 @@ def restore(path: Path, journal: Path) -> str:
     seen = _Seen(path)
     copied(journal, seen.parts(), str(path))
     if not seen.is_ours:
-        said = "an MCAP file, but no recording of a mission" if seen.is_mcap else "no MCAP file"
-        raise DefinitionError([Fault("", f"{said}; give one that `rai-missions run --record` has written")], str(path))
+        what = "an MCAP file, but no recording of a mission" if seen.is_mcap else "no MCAP file"
+        raise DefinitionError([Fault("", f"{what}; give one that `rai-missions run --record` has written")], str(path))
     if seen.is_whole:
         return ""
     if not seen.rows:

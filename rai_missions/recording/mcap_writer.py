@@ -66,10 +66,10 @@ class File:
         """Write bytes under a name."""
         self._writer.add_attachment(log_ns, log_ns, name, media_type, data)
 
-    def say(self, name: str, words: Mapping[str, Any]) -> None:
+    def describe(self, name: str, words: Mapping[str, Any]) -> None:
         """Write words about the recording; those of its end come after a `flush`."""
         self._writer.add_metadata(
-            name, {word: said if isinstance(said, str) else json.dumps(said) for word, said in words.items()}
+            name, {word: value if isinstance(value, str) else json.dumps(value) for word, value in words.items()}
         )
 
     def flush(self) -> None:

@@ -28,8 +28,8 @@ def _both(first: Callable[[T], None], second: Callable[[T], None] | None) -> Cal
     if second is None:
         return first
 
-    def tell(what: T) -> None:
+    def notify(what: T) -> None:
         first(what)
         second(what)
 
-    return tell
+    return notify

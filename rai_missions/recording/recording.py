@@ -104,7 +104,7 @@ class Recording:
         self._file = File(stream, profile)
         self._pen = MessageEncoder(self._file, mission)
         words = {"format": FORMAT, "mission": mission.name, "version": mission.version, "began_ns": str(self._began_ns)}
-        self._file.say("rai_missions", {**words, **about})
+        self._file.describe("rai_missions", {**words, **about})
         self.summary: Summary | None = None
         """How it ended; None until then."""
         self._thread = threading.Thread(target=self._work, name="recording", daemon=True)
@@ -131,29 +131,35 @@ class Recording:
 
     # -- what is handed over, from any thread --------------------------------------------------------------------------
 
-    def heard(self, message: Message, type_name: str) -> None:
+    def received(self, message: Message, type_name: str) -> None:
         """A message as plain data; a picture in it is shown as one."""
         image = image_in(message.data)
         kind: Kind = "message" if image is None else "picture"
         size = MESSAGE_BYTES if image is None else image.width * image.height * 3
         self._put(
-            kind, message.topic, size, lambda when: self._pen.heard(self._cleaned(message), type_name, when), message.at
+            kind,
+            message.topic,
+            size,
+            lambda when: self._pen.received(self._cleaned(message), type_name, when),
+            message.at,
         )
 
-    def heard_raw(self, message: RawMessage, definition: str) -> None:
+    def received_raw(self, message: RawMessage, definition: str) -> None:
         """A message of ROS as it came over the wire."""
         size = len(message.data)
         self._put("message", message.topic, size, lambda when: self._pen.raw(message, definition, when), message.at)
 
     def called(self, service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> None:
         """A service has answered, or has not."""
-        said = {"service": service, "request": short(request), "seconds": seconds}
-        said |= {"outcome": reply.outcome, "data": reply.data, "why": reply.why}
-        self._say("calls", CALL, lambda: plain(said))
+        record = {"service": service, "request": short(request), "seconds": seconds}
+        record |= {"outcome": reply.outcome, "data": reply.data, "why": reply.why}
+        self._write("calls", CALL, lambda: plain(record))
 
     def reported(self, action: str, report: Report) -> None:
         """An action's server has said something of a goal."""
-        self._say("goals", GOAL, lambda: plain({"action": action, **report._asdict()}))
+        rest = report._asdict()
+        record = {"action": action, "said": rest.pop("status"), **rest}  # the file's word
+        self._write("goals", GOAL, lambda: plain(record))
 
     def row(self, raw: Raw, blobs: Iterable[Blob]) -> None:
         """The journal has got a row."""
@@ -164,11 +170,11 @@ class Recording:
     def step(self, step: Step) -> None:
         """A step was made: what it wrote on the blackboard, also where the journal waits for the next row."""
         for key, value in step.writes:
-            self._say("blackboard", BLACKBOARD, lambda key=key, value=value: write_of(key, value, step.at), step.at)  # type: ignore[misc]
+            self._write("blackboard", BLACKBOARD, lambda key=key, value=value: write_of(key, value, step.at), step.at)  # type: ignore[misc]
 
     def status(self, status: Status) -> None:
         """The run's mode, control or states have changed."""
-        self._say("status", STATUS, lambda: status_of(status, self._mission))
+        self._write("status", STATUS, lambda: status_of(status, self._mission))
 
     def close(self, journal: Path | None = None) -> Summary:
         """Write what waits, and the end; doing so twice changes nothing.
@@ -194,7 +200,7 @@ class Recording:
         """Close it after the run's journal, if there is one."""
         self.close(journal.path if journal is not None else None)
 
-    def _say(self, name: str, schema: Schema, make: Callable[[], Any], at: float | None = None) -> None:
+    def _write(self, name: str, schema: Schema, make: Callable[[], Any], at: float | None = None) -> None:
         topic = TOPIC + name
         self._put(
             "message", topic, MESSAGE_BYTES, lambda when: self._pen.json(topic, schema, self._clean(make()), when), at
@@ -221,7 +227,9 @@ class Recording:
             self._write_waiting()
             self._fill_up()
             self._file.flush()
-            self._file.say("rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._room.dropped)})
+            self._file.describe(
+                "rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._room.dropped)}
+            )
             self._size = self._file.finish()
         except Exception as fault:  # noqa: BLE001 - whatever breaks the recording does not break the run
             self._give_up(str(fault) or type(fault).__name__)

@@ -96,7 +96,7 @@ class Handovers:
 
         service = entry.service.replace("{by}", "operator" if is_operator(by) else "agent")
         try:
-            connector.call(service, entry.type, entry.request_of({}), answered=answered, timeout_s=ANSWERED_S)
+            connector.call(service, entry.type, entry.request_of({}), on_reply=answered, timeout_s=ANSWERED_S)
         except Exception:
             log.exception("control could not be handed to %s", to)
             self._lost(to, False)

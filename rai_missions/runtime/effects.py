@@ -265,7 +265,7 @@ class EffectExecutor:
 
         request = entry.request_of(effect.request)
         call = partial(
-            self._connector.call, entry.service, entry.type, request, answered=answered, timeout_s=effect.timeout_s
+            self._connector.call, entry.service, entry.type, request, on_reply=answered, timeout_s=effect.timeout_s
         )
         self._goals.behind_cancels(lambda: self._guarded(effect, call))
 

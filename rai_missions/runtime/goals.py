@@ -81,7 +81,7 @@ class Goals:
         assert self._connector is not None and entry.action is not None
         goal = entry.goal_of(effect.goal)
         goal_id, report = self._sent(entry, effect)
-        self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, report=report)
+        self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=report)
 
     def take_up(self, effect: StartGoal, *, accepted: bool) -> bool:
         """Go on with a goal that an earlier process was to send.
@@ -106,7 +106,7 @@ class Goals:
         else:
             if entry.cancel is not None:
                 self._connector.call(
-                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), answered=lambda reply: None
+                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), on_reply=lambda reply: None
                 )
             return False
         return True
@@ -117,14 +117,14 @@ class Goals:
         goal_id, told_of = self._sent(entry, effect)
 
         def report(said: Report) -> None:
-            if said.said != "lost" or (accepted and not entry.repeat):
+            if said.status != "lost" or (accepted and not entry.repeat):
                 told_of(said)
             elif effect.number in self._unwanted:
                 self._end(effect.number, "canceled", {})
             else:
                 self._send_again(entry, effect)
 
-        self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, report=report)
+        self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, on_report=report)
 
     def _send_again(self, entry: ActionEntry, effect: StartGoal) -> None:
         try:
@@ -148,7 +148,7 @@ class Goals:
             try:
                 self._connector.call(
                     entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), timeout_s=CANCELED_S,
-                    answered=lambda reply: self._canceled(entry, effect, reply),
+                    on_reply=lambda reply: self._canceled(entry, effect, reply),
                 )  # fmt: skip
             except Exception:
                 self._let_others_call(effect.number)
@@ -213,7 +213,7 @@ class Goals:
             else:
                 self._end(effect.number, "rejected", {"why": why or outcome})
 
-        self._connector.call(start.service, start.type, start.request_of(effect.goal), answered=answered)
+        self._connector.call(start.service, start.type, start.request_of(effect.goal), on_reply=answered)
 
     def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
         """A server has taken a goal; once the run is over, there is no state that could cancel it."""
@@ -238,21 +238,21 @@ class Goals:
         number = effect.number
         if report.goal_id != goal_id:
             log.warning("goal %d: what was said of the goal '%s' is not said of it", number, report.goal_id)
-        elif report.said == "accepted":
+        elif report.status == "accepted":
             self._accepted(effect, told(report.data))
-        elif report.said == "feedback":
+        elif report.status == "feedback":
             self._tell("feedback", "feedback", number, told(report.data))
-        elif report.said in ENDS:
-            outcome = "failed" if report.said == "lost" else report.said
+        elif report.status in ENDS:
+            outcome = "failed" if report.status == "lost" else report.status
             why = {"why": in_words(report.why)} if report.why else {}
-            if report.said == "lost" and report.may_run:
+            if report.status == "lost" and report.may_run:
                 self._tell("lost", effect.action, number, why)
             self._end(number, outcome, {**self._result_of(number, report), **why})
-        elif report.said in WATCHED:
+        elif report.status in WATCHED:
             why = {"why": in_words(report.why)} if report.why else {}
-            self._tell(WATCHED[report.said], effect.action, number, {"owner": effect.owner, **why})
+            self._tell(WATCHED[report.status], effect.action, number, {"owner": effect.owner, **why})
         else:
-            log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.said)
+            log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.status)
 
     def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
         entry = self._entries.pop(number, None)

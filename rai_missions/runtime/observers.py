@@ -130,7 +130,7 @@ class RobotListener:
 
         service, type_name, every_s, _ = poll
         try:
-            self._connector.call(service, type_name, request, answered=answered, timeout_s=every_s)
+            self._connector.call(service, type_name, request, on_reply=answered, timeout_s=every_s)
         except Exception as error:  # noqa: BLE001 - a connector's fault is a robot not heard, never the run's end
             self._puzzle(service, error)
         self._later(self._now() + every_s, lambda: self._poll(poll, request, hears))

@@ -44,7 +44,7 @@ class Rivalry:
         servers = {(entry.action, entry.type) for entry in entries if entry is not None and entry.action is not None}
         self._asked += len(servers)
         for action, type_name in sorted(servers):
-            connector.survey(action, type_name, within_s=within_s, told=self._told)
+            connector.survey(action, type_name, within_s=within_s, on_result=self._told)
 
     @property
     def is_known(self) -> bool:

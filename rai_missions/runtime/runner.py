@@ -169,7 +169,7 @@ class Runner(RunCommands):
         if resumed.last is not None:
             self._tell_status(resumed.last)
         self.lifecycle.control.kept = self.chart.taken
-        self._scribe.go_on(resumed.at)
+        self._scribe.resume(resumed.at)
         if self.mailbox.urgent:
             resumed.under.stop()
         resume_effects(resumed, self.performer, self._scribe)

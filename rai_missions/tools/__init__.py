@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rai_missions.tools.allowlist import Allowed
-    from rai_missions.tools.result import Said
+    from rai_missions.tools.result import ToolResult
     from rai_missions.tools.tool import RobotTool
     from rai_missions.tools.toolbox import Toolbox
 
-__all__ = ("Allowed", "RobotTool", "Said", "Toolbox")
+__all__ = ("Allowed", "RobotTool", "ToolResult", "Toolbox")
 
-ROOMS = {"Allowed": "allowlist", "RobotTool": "tool", "Said": "result", "Toolbox": "toolbox"}
+ROOMS = {"Allowed": "allowlist", "RobotTool": "tool", "ToolResult": "result", "Toolbox": "toolbox"}
 
 
 def __getattr__(name: str) -> Any:

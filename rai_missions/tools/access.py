@@ -18,7 +18,7 @@ from rai_missions.redaction import cut_repr
 from rai_missions.tools.allowlist import Allowed, Deed
 from rai_missions.tools.latest import Latest
 
-__all__ = ("LONGEST_WAIT_S", "Heard", "Reach", "until")
+__all__ = ("LONGEST_WAIT_S", "Reach", "Sample", "until")
 
 T = TypeVar("T")
 LONGEST_WAIT_S = 60.0
@@ -29,7 +29,7 @@ LISTED_S = 3.0
 STOPPED = "the tools were stopped"
 
 
-class Heard(NamedTuple):
+class Sample(NamedTuple):
     """A message, and how old it was when it was handed over."""
 
     topic: str
@@ -105,7 +105,9 @@ class Reach:
                 return ""
         return given or found or ""
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None], ends: float) -> tuple[Close, str]:
+    def subscribe(
+        self, topic: str, type_name: str, on_message: Callable[[Message], None], ends: float
+    ) -> tuple[Close, str]:
         """Listen to a topic that may be read; what ends that, and its type.
 
         A connector that has no types, or knows this one already, is not made to wait for a list.
@@ -114,18 +116,18 @@ class Reach:
         self._has("topics")
         known = type_name or self._connector.listed("topics").get(topic, "")
         try:
-            return self._connector.subscribe(topic, known, hear), known
+            return self._connector.subscribe(topic, known, on_message), known
         except ConnectorError:
             if known:
                 raise
         known = self.type_of("topics", topic, "", ends)
         if not known:
             raise ConnectorError(f"no topic '{topic}' is there{self.others('topics')}")
-        return self._connector.subscribe(topic, known, hear), known
+        return self._connector.subscribe(topic, known, on_message), known
 
-    def hear(
-        self, wanted: Mapping[str, str], ends: float, enough: Callable[[Mapping[str, Heard]], bool]
-    ) -> dict[str, Heard]:
+    def receive(
+        self, wanted: Mapping[str, str], ends: float, enough: Callable[[Mapping[str, Sample]], bool]
+    ) -> dict[str, Sample]:
         """The newest messages of several topics at once.
 
         Args:
@@ -139,12 +141,12 @@ class Reach:
         for topic in wanted:
             self.allowed.check(topic, "read")
         ear, types, closes = Ear(), dict[str, str](), list[Close]()
-        heard: dict[str, Heard] = {}
+        received: dict[str, Sample] = {}
         changed: Latest[Message] = self.waiting(ear.changed)
 
         def will_do(_: object) -> bool:
-            heard.update({each.topic: self._heard(each, types.get(each.topic, "")) for each in ear.newest()})
-            return enough(heard)
+            received.update({each.topic: self._sample(each, types.get(each.topic, "")) for each in ear.newest()})
+            return enough(received)
 
         try:
             for topic, type_name in wanted.items():
@@ -157,7 +159,7 @@ class Reach:
             self.done(changed)
         if self._stopped.is_set():
             raise UsageError(STOPPED)
-        return heard
+        return received
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         self.allowed.check(topic, "write")
@@ -169,16 +171,18 @@ class Reach:
         replies: Latest[Reply] = self.waiting(Latest())
         try:
             # The connector gives up first; the grace is for a connector that does not.
-            self._connector.call(service, type_name, request, answered=replies.put, timeout_s=timeout_s)
+            self._connector.call(service, type_name, request, on_reply=replies.put, timeout_s=timeout_s)
             reply = replies.wait(time.monotonic() + timeout_s + 1.0)
         finally:
             self.done(replies)
         return reply or Reply("timed_out", {}, f"{service} did not answer within {timeout_s:g} s")
 
-    def send_goal(self, action: str, type_name: str, goal: Data, goal_id: str, report: Callable[[Any], None]) -> None:
+    def send_goal(
+        self, action: str, type_name: str, goal: Data, goal_id: str, on_report: Callable[[Any], None]
+    ) -> None:
         self.allowed.check(action, "write")
         self._has("actions")
-        self._connector.send_goal(action, type_name, goal, goal_id=goal_id, report=report)
+        self._connector.send_goal(action, type_name, goal, goal_id=goal_id, on_report=on_report)
 
     def cancel_goal(self, goal_id: str) -> None:
         """Whoever was allowed to start a goal may end it."""
@@ -195,9 +199,9 @@ class Reach:
         more = ", …" if len(names) > 12 else ""
         return f"; there is: {', '.join(names[:12])}{more}" if names else f"; no {mode} that may be read are there"
 
-    def _heard(self, message: Message, type_name: str) -> Heard:
+    def _sample(self, message: Message, type_name: str) -> Sample:
         age_s = max(0.0, self.now() - message.at) if math.isfinite(message.at) else math.inf
-        return Heard(message.topic, type_name, message.data, message.at, age_s)
+        return Sample(message.topic, type_name, message.data, message.at, age_s)
 
 
 class Ear:

@@ -14,8 +14,8 @@ from rai_missions.connectors.connector import Data, Reply
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut, cut_repr
 from rai_missions.tools.access import Reach, until
-from rai_missions.tools.goals import Goals, Standing
-from rai_missions.tools.result import Said
+from rai_missions.tools.goals import Goals, GoalState
+from rai_missions.tools.result import ToolResult
 
 __all__ = ("Acting",)
 
@@ -40,16 +40,16 @@ class Acting:
     def __init__(self, reach: Reach, goals: Goals) -> None:
         self._reach, self._goals = reach, goals
 
-    def publish_message(self, topic: str, message: Data, *, type_name: str = "", timeout_s: float = 2.0) -> Said:
+    def publish_message(self, topic: str, message: Data, *, type_name: str = "", timeout_s: float = 2.0) -> ToolResult:
         fields = _checked("message", message)
         found = self._reach.type_of("topics", topic, type_name, until(timeout_s), "write")
         self._reach.publish(topic, found, fields)
         words = f"The message was published on {topic}; whether anybody heard it is unknown."
-        return Said(words, {"topic": topic, "type": found, "message": fields})
+        return ToolResult(words, {"topic": topic, "type": found, "message": fields})
 
     def call_service(
         self, service: str, request: Data | None = None, *, timeout_s: float = 5.0, type_name: str = ""
-    ) -> Said:
+    ) -> ToolResult:
         fields = _checked("request", request or {})
         ends = until(timeout_s)
         found = self._reach.type_of("services", service, type_name, ends, "write")
@@ -58,7 +58,7 @@ class Acting:
         words = f"The service {service} {self._ended(reply)}."
         facts = {word: item for word, item in (("reply", reply.data), ("why", reply.why)) if item}
         data = {"service": service, "outcome": reply.outcome, "done": done, "reply": reply.data, "why": reply.why}
-        return Said(words, data, facts or None)
+        return ToolResult(words, data, facts or None)
 
     def _ended(self, reply: Reply) -> str:
         if reply.outcome == "succeeded" and reply.data.get("success") is False:
@@ -67,28 +67,28 @@ class Acting:
 
     def start_action(
         self, action: str, goal: Data | None = None, *, timeout_s: float = 5.0, type_name: str = ""
-    ) -> Said:
+    ) -> ToolResult:
         fields = _checked("goal", goal or {})
         ends = until(timeout_s)
         found = self._reach.type_of("actions", action, type_name, ends, "write")
-        return _told(self._goals.start(action, found, fields, ends))
+        return _result(self._goals.start(action, found, fields, ends))
 
-    def watch_action(self, goal_id: str = "", *, timeout_s: float = 0.0) -> Said:
+    def watch_action(self, goal_id: str = "", *, timeout_s: float = 0.0) -> ToolResult:
         if goal_id:
-            return _told(self._goals.watch(goal_id, until(timeout_s)))
+            return _result(self._goals.watch(goal_id, until(timeout_s)))
         every = self._goals.all()
-        facts = {standing.goal_id: f"{standing.action}: {standing.state}" for standing in every}
-        return Said(f"{len(every)} goals were started.", {"goals": [standing.data() for standing in every]}, facts)
+        facts = {status.goal_id: f"{status.action}: {status.state}" for status in every}
+        return ToolResult(f"{len(every)} goals were started.", {"goals": [status.data() for status in every]}, facts)
 
-    def cancel_action(self, goal_id: str, *, timeout_s: float = 5.0) -> Said:
-        return _told(self._goals.cancel(goal_id, until(timeout_s)))
+    def cancel_action(self, goal_id: str, *, timeout_s: float = 5.0) -> ToolResult:
+        return _result(self._goals.cancel(goal_id, until(timeout_s)))
 
 
-def _told(standing: Standing) -> Said:
-    said = (("result", standing.result), ("newest feedback", standing.feedback), ("why", standing.why))
-    facts = {word: item for word, item in said if item}
-    words = standing.words()
-    return Said(f"{words[0].upper()}{words[1:]}.", standing.data(), facts or None)
+def _result(status: GoalState) -> ToolResult:
+    parts = (("result", status.result), ("newest feedback", status.feedback), ("why", status.why))
+    facts = {word: item for word, item in parts if item}
+    words = status.words()
+    return ToolResult(f"{words[0].upper()}{words[1:]}.", status.data(), facts or None)
 
 
 def _checked(what: str, given: Any) -> dict[str, Any]:

@@ -14,11 +14,11 @@ from typing import Any
 from rai_missions.connectors.connector import Message
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
-from rai_missions.tools.access import Heard, Reach, until
+from rai_missions.tools.access import Reach, Sample, until
 from rai_missions.tools.detections import Detection, detections_of
 from rai_missions.tools.latest import Latest
 from rai_missions.tools.ranging import Camera, Range, camera_of, cloud_points, depth_points, ranged
-from rai_missions.tools.result import Said
+from rai_missions.tools.result import ToolResult
 from rai_missions.tools.transforms import Found, Frames, Transform
 
 __all__ = ("Measuring",)
@@ -52,7 +52,7 @@ class Measuring:
     def get_transform(
         self, target: str, source: str, *, at_s: float | None = None, max_age_s: float | None = None,
         timeout_s: float = 2.0,
-    ) -> Said:  # fmt: skip
+    ) -> ToolResult:  # fmt: skip
         target, source = target.lstrip("/"), source.lstrip("/")
         found = self._lookup(target, source, at_s, until(timeout_s))
         age_s = None if found.heard_at is None else max(0.0, self._reach.now() - found.heard_at)
@@ -69,12 +69,12 @@ class Measuring:
         }  # fmt: skip
         when = "it does not change" if age_s is None else f"heard {age_s:.2f} s ago"
         words = f"The pose of the frame '{source}' in '{target}' (metres, radians), {when}:"
-        return Said(words, data, {word: data[word] for word in ("translation", "rotation", "yaw", "stamp_s")})
+        return ToolResult(words, data, {word: data[word] for word in ("translation", "rotation", "yaw", "stamp_s")})
 
     def get_distance_to_objects(
         self, detections_topic: str, *, depth_topic: str = "", cloud_topic: str = "", camera_info_topic: str = "",
         names: Sequence[str] = (), max_age_s: float | None = 2.0, max_apart_s: float = 0.5, timeout_s: float = 5.0,
-    ) -> Said:  # fmt: skip
+    ) -> ToolResult:  # fmt: skip
         if bool(depth_topic) == bool(cloud_topic):
             raise UsageError("say one of depth_topic and cloud_topic: what the distances are measured with")
         if depth_topic and not camera_info_topic:
@@ -83,23 +83,25 @@ class Measuring:
         wanted = {detections_topic: "", depth: "", **({camera_info_topic: ""} if camera_info_topic else {})}
         oldest_s = math.inf if max_age_s is None else max_age_s
 
-        def fault(heard: Mapping[str, Heard]) -> str:
-            return _misfit(heard, wanted, (detections_topic, depth), oldest_s, max_apart_s)
+        def fault(received: Mapping[str, Sample]) -> str:
+            return _misfit(received, wanted, (detections_topic, depth), oldest_s, max_apart_s)
 
-        heard = self._reach.hear(wanted, ends, lambda so_far: not fault(so_far))
-        if why := fault(heard):
-            return Said(f"The distances are unknown: {why}.", {"objects": [], "why": why})
-        camera = camera_of(heard[camera_info_topic].data) if camera_info_topic else None
-        found = [each for each in detections_of(heard[detections_topic].data) if not names or each.name in names]
-        look = self._sight(heard[depth], heard.get(camera_info_topic), camera, is_cloud=not depth_topic, ends=ends)
+        received = self._reach.receive(wanted, ends, lambda so_far: not fault(so_far))
+        if why := fault(received):
+            return ToolResult(f"The distances are unknown: {why}.", {"objects": [], "why": why})
+        camera = camera_of(received[camera_info_topic].data) if camera_info_topic else None
+        found = [each for each in detections_of(received[detections_topic].data) if not names or each.name in names]
+        look = self._sight(
+            received[depth], received.get(camera_info_topic), camera, is_cloud=not depth_topic, ends=ends
+        )
         objects = [_object(each, look(each)) for each in found]
-        age_s = max(heard[topic].age_s for topic in (detections_topic, depth))
+        age_s = max(received[topic].age_s for topic in (detections_topic, depth))
         some = f"{len(objects)} objects were detected" if objects else "No such object was detected"
         words = f"{some}, {age_s:.2f} s ago; distances in metres from the camera, null where unknown:"
-        return Said(words, {"objects": objects, "age_s": age_s, "why": ""}, objects)
+        return ToolResult(words, {"objects": objects, "age_s": age_s, "why": ""}, objects)
 
     def _sight(
-        self, seen: Heard, info: Heard | None, camera: Camera | None, *, is_cloud: bool, ends: float
+        self, seen: Sample, info: Sample | None, camera: Camera | None, *, is_cloud: bool, ends: float
     ) -> Callable[[Detection], Range]:
         """What measures a detection's box."""
         if not is_cloud and camera is not None:
@@ -136,37 +138,37 @@ class Measuring:
         if self._closes:
             return
         for topic, is_static in TOPICS:
-            close, _ = self._reach.subscribe(topic, TF_TYPE, self._hears(is_static=is_static), ends)
+            close, _ = self._reach.subscribe(topic, TF_TYPE, self._on_transform(is_static=is_static), ends)
             self._closes.append(close)
 
-    def _hears(self, *, is_static: bool) -> Callable[[Message], None]:
-        def hear(message: Message) -> None:
+    def _on_transform(self, *, is_static: bool) -> Callable[[Message], None]:
+        def on_message(message: Message) -> None:
             try:
-                self._frames.hear(message.data, is_static=is_static, heard_at=self._reach.now())
+                self._frames.receive(message.data, is_static=is_static, received_at=self._reach.now())
             except ConnectorError as fault:
                 log.info("a transform is not taken in: %s", fault)
             self._count += 1
             self._news.put(self._count)
 
-        return hear
+        return on_message
 
 
 def _misfit(
-    heard: Mapping[str, Heard], wanted: Mapping[str, str], pair: tuple[str, str], oldest_s: float, apart_s: float
+    received: Mapping[str, Sample], wanted: Mapping[str, str], pair: tuple[str, str], oldest_s: float, apart_s: float
 ) -> str:
     """Why what was heard does not fit together (yet); empty if it does."""
     for topic in wanted:
-        if topic not in heard:
+        if topic not in received:
             return f"nothing was heard on {topic}"
     for topic in pair:
-        if heard[topic].age_s > oldest_s:
-            return f"what was heard on {topic} is {heard[topic].age_s:.2f} s old"
-    gap_s = abs(heard[pair[0]].at - heard[pair[1]].at)
+        if received[topic].age_s > oldest_s:
+            return f"what was heard on {topic} is {received[topic].age_s:.2f} s old"
+    gap_s = abs(received[pair[0]].at - received[pair[1]].at)
     return f"{pair[0]} and {pair[1]} are {gap_s:.2f} s apart" if gap_s > apart_s else ""
 
 
-def _frame(heard: Heard) -> str:
-    header = heard.data.get("header")
+def _frame(sample: Sample) -> str:
+    header = sample.data.get("header")
     return str(header.get("frame_id", "")).lstrip("/") if isinstance(header, Mapping) else ""
 
 

@@ -18,7 +18,7 @@ from rai_missions.redaction import cut_repr
 from rai_missions.tools.access import Reach
 from rai_missions.tools.latest import Latest
 
-__all__ = ("Goal", "Goals", "Standing")
+__all__ = ("Goal", "GoalState", "Goals")
 
 State = Literal["sent", "running", "rejected", "succeeded", "aborted", "canceled", "lost"]
 STATES: Mapping[str, State] = {
@@ -43,7 +43,7 @@ AT_ONCE = 20
 """Goals that may run at the same time."""
 
 
-class Standing(NamedTuple):
+class GoalState(NamedTuple):
     """How a goal stands."""
 
     goal_id: str
@@ -78,24 +78,24 @@ class Goal:
 
     def __init__(self, goal_id: str, action: str) -> None:
         self._lock = threading.Lock()
-        self.news: Latest[Standing] = Latest()
-        self.news.put(Standing(goal_id, action, "sent"))
+        self.news: Latest[GoalState] = Latest()
+        self.news.put(GoalState(goal_id, action, "sent"))
 
     @property
-    def standing(self) -> Standing:
+    def state_now(self) -> GoalState:
         assert self.news.value is not None
         return self.news.value
 
-    def hear(self, report: Report) -> None:
+    def receive(self, report: Report) -> None:
         """What the server says; after an end nothing changes it."""
         with self._lock:
-            now = self.standing
+            now = self.state_now
             if now.is_over or report.goal_id != now.goal_id:
                 return
-            changed = now._replace(state=STATES[report.said], why=report.why)
-            if report.said == "feedback":
+            changed = now._replace(state=STATES[report.status], why=report.why)
+            if report.status == "feedback":
                 changed = changed._replace(feedback=report.data, feedbacks=now.feedbacks + 1)
-            elif report.said == "cancel_rejected":
+            elif report.status == "cancel_rejected":
                 changed = changed._replace(cancel="refused")
             elif changed.is_over:
                 changed = changed._replace(result=report.data)
@@ -103,8 +103,8 @@ class Goal:
 
     def want_no_more(self) -> None:
         with self._lock:
-            if not self.standing.is_over:
-                self.news.put(self.standing._replace(cancel="asked"))
+            if not self.state_now.is_over:
+                self.news.put(self.state_now._replace(cancel="asked"))
 
 
 class Goals:
@@ -120,49 +120,49 @@ class Goals:
         self._goals: dict[str, Goal] = {}
         self._is_stopped = False
 
-    def start(self, action: str, type_name: str, goal: Data, ends: float) -> Standing:
+    def start(self, action: str, type_name: str, goal: Data, ends: float) -> GoalState:
         """Send a goal, and wait until its server has said whether it takes it."""
         goal_id = f"tool-{uuid.uuid4().hex[:10]}"  # fifteen letters: ROS carries them as they are
         sent = self._keep(Goal(goal_id, action), goal_id)
         try:
-            self._reach.send_goal(action, type_name, goal, goal_id, sent.hear)
+            self._reach.send_goal(action, type_name, goal, goal_id, sent.receive)
         except BaseException:
             with self._lock:
                 self._goals.pop(goal_id, None)
             self._reach.done(sent.news)
             raise
-        sent.news.wait(ends, lambda standing: standing.state != "sent")
-        return sent.standing
+        sent.news.wait(ends, lambda status: status.state != "sent")
+        return sent.state_now
 
-    def watch(self, goal_id: str, ends: float) -> Standing:
+    def watch(self, goal_id: str, ends: float) -> GoalState:
         """How a goal stands once it is over, or when the time is."""
         goal = self._known(goal_id)
-        goal.news.wait(ends, lambda standing: standing.is_over)
-        return goal.standing
+        goal.news.wait(ends, lambda status: status.is_over)
+        return goal.state_now
 
-    def cancel(self, goal_id: str, ends: float) -> Standing:
+    def cancel(self, goal_id: str, ends: float) -> GoalState:
         """Ask a goal's server to end it, and wait for what it says of that."""
         goal = self._known(goal_id)
         goal.want_no_more()
-        if not goal.standing.is_over:
+        if not goal.state_now.is_over:
             self._reach.cancel_goal(goal_id)
-        goal.news.wait(ends, lambda standing: standing.is_over or standing.cancel == "refused")
-        return goal.standing
+        goal.news.wait(ends, lambda status: status.is_over or status.cancel == "refused")
+        return goal.state_now
 
-    def all(self) -> tuple[Standing, ...]:
+    def all(self) -> tuple[GoalState, ...]:
         """Every goal that is remembered, oldest first."""
         with self._lock:
-            return tuple(goal.standing for goal in self._goals.values())
+            return tuple(goal.state_now for goal in self._goals.values())
 
-    def stop(self, ends: float) -> tuple[Standing, ...]:
+    def stop(self, ends: float) -> tuple[GoalState, ...]:
         """Cancel what still runs; the goals that are not over when the time is."""
         with self._lock:
             self._is_stopped = True
-        running = [standing.goal_id for standing in self.all() if not standing.is_over]
+        running = [status.goal_id for status in self.all() if not status.is_over]
         for goal_id in running:
             self._known(goal_id).want_no_more()
             self._reach.cancel_goal(goal_id)
-        left = tuple(standing for goal_id in running if not (standing := self.watch(goal_id, ends)).is_over)
+        left = tuple(status for goal_id in running if not (status := self.watch(goal_id, ends)).is_over)
         with self._lock:
             goals = tuple(self._goals.values())
         for goal in goals:
@@ -173,7 +173,7 @@ class Goals:
         with self._lock:
             if self._is_stopped:
                 raise UsageError("the tools were stopped")
-            over = [key for key, kept in self._goals.items() if kept.standing.is_over]
+            over = [key for key, kept in self._goals.items() if kept.state_now.is_over]
             if len(self._goals) - len(over) >= AT_ONCE:
                 raise UsageError(f"{AT_ONCE} goals run already; cancel one, or wait until one has ended")
             for key in over[: max(0, len(over) - KEPT + 1)]:

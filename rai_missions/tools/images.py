@@ -45,9 +45,9 @@ def image_of(message: Any, ref: str) -> Image:
         if kind == "CompressedImage" or all(isinstance(message.get(word), int) for word in words):
             found = PICTURES[f"sensor_msgs/msg/{kind}"](fields, ref)
     if not isinstance(found, Image):
-        said = message.get("encoding") or message.get("format") if isinstance(message, Mapping) else None
+        encoding = message.get("encoding") or message.get("format") if isinstance(message, Mapping) else None
         raise ConnectorError(
-            f"no picture that can be shown was sent (encoding: {cut_repr(said, 40)}); depth has tools of its own"
+            f"no picture that can be shown was sent (encoding: {cut_repr(encoding, 40)}); depth has tools of its own"
         )
     return found
 

@@ -17,7 +17,7 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Image
 from rai_missions.redaction import cut, cut_repr
 
-__all__ = ("LONGEST", "Said", "at_path", "outline")
+__all__ = ("LONGEST", "ToolResult", "at_path", "outline")
 
 LONGEST = 4_000
 """Characters of facts that a model is shown."""
@@ -25,7 +25,7 @@ ITEMS, FIELDS, CHARACTERS, LONGEST_NAME, DEEPEST = 20, 100, 1_000, 200, 12
 """How much of a list, a mapping, a text, a field's name and of what lies inside one another is shown."""
 
 
-class Said(NamedTuple):
+class ToolResult(NamedTuple):
     """The result of one use of a tool."""
 
     words: str

@@ -14,7 +14,7 @@ from pydantic import BaseModel, Field, ValidationError
 
 from rai_missions.errors import MissionError
 from rai_missions.redaction import cut, logger
-from rai_missions.tools.result import Said
+from rai_missions.tools.result import ToolResult
 
 __all__ = ("RobotTool",)
 
@@ -23,13 +23,13 @@ log = logger(__name__)
 
 def _failed(fault: ToolException) -> str:
     """A fault may quote what the robot said: it is data as well."""
-    return Said("This was not done:", {}, str(fault)).text()
+    return ToolResult("This was not done:", {}, str(fault)).text()
 
 
 def _not_understood(fault: Any) -> str:
     """What is wrong with the arguments, each by its name."""
     problems = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in fault.errors()[:5]]
-    return Said("This was not done; the arguments are not right:", {}, cut("; ".join(problems), 500)).text()
+    return ToolResult("This was not done; the arguments are not right:", {}, cut("; ".join(problems), 500)).text()
 
 
 class RobotTool(BaseTool):
@@ -38,7 +38,7 @@ class RobotTool(BaseTool):
     What it gives a model marks the robot's data as such (`metadata["marks_data"]`).
     """
 
-    act: Callable[..., Said] = Field(exclude=True, repr=False)
+    act: Callable[..., ToolResult] = Field(exclude=True, repr=False)
     """What it does; may be called directly by a program, and then raises `MissionError`."""
     response_format: Literal["content", "content_and_artifact"] = "content_and_artifact"
     handle_tool_error: bool | str | Callable[[ToolException], str] | None = _failed
@@ -50,8 +50,8 @@ class RobotTool(BaseTool):
 
     def _run(self, *given: Any, **words: Any) -> tuple[str | list[dict[str, Any]], Any]:
         try:
-            said = self.act(*given, **words)
-            return said.content(), said.data
+            result = self.act(*given, **words)
+            return result.content(), result.data
         except MissionError as fault:
             raise ToolException(str(fault)) from fault
         except ValidationError as fault:  # a fault of ours, and none of the arguments
@@ -62,7 +62,7 @@ class RobotTool(BaseTool):
 
 
 def robot_tool(
-    name: str, about: str, arguments: type[BaseModel], act: Callable[..., Said], *, read_only: bool
+    name: str, about: str, arguments: type[BaseModel], act: Callable[..., ToolResult], *, read_only: bool
 ) -> RobotTool:
     """A tool of a name, with what a model is told of it."""
     marks = {"read_only": read_only, "marks_data": True}

@@ -14,7 +14,7 @@ from rai_missions.tools.access import Reach, until
 from rai_missions.tools.actuators import Acting
 from rai_missions.tools.allowlist import Allowed
 from rai_missions.tools.geometry import Measuring
-from rai_missions.tools.goals import Goals, Standing
+from rai_missions.tools.goals import Goals, GoalState
 from rai_missions.tools.sensors import Looking
 from rai_missions.tools.tool import RobotTool, robot_tool
 
@@ -46,7 +46,7 @@ class Toolbox:
         """The tools that only look."""
         return tuple(tool for tool in self.tools if tool.is_read_only)
 
-    def stop(self, within_s: float = 5.0) -> tuple[Standing, ...]:
+    def stop(self, within_s: float = 5.0) -> tuple[GoalState, ...]:
         """Cancel the goals that still run and end every wait; the goals whose end nobody confirmed in time."""
         left = self._goals.stop(until(within_s))
         self.measuring.stop()

@@ -75,8 +75,8 @@ class Track:
         self.samples: list[tuple[float, Transform]] = []
         self.heard_at = 0.0
 
-    def add(self, at: float, transform: Transform, heard_at: float) -> None:
-        self.heard_at = heard_at
+    def add(self, at: float, transform: Transform, received_at: float) -> None:
+        self.heard_at = received_at
         if self.is_static or (self.samples and at < self.samples[-1][0] - KEEP_S):  # the clock was set back
             self.samples = [(at, transform)]
             return
@@ -107,7 +107,7 @@ class Frames:
         self._lock = threading.Lock()
         self._tracks: dict[str, Track] = {}
 
-    def hear(self, message: Mapping[str, Any], *, is_static: bool = False, heard_at: float = 0.0) -> None:
+    def receive(self, message: Mapping[str, Any], *, is_static: bool = False, received_at: float = 0.0) -> None:
         """Take in a tf2_msgs/msg/TFMessage, heard at an instant of the run's clock.
 
         Raises:
@@ -119,10 +119,10 @@ class Frames:
                 f"{cut_repr(message, 60)} stands where a tf2_msgs/msg/TFMessage belongs: no 'transforms'"
             )
         for each in transforms:
-            self._take(*_read(each), is_static=is_static, heard_at=heard_at)
+            self._take(*_read(each), is_static=is_static, received_at=received_at)
 
     def _take(
-        self, parent: str, child: str, at: float, transform: Transform, *, is_static: bool, heard_at: float
+        self, parent: str, child: str, at: float, transform: Transform, *, is_static: bool, received_at: float
     ) -> None:
         with self._lock:
             known = self._tracks.get(child)
@@ -130,7 +130,7 @@ class Frames:
                 if len(self._tracks) >= MOST and known is None:
                     raise ConnectorError(f"more than {MOST} frames are sent; no more are kept")
                 known = self._tracks[child] = Track(parent, is_static=is_static)
-            known.add(at, transform, heard_at)
+            known.add(at, transform, received_at)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -187,8 +187,8 @@ class Frames:
             track = self._tracks[name]
             found = track.at(0.0 if at is None else at)
             if found is None:
-                heard = f"it was heard from {track.samples[0][0]:.3f} to {track.samples[-1][0]:.3f} s"
-                raise UsageError(f"at {at:.3f} s '{name}' in '{track.parent}' is not known: {heard}")
+                window = f"it was heard from {track.samples[0][0]:.3f} to {track.samples[-1][0]:.3f} s"
+                raise UsageError(f"at {at:.3f} s '{name}' in '{track.parent}' is not known: {window}")
             whole = found @ whole
         return whole
 

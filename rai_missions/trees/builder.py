@@ -161,7 +161,7 @@ class TreeBuilder:
             publish.topic, publish.message = node.publish, self._message(node.message, path)
             return publish
         if isinstance(node, tree.BehaviourLeaf):
-            return leaves.Beside(tree.factory_name(node.factory))
+            return leaves.PythonLeaf(tree.factory_name(node.factory))
         return leaves.ActivityLeaf(node.word)
 
     @staticmethod
@@ -175,8 +175,8 @@ class TreeBuilder:
 
     def _message(self, template: Mapping[str, Any], path: str) -> Callable[[View], Mapping[str, Any]]:
         def message(view: View) -> Mapping[str, Any]:
-            told: Mapping[str, Any] = filled(template, view, self._site(path, "message"))
-            return told
+            content: Mapping[str, Any] = filled(template, view, self._site(path, "message"))
+            return content
 
         return message
 

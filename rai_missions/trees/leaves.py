@@ -15,7 +15,7 @@ from rai_missions.keys import Key, fits
 from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, Live
 from rai_missions.trees.tick import Tick
 
-__all__ = ("ActivityLeaf", "Ask", "Beside", "Check", "Publish", "Wait", "Write")
+__all__ = ("ActivityLeaf", "Ask", "Check", "Publish", "PythonLeaf", "Wait", "Write")
 
 
 class Leaf(Live, Behaviour):
@@ -143,14 +143,14 @@ class ActivityLeaf(Leaf):
         self.run, self.refused = memory.get("run", 0), memory.get("refused", False)
 
 
-class Beside(ActivityLeaf):
+class PythonLeaf(ActivityLeaf):
     """A live behaviour of the user's program that is ticked beside the mission: this says what it said last."""
 
     def act(self) -> Status:
-        said = self.round.take(self.path)
-        if said in ("", "running"):
+        result = self.round.take(self.path)
+        if result in ("", "running"):
             return RUNNING
-        return SUCCESS if said == "success" else FAILURE
+        return SUCCESS if result == "success" else FAILURE
 
     def terminate(self, new_status: Status) -> None:
         if self.round.outcomes.get(self.path) == "running":

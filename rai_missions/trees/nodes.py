@@ -94,7 +94,7 @@ class _OldFirst(Composite):
         mark, self._moved = len(trace), None
         for node in super().tick():
             if node is self:
-                self._tell_old_first()
+                self._end_old_first()
             elif node.parent is self:
                 over = old is not None and node is not old and old.status is RUNNING and self.takes_over(node)
                 self._moved = (mark, len(trace)) if over else None
@@ -105,14 +105,14 @@ class _OldFirst(Composite):
         """Whether a child that was ticked now stands in for the one that runs."""
         return child.status is RUNNING
 
-    def _tell_old_first(self) -> None:
+    def _end_old_first(self) -> None:
         if self._moved is not None:
             (begin, end), self._moved, trace = self._moved, None, self.round.trace
             trace[begin:] = trace[end:] + trace[begin:end]
 
     def stop(self, new_status: Status = INVALID) -> None:
         if new_status is not INVALID:
-            self._tell_old_first()
+            self._end_old_first()
         super().stop(new_status)
 
 

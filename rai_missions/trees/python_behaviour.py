@@ -58,8 +58,8 @@ class LiveBehaviour:
         except Exception:  # whatever the user's program raises, the mission's rules decide what follows
             log.exception("the behaviour '%s' raised; it counts as a failure", self.name)
             return "failure"
-        said: Status = WORDS[self._root.status]
-        return "failure" if said == "invalid" else said
+        status: Status = WORDS[self._root.status]
+        return "failure" if status == "invalid" else status
 
     def stop(self) -> None:
         """Interrupt it if it runs, and let it put away what its `setup` took."""

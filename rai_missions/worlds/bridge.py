@@ -45,10 +45,10 @@ class Front:
     def __init__(
         self,
         connector: Connector,
-        told: Callable[[str, Any], None] = lambda _name, _fact: None,
+        on_fact: Callable[[str, Any], None] = lambda _name, _fact: None,
         taken: Mapping[Mode, Collection[str]] | None = None,
     ) -> None:
-        self._connector, self._told, self._taken = connector, told, taken or {}
+        self._connector, self._on_fact, self._taken = connector, on_fact, taken or {}
         self.topics: dict[str, str] = {}
         self.services: dict[str, str] = {}
         self.actions: dict[str, str] = {}
@@ -108,7 +108,7 @@ class Front:
             self._leave_out(topic, fault)
             return
         self.topics[topic] = type_name
-        self._tell(topic, message)
+        self._publish(topic, message)
 
     def _add(self, names: dict[str, str], name: str, type_name: str, open_it: Callable[[], Close]) -> Close:
         try:
@@ -123,12 +123,12 @@ class Front:
         self.left_out[name] = str(fault)
         log.info("%s is left out: %s", name, fault)
 
-    def _tell(self, topic: str, message: Mapping[str, Any]) -> None:
+    def _publish(self, topic: str, message: Mapping[str, Any]) -> None:
         fact = message.get("data")
         is_plain = isinstance(fact, bool | int) or (isinstance(fact, str) and fact[:1] not in ("{", "["))
         if is_plain and len(message) == 1 and (topic not in self._facts or self._facts[topic] != fact):
             self._facts[topic] = fact
-            self._told(topic, fact if not isinstance(fact, str) else cut(fact, LONGEST))
+            self._on_fact(topic, fact if not isinstance(fact, str) else cut(fact, LONGEST))
 
 
 def company(connector: Connector) -> Mapping[Mode, Collection[str]]:

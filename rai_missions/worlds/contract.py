@@ -24,7 +24,7 @@ def check_world(make: Callable[[], World], topics: Iterable[str], *, steps: int 
         AssertionError: A promise is broken; the text says which.
     """
     names = tuple(topics)
-    first, second = _heard(make(), names, steps), _heard(make(), names, steps)
+    first, second = _published(make(), names, steps), _published(make(), names, steps)
     for name in names:
         assert any(message.topic == name for message in first), f"nothing is published on {name}"
     for one, other in zip(first, second, strict=True):
@@ -33,18 +33,18 @@ def check_world(make: Callable[[], World], topics: Iterable[str], *, steps: int 
         )
 
 
-def _heard(world: World, topics: tuple[str, ...], steps: int) -> list[Message]:
-    heard: list[Message] = []
+def _published(world: World, topics: tuple[str, ...], steps: int) -> list[Message]:
+    received: list[Message] = []
     connector = LocalConnector(now=lambda: world.at)
     for topic in topics:
-        connector.subscribe(topic, "", heard.append)
+        connector.subscribe(topic, "", received.append)
     world.open(connector)
     connector.start()
     assert world.at == 0.0, f"time starts at 0, not {world.at}"
     for number in range(1, steps + 1):
         world.step()
         assert abs(world.at - number * world.period_s) < 1e-6, f"step {number} ends at {world.at}"
-        assert all(message.at <= world.at + 1e-9 for message in heard), f"a message from the future: {heard[-1]}"
+        assert all(message.at <= world.at + 1e-9 for message in received), f"a message from the future: {received[-1]}"
     world.close()
     world.close()
-    return heard
+    return received

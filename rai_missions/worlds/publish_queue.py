@@ -28,7 +28,7 @@ class Outbox:
         self._connector: Connector | None = None
         self._prefix, self._types = prefix, types
         self._waiting: list[Callable[[], None]] = []
-        self._told: dict[str, Any] = {}
+        self._sent: dict[str, Any] = {}
 
     def open(self, connector: Connector, without: Collection[str] = ()) -> None:
         """Publish on a connector from now on; whoever looks sees every topic at once, also those that are yet silent.
@@ -53,10 +53,10 @@ class Outbox:
         if connector is not None:
             self.add(lambda: connector.publish(self.name(name), self._types[name], message))
 
-    def tell(self, name: str, fact: Any, message: Data, *, anyway: bool = False) -> None:
+    def put(self, name: str, fact: Any, message: Data, *, anyway: bool = False) -> None:
         """Publish a fact if it is not what was told last, or anyway."""
-        if anyway or self._told.get(name) != fact:
-            self._told[name] = fact
+        if anyway or self._sent.get(name) != fact:
+            self._sent[name] = fact
             self.publish(name, message)
 
     def send(self) -> None:

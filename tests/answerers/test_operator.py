@@ -63,9 +63,9 @@ class Desk:
         self.agent = OperatorAgent(self.source, self.screen)
 
     def ask(self, question: Question = QUESTION) -> ReplyCallback:
-        told = ReplyCallback()
-        self.agent.ask(question, told)
-        return told
+        reported = ReplyCallback()
+        self.agent.ask(question, reported)
+        return reported
 
     def types(self, text: str) -> None:
         os.write(self.person, text.encode())
@@ -129,12 +129,12 @@ def test_the_operator_keeps_the_contract() -> None:
 
 def test_a_number_or_a_name_is_an_answer(desk: Desk) -> None:
     for number, typed, option in ((1, "2\n", "signal"), (2, " abort \n", "abort")):
-        told = desk.ask(QUESTION._replace(number=number))
+        reported = desk.ask(QUESTION._replace(number=number))
         desk.screen.wait(PROMPT, number)
         desk.types(typed)
-        said = told.wait()
-        assert not answer_fault(said)
-        assert said == {"option": option, "parameters": {}, "why": "the operator chose it"}
+        reply = reported.wait()
+        assert not answer_fault(reply)
+        assert reply == {"option": option, "parameters": {}, "why": "the operator chose it"}
 
 
 def test_the_question_shows_what_is_known_and_what_may_be_chosen(desk: Desk) -> None:
@@ -153,16 +153,16 @@ def test_the_question_shows_what_is_known_and_what_may_be_chosen(desk: Desk) -> 
 
 
 def test_another_word_is_refused_and_asked_again(desk: Desk) -> None:
-    told = desk.ask()
+    reported = desk.ask()
     desk.screen.wait(PROMPT)
     desk.types("4\n")
     desk.screen.wait("That is none of them; type a number from 1 to 3, or a name.")
     desk.types("3\n")
-    assert told.wait()["option"] == "abort"
+    assert reported.wait()["option"] == "abort"
 
 
 def test_parameters_are_asked_for_one_by_one(desk: Desk) -> None:
-    told = desk.ask(QUESTION._replace(options=(Offer("report", parameters=DEPTH),)))
+    reported = desk.ask(QUESTION._replace(options=(Offer("report", parameters=DEPTH),)))
     for prompt, typed in (
         (PROMPT, "1\n"), ("speed (number, m/s; empty for 1.5): ", "\n"), ("times (integer): ", "two\n"),
         ("'two' is no whole number.", "2\n"), ("loud (boolean): ", "yes\n"),
@@ -170,25 +170,25 @@ def test_parameters_are_asked_for_one_by_one(desk: Desk) -> None:
     ):  # fmt: skip
         desk.screen.wait(prompt)
         desk.types(typed)
-    assert told.wait()["parameters"] == {"speed": 1.5, "times": 2, "loud": True, "colour": "green"}
+    assert reported.wait()["parameters"] == {"speed": 1.5, "times": 2, "loud": True, "colour": "green"}
 
 
 def test_what_was_typed_before_the_question_is_no_answer_to_it(desk: Desk) -> None:
     desk.types("3\n")
-    told = desk.ask()
+    reported = desk.ask()
     desk.screen.wait(PROMPT)
     desk.types("1\n")
-    assert told.wait()["option"] == "replan"
+    assert reported.wait()["option"] == "replan"
 
 
 def test_a_question_withdrawn_frees_the_terminal_and_what_is_typed_then_is_left_there(desk: Desk) -> None:
-    told = desk.ask()
+    reported = desk.ask()
     desk.screen.wait(PROMPT)
     desk.agent.withdraw(QUESTION.number)
     desk.screen.wait("(no longer asked)")
     desk.types("ls\n")
     assert desk.left_over() == b"ls\n"
-    assert told.all == []
+    assert reported.all == []
 
 
 def test_the_next_question_waits_for_its_turn(desk: Desk) -> None:
@@ -204,34 +204,34 @@ def test_the_next_question_waits_for_its_turn(desk: Desk) -> None:
 
 
 def test_withdrawing_another_question_leaves_the_one_on_the_screen(desk: Desk) -> None:
-    told, other = desk.ask(), desk.ask(QUESTION._replace(number=2))
+    reported, other = desk.ask(), desk.ask(QUESTION._replace(number=2))
     desk.screen.wait(PROMPT)
     desk.agent.withdraw(2)
     desk.types("abort\n")
-    assert told.wait()["option"] == "abort"
+    assert reported.wait()["option"] == "abort"
     desk.agent.stop()
     assert other.all == []
 
 
 def test_time_that_is_over_is_told(desk: Desk) -> None:
-    told = desk.ask(QUESTION._replace(budget=Limits(seconds=0.05)))
-    assert told.wait()["failed"].startswith("no answer within 0.")
+    reported = desk.ask(QUESTION._replace(budget=Limits(seconds=0.05)))
+    assert reported.wait()["failed"].startswith("no answer within 0.")
     desk.screen.wait("(time is over)")
 
 
 def test_the_end_of_input_passes(desk: Desk) -> None:
-    told = desk.ask()
+    reported = desk.ask()
     desk.screen.wait(PROMPT)
     desk.types("\x04")
-    assert told.wait() == {"absent": "the operator passed"}
+    assert reported.wait() == {"absent": "the operator passed"}
 
 
 def test_a_terminal_that_goes_away_is_absent(desk: Desk) -> None:
-    told = desk.ask()
+    reported = desk.ask()
     desk.screen.wait(PROMPT)
     os.close(desk.person)
     desk.person = os.open(os.devnull, os.O_RDONLY)
-    assert "absent" in told.wait()
+    assert "absent" in reported.wait()
 
 
 def test_a_screen_that_cannot_be_written_is_absent(desk: Desk) -> None:
@@ -240,27 +240,27 @@ def test_a_screen_that_cannot_be_written_is_absent(desk: Desk) -> None:
 
 
 def test_stopping_frees_the_terminal(desk: Desk) -> None:
-    told = desk.ask()
+    reported = desk.ask()
     desk.screen.wait(PROMPT)
     desk.agent.stop()
     assert [thread.name for thread in threading.enumerate() if thread.name == "operator"] == []
-    assert told.all == []
+    assert reported.all == []
 
 
 @pytest.mark.parametrize("source", [io.StringIO("1\n"), io.BytesIO(b"1\n")])
 def test_what_is_no_terminal_is_absent(source: IO[Any]) -> None:
-    screen, told = Screen(), ReplyCallback()
-    OperatorAgent(source, screen).ask(QUESTION, told)
-    assert told.all == [{"absent": "no terminal"}]
+    screen, reported = Screen(), ReplyCallback()
+    OperatorAgent(source, screen).ask(QUESTION, reported)
+    assert reported.all == [{"absent": "no terminal"}]
     assert screen.getvalue() == ""
 
 
 def test_a_pipe_is_no_terminal() -> None:
     reading, writing = os.pipe()
-    told = ReplyCallback()
+    reported = ReplyCallback()
     with os.fdopen(reading, "rb") as source, os.fdopen(writing, "wb"):
-        OperatorAgent(source, Screen()).ask(QUESTION, told)
-    assert told.all == [{"absent": "no terminal"}]
+        OperatorAgent(source, Screen()).ask(QUESTION, reported)
+    assert reported.all == [{"absent": "no terminal"}]
 
 
 # ── Lines and words ─────────────────────────────────────────────────────────────────────────────────────────────

@@ -40,11 +40,11 @@ class Seen:
 
 
 def answered(rows: list[tuple[Guard | None, str]], seen: Seen, question: Question = QUESTION) -> Mapping[str, Any]:
-    told = ReplyCallback()
-    RulesAnswerer({"assessing": rows}, lambda: seen, keys=KEYS).ask(question, told)
-    (said,) = told.all
-    assert not answer_fault(said)
-    return said
+    reported = ReplyCallback()
+    RulesAnswerer({"assessing": rows}, lambda: seen, keys=KEYS).ask(question, reported)
+    (reply,) = reported.all
+    assert not answer_fault(reply)
+    return reply
 
 
 guards = st.sampled_from([None, LOW, Not(LOW), Fresh("height"), Not(Fresh("height"))])
@@ -102,11 +102,11 @@ def test_rules_keep_the_contract(rows: list[tuple[Guard | None, str]]) -> None:
 
 
 def test_a_script_is_followed_and_then_absent() -> None:
-    script, told = ScriptAnswerer({"assessing": ["replan", {"failed": "a cold"}, None]}), ReplyCallback()
+    script, reported = ScriptAnswerer({"assessing": ["replan", {"failed": "a cold"}, None]}), ReplyCallback()
     for number in range(4):
-        script.ask(QUESTION._replace(number=number), told)
+        script.ask(QUESTION._replace(number=number), reported)
     script.withdraw(2)
-    assert told.all == [
+    assert reported.all == [
         {"option": "replan", "parameters": {}, "why": "scripted"},
         {"failed": "a cold"},
         {"absent": "the script has nothing more for 'assessing'"},

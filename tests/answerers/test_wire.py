@@ -51,8 +51,8 @@ class Answering(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         asked = json.loads(self.rfile.read(int(self.headers["content-length"])))
         self.server.requests.append(asked)
-        status, said = self.server.replies.pop(0)(asked)
-        body = said if isinstance(said, bytes) else json.dumps(said).encode()
+        status, reply = self.server.replies.pop(0)(asked)
+        body = reply if isinstance(reply, bytes) else json.dumps(reply).encode()
         self.send_response(status)
         self.send_header("content-type", "application/json")
         self.send_header("content-length", str(len(body)))
@@ -79,12 +79,12 @@ def completion(content: str | None = None, calls: list[tuple[str, str]] | None =
             {"id": f"call_{number}", "type": "function", "function": {"name": name, "arguments": arguments}}
             for number, (name, arguments) in enumerate(calls)
         ]
-    said = {
+    reply = {
         "id": "x", "object": "chat.completion", "created": 0, "model": "gpt-4o-2024-08-06",
         "choices": [{"index": 0, "message": message, "finish_reason": "stop"}],
         "usage": {"prompt_tokens": 90, "completion_tokens": 10, "total_tokens": 100},
     }  # fmt: skip
-    return lambda _asked: (200, said)
+    return lambda _asked: (200, reply)
 
 
 def refused(status: int, text: str) -> Reply:
@@ -92,19 +92,19 @@ def refused(status: int, text: str) -> Reply:
 
 
 def answer(model: ChatOpenAI, question: Question = QUESTION, **words: Any) -> dict[str, Any]:
-    agent, told = DecisionAgent(model, **words), ReplyCallback()
-    agent.ask(question, told)
-    said = dict(told.wait())
+    agent, reported = DecisionAgent(model, **words), ReplyCallback()
+    agent.ask(question, reported)
+    reply = dict(reported.wait())
     agent.stop(within_s=0.1)
-    assert not answer_fault(said), answer_fault(said)
-    return said
+    assert not answer_fault(reply), answer_fault(reply)
+    return reply
 
 
 def test_a_schema_goes_out_and_one_object_comes_back(server: Server) -> None:
     server.replies = [completion('{"why": "a log", "option": "replan"}')]
-    said = answer(server.model())
-    assert (said["option"], said["why"]) == ("replan", "a log")
-    assert said["usage"] | {"seconds": 0} == {
+    reply = answer(server.model())
+    assert (reply["option"], reply["why"]) == ("replan", "a log")
+    assert reply["usage"] | {"seconds": 0} == {
         "calls": 1, "tokens_in": 90, "tokens_out": 10, "seconds": 0, "model": "gpt-4o-2024-08-06",
     }  # fmt: skip
     form = server.requests[0]["response_format"]
@@ -115,8 +115,8 @@ def test_a_schema_goes_out_and_one_object_comes_back(server: Server) -> None:
 
 def test_functions_go_out_and_one_call_comes_back(server: Server) -> None:
     server.replies = [completion(calls=[("signal", '{"why": "a deer"}')])]
-    said = answer(server.model(), mode="tools")
-    assert (said["option"], said["why"], said["parameters"]) == ("signal", "a deer", {})
+    reply = answer(server.model(), mode="tools")
+    assert (reply["option"], reply["why"], reply["parameters"]) == ("signal", "a deer", {})
     (asked,) = server.requests
     assert [each["function"]["name"] for each in asked["tools"]] == ["replan", "signal", "abort"]
     assert asked["tool_choice"] == "required"
@@ -137,8 +137,8 @@ def test_a_read_only_tool_is_looked_up_over_the_wire(server: Server) -> None:
         lambda: "a crate", name="look", description="Look.", metadata={"read_only": True}
     )
     server.replies = [completion(calls=[("look", "{}")]), completion(calls=[("replan", "{}")])]
-    said = answer(server.model(), QUESTION._replace(tools=("look",)), tools=[look])
-    assert (said["option"], said["usage"]["calls"], said["usage"]["tokens_in"]) == ("replan", 3, 180)
+    reply = answer(server.model(), QUESTION._replace(tools=("look",)), tools=[look])
+    assert (reply["option"], reply["usage"]["calls"], reply["usage"]["tokens_in"]) == ("replan", 3, 180)
     assert server.requests[1]["messages"][-1] == {"role": "tool", "tool_call_id": "call_0", "content": '"a crate"'}
 
 
@@ -160,8 +160,8 @@ def test_a_server_without_schemas_is_asked_in_the_next_way(server: Server) -> No
         refused(500, "tools need a template"),
         completion("abort"),
     ]
-    said = answer(server.model())
-    assert (said["option"], said["usage"]["calls"]) == ("abort", 3)
+    reply = answer(server.model())
+    assert (reply["option"], reply["usage"]["calls"]) == ("abort", 3)
     assert [sorted({"response_format", "tools"} & set(asked)) for asked in server.requests] == [
         ["response_format"],
         ["tools"],
@@ -185,17 +185,17 @@ def test_a_server_without_schemas_is_asked_in_the_next_way(server: Server) -> No
 )
 def test_a_server_at_fault_is_told_without_its_key(server: Server, reply: Reply, why: str) -> None:
     server.replies = [reply]
-    said = answer(server.model())
-    assert why in said["failed"]
-    assert "0123456789" not in json.dumps(said)
+    text = answer(server.model())
+    assert why in text["failed"]
+    assert "0123456789" not in json.dumps(text)
 
 
 def test_a_server_that_hangs_is_given_up(server: Server) -> None:
     free = threading.Event()
     server.replies = [lambda asked: (free.wait(10), completion("abort")(asked))[1]]
-    said = answer(server.model(), QUESTION._replace(budget=Limits(seconds=0.2)))
+    reply = answer(server.model(), QUESTION._replace(budget=Limits(seconds=0.2)))
     free.set()
-    assert said["failed"].startswith("no answer within 0.")
+    assert reply["failed"].startswith("no answer within 0.")
 
 
 def test_what_a_model_can_do_is_found_out_without_asking_it(server: Server) -> None:

@@ -45,8 +45,8 @@ def test_a_change_leads_to_its_place_and_its_place_tells_the_change(window: Any)
 
 def test_what_changed_is_marked_without_colour(window: Any) -> None:
     window.click("#open-all")
-    told = {mark: window.locator(f".state.{mark}").count() for mark in ("added", "removed", "changed")}
-    assert told == {"added": 1, "removed": 1, "changed": 3}
+    report = {mark: window.locator(f".state.{mark}").count() for mark in ("added", "removed", "changed")}
+    assert report == {"added": 1, "removed": 1, "changed": 3}
     assert window.text_content("[data-state=reversing] .texts").startswith("+ ")
     dashes = "getComputedStyle(document.querySelector('.state.removed .form')).strokeDasharray"
     assert window.evaluate(dashes) != "none"

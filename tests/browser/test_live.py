@@ -47,7 +47,9 @@ def look(browser: Any) -> Iterator[Look]:
         window.on("pageerror", lambda error: wrong.append(str(error)))
         window.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
         window.on("request", lambda asked: wrong.append(asked.url) if not asked.url.startswith(page.address) else None)
-        window.on("console", lambda said: wrong.append(said.text) if "Content Security" in said.text else None)
+        window.on(
+            "console", lambda reported: wrong.append(reported.text) if "Content Security" in reported.text else None
+        )
         window.goto(page.url)
         window.wait_for_selector("html[data-ready=yes]", state="attached")
         return window
@@ -117,13 +119,13 @@ def test_a_page_that_was_cut_off_comes_back_to_what_is_so(run: Run, look: Look) 
 @contextmanager
 def hung(page: LivePage) -> Iterator[None]:
     """The server takes connections and says nothing, as a stopped process does."""
-    go_on = threading.Event()
+    resume = threading.Event()
     assert page._loop is not None
-    page._loop.call_soon_threadsafe(go_on.wait)
+    page._loop.call_soon_threadsafe(resume.wait)
     try:
         yield
     finally:
-        go_on.set()
+        resume.set()
 
 
 def test_a_page_that_hears_nothing_says_so_and_its_ages_run_on(run: Run, look: Look) -> None:
@@ -149,14 +151,14 @@ def test_an_order_says_at_once_that_it_is_sent_and_then_what_became_of_it(look: 
         run.start()
         window = look(run.page)
         window.wait_for_selector("[data-act=pause]:not(:disabled)")
-        said = "document.querySelector('#said')"
+        reported = "document.querySelector('#said')"
         with hung(run.page):
-            assert window.evaluate(f"(live.acts.buttons.stop.click(), {said}.textContent)") == "e-stop: sent …"
+            assert window.evaluate(f"(live.acts.buttons.stop.click(), {reported}.textContent)") == "e-stop: sent …"
             window.wait_for_selector("#said.alarm:has-text('e-stop: NO ANSWER')")
             assert "use the robot's own stop" in window.inner_text("#said")
             window.evaluate("live.acts.order({ command: 'pause' })")
             window.wait_for_selector("#said.alarm:has-text('pause: NO ANSWER')")
-        until(window, f"{said}.className === 'good' && {said}.textContent.startsWith('e-stop: done')")
+        until(window, f"{reported}.className === 'good' && {reported}.textContent.startsWith('e-stop: done')")
         assert [json.loads(text)["command"] for text in desk.orders if "pause" not in text] == ["e_stop"]
         run.page.stop()
         window.evaluate("live.acts.order({ command: 'e_stop' })")
@@ -172,8 +174,8 @@ def test_a_state_that_waits_for_control_says_so_and_the_way_out_is_a_button(look
         window.wait_for_selector("[data-state=driving].active", state="attached")
         assert window.inner_text("#waits") == "" and window.is_hidden("[data-act=autonomy]")
         run.send("agent", "control")
-        said = "driving waits until control is with autonomy; agent has it. The mission does not ask for it back"
-        until(window, f"document.querySelector('#waits').textContent.startsWith({json.dumps(said)})")
+        reported = "driving waits until control is with autonomy; agent has it. The mission does not ask for it back"
+        until(window, f"document.querySelector('#waits').textContent.startsWith({json.dumps(reported)})")
         assert window.is_visible("[data-act=autonomy]") and window.is_hidden("[data-act=agent]")
         run.send("autonomy", "control")
         until(window, "document.querySelector('#waits').textContent === ''")

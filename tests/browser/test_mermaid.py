@@ -87,12 +87,12 @@ def bare(text: str) -> str:
     return re.sub(r"[\s\u2060\ufeff]+", "", clean(text))
 
 
-def shown_as_written(text: str, told: dict[str, Any]) -> None:
-    said = [bare(each) for each in told["said"]]
-    assert set(told["tags"]) <= {"p", "br", "span"}, text
+def shown_as_written(text: str, results: dict[str, Any]) -> None:
+    reported = [bare(each) for each in results["said"]]
+    assert set(results["tags"]) <= {"p", "br", "span"}, text
     for wanted in (f"q decision “{text}”", f"say “{text}”", f"log “{text}”"):
-        assert any(bare(wanted) in each for each in said), (text, wanted, told["said"])
-    assert bare(text) in said or not bare(text)
+        assert any(bare(wanted) in each for each in reported), (text, wanted, results["said"])
+    assert bare(text) in reported or not bare(text)
 
 
 def arrows(drawn: Picture) -> int:
@@ -109,8 +109,8 @@ def shipped() -> list[Path]:
 @pytest.mark.parametrize("path", shipped(), ids=lambda path: path.parent.name)
 def test_a_shipped_mission_is_drawn_with_all_its_arrows(draws: Draws, path: Path) -> None:
     drawn = picture(load(path))
-    [told] = draws(mermaid(drawn))
-    assert told["arrows"] == arrows(drawn)
+    [reported] = draws(mermaid(drawn))
+    assert reported["arrows"] == arrows(drawn)
 
 
 def test_a_run_and_hostile_texts_are_drawn(draws: Draws) -> None:
@@ -120,23 +120,23 @@ def test_a_run_and_hostile_texts_are_drawn(draws: Draws) -> None:
 
 
 def test_a_text_is_shown_as_it_was_written(draws: Draws) -> None:
-    for text, told in zip(TEXTS, draws(*(mermaid(picture(saying(text))) for text in TEXTS)), strict=True):
-        shown_as_written(text, told)
+    for text, reported in zip(TEXTS, draws(*(mermaid(picture(saying(text))) for text in TEXTS)), strict=True):
+        shown_as_written(text, reported)
 
 
 @settings(max_examples=6, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate])
 @given(st.lists(MEAN, min_size=5, max_size=5))
 def test_any_text_is_shown_as_it_was_written(draws: Draws, texts: list[str]) -> None:
-    for text, told in zip(texts, draws(*(mermaid(picture(saying(text))) for text in texts)), strict=True):
-        shown_as_written(text, told)
+    for text, reported in zip(texts, draws(*(mermaid(picture(saying(text))) for text in texts)), strict=True):
+        shown_as_written(text, reported)
 
 
 @settings(max_examples=10, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate])
 @given(missions())
 def test_a_generated_mission_is_drawn_with_all_its_arrows(draws: Draws, mission: Mission) -> None:
     drawn = picture(mission)
-    [told] = draws(mermaid(drawn))
-    assert told["arrows"] == arrows(drawn)
+    [reported] = draws(mermaid(drawn))
+    assert reported["arrows"] == arrows(drawn)
 
 
 def test_a_mission_of_more_rows_than_a_flowchart_may_have_edges_is_drawn(draws: Draws) -> None:
@@ -147,5 +147,5 @@ def test_a_mission_of_more_rows_than_a_flowchart_may_have_edges_is_drawn(draws: 
     )
     text = mermaid(picture(given))
     assert text.count("-->") == count + 1 and len(text) < MOST
-    (told,) = draws(text)
-    assert told["arrows"] == count + 1
+    (reported,) = draws(text)
+    assert reported["arrows"] == count + 1

@@ -57,7 +57,7 @@ def poisoned() -> Mission:
 def test_a_click_tells_all_of_a_state_and_the_address_names_it(opened: Open) -> None:
     window = opened(review(tractor()))
     window.click("[data-state=crossing] .form", position={"x": 5, "y": 5})
-    told = window.inner_text("#details")
+    reported = window.inner_text("#details")
     for words in (
         "/states/crossing",
         "action cross",
@@ -66,7 +66,7 @@ def test_a_click_tells_all_of_a_state_and_the_address_names_it(opened: Open) -> 
         "obstacle.living is true",
         "timeout_s 30 s",
     ):
-        assert words in told
+        assert words in reported
     shown = json.loads(window.text_content("#details pre"))
     assert shown == document()["states"]["crossing"]
     assert window.evaluate("location.hash") == "#state=crossing"
@@ -77,7 +77,7 @@ def test_a_click_tells_all_of_a_state_and_the_address_names_it(opened: Open) -> 
 def test_a_click_tells_all_of_a_row(opened: Open) -> None:
     window = opened(review(tractor()))
     window.locator("[data-rows='/states/assessing/transitions/0'] .grip").dispatch_event("click")
-    told = window.inner_text("#details")
+    reported = window.inner_text("#details")
     for words in (
         "drive_over",
         "from assessing",
@@ -85,7 +85,7 @@ def test_a_click_tells_all_of_a_row(opened: Open) -> None:
         "option drive_over: offered when",
         "obstacle.height_m < 0.25",
     ):
-        assert words in told
+        assert words in reported
     assert json.loads(window.text_content("#details pre")) == document()["states"]["assessing"]["transitions"][0]
     again = opened(review(tractor()), at=window.evaluate("location.hash"))
     assert "from assessing" in again.inner_text("#details")
@@ -147,7 +147,7 @@ def test_a_question_is_shown_as_it_was_asked_with_its_picture_its_answer_and_the
     [first, *_] = data_of(page)["runs"][0]["questions"]
     window = opened(page, at=f"#step={first['answered']}")
     until(window, "document.querySelector('.question img')?.naturalWidth === 16")
-    told = window.inner_text(".question >> nth=0")
+    reported = window.inner_text(".question >> nth=0")
     for words in (
         "Question 2 to agent",
         "height_m 0.5",
@@ -157,7 +157,7 @@ def test_a_question_is_shown_as_it_was_asked_with_its_picture_its_answer_and_the
         HOSTILE[0],
         "was not offered",
     ):
-        assert words in told
+        assert words in reported
 
 
 def test_steps_go_by_keys_and_jump_from_change_to_change(journal: Path, opened: Open) -> None:

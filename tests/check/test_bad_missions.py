@@ -33,11 +33,11 @@ def findings(name: str) -> tuple[Finding, ...]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_bad_mission_is_told_every_fault_with_its_place(name: str) -> None:
-    told = "".join(f"{finding}\n" for finding in findings(name))
+    reported = "".join(f"{finding}\n" for finding in findings(name))
     expected = FOLDER / f"{name}.txt"
     if os.environ.get("REWRITE_BAD_MISSIONS"):
-        expected.write_text(told, encoding="utf-8")
-    assert told == expected.read_text(encoding="utf-8")
+        expected.write_text(reported, encoding="utf-8")
+    assert reported == expected.read_text(encoding="utf-8")
 
 
 def test_each_rule_has_a_bad_mission_of_its_name_that_breaks_it() -> None:
@@ -82,6 +82,6 @@ def test_the_guide_lists_each_rule_with_its_sentence_and_an_example_that_check_t
     rows = {line.split("|")[1].strip(" `"): line for line in guide.splitlines() if line.startswith("| `")}
     assert list(rows) == [rule.name for rule in RULES]
     for rule in RULES:
-        assert rule.says in rows[rule.name]
-        told = [str(finding) for finding in findings(rule.name.replace("-", "_")) if finding.rule == rule.name]
-        assert any(each.replace("|", "\\|") in rows[rule.name] for each in told), rule.name
+        assert rule.summary in rows[rule.name]
+        results = [str(finding) for finding in findings(rule.name.replace("-", "_")) if finding.rule == rule.name]
+        assert any(each.replace("|", "\\|") in rows[rule.name] for each in results), rule.name

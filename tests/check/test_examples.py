@@ -166,8 +166,8 @@ def test_rows_that_a_state_entered_puts_to_rest_are_no_cycle() -> None:
 
 def test_parallel_regions_wait_for_all_and_their_rows_stand_on_their_own() -> None:
     def region(name: str) -> dict[str, Any]:
-        tell = {"call": "tell", "timeout_s": 2, "transitions": [{"on": "succeeded", "to": f"{name}_end"}]}
-        return {"initial": f"{name}_tell", "states": {f"{name}_tell": tell, f"{name}_end": {"final": "succeeded"}}}
+        notify = {"call": "tell", "timeout_s": 2, "transitions": [{"on": "succeeded", "to": f"{name}_end"}]}
+        return {"initial": f"{name}_tell", "states": {f"{name}_tell": notify, f"{name}_end": {"final": "succeeded"}}}
 
     def both(document: dict[str, Any], last: list[Any]) -> None:
         document["states"]["both"] = {

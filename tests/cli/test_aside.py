@@ -53,8 +53,8 @@ def test_a_run_whose_lines_nobody_takes_is_stopped_all_the_same(stalled: Stalled
     assert result.outcome == "aborted" and rig.move.canceled == rig.move.goals != []
     stalled.goes_on.set()
     aside.settle()
-    said = stalled.getvalue()
-    assert len(said.splitlines()) < 2 * MOST
+    printed = stalled.getvalue()
+    assert len(printed.splitlines()) < 2 * MOST
 
 
 def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_counted(stalled: Stalled) -> None:

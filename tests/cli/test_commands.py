@@ -35,24 +35,24 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main(["--help"])
     assert ended.value.code == 0
-    said = capsys.readouterr().out
-    assert all(word in said for word in ("run", "check", "draw", "diff", "replay", "schema", "new", "doctor"))
+    printed = capsys.readouterr().out
+    assert all(word in printed for word in ("run", "check", "draw", "diff", "replay", "schema", "new", "doctor"))
 
 
 def test_a_run_that_does_not_succeed_exits_with_1_and_says_why(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", "lamp.json", "--journal", "a.journal"]) == 1
-    said = capsys.readouterr().out
-    assert "aborted: 'off' was reached" in said
-    assert "model: none, no model is asked" in said
-    assert "journal: a.journal" in said
+    printed = capsys.readouterr().out
+    assert "aborted: 'off' was reached" in printed
+    assert "model: none, no model is asked" in printed
+    assert "journal: a.journal" in printed
 
 
 def test_a_run_in_json_prints_one_object_and_nothing_else(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(["run", "lamp.json", "--journal", "a.journal", "--json"])
-    told = json.loads(capsys.readouterr().out)
-    assert {**told, "run": "", "duration_s": 0} == {
+    reported = json.loads(capsys.readouterr().out)
+    assert {**reported, "run": "", "duration_s": 0} == {
         "mission": "lamp", "run": "", "outcome": "aborted", "why": "'off' was reached", "state": "off", "steps": 2,
         "decisions": 0, "duration_s": 0, "journal": "a.journal", "moved_aside": None, "open_goals": [],
     }  # fmt: skip
@@ -76,14 +76,14 @@ def test_every_fault_is_told_on_stderr_with_its_place(folder: Path, capsys: pyte
     (folder / "bad.json").write_text(json.dumps(bad))
     for command in (["check", "bad.json"], ["run", "bad.json"]):
         assert main(command) == 2
-        said = capsys.readouterr().err
-        assert "bad.json: /states/x/transitions/0/on: no event or outcome 'go'" in said
-        assert "/states/x/transitions/0/to: no state 'of'; did you mean 'off'?" in said
+        printed = capsys.readouterr().err
+        assert "bad.json: /states/x/transitions/0/on: no event or outcome 'go'" in printed
+        assert "/states/x/transitions/0/to: no state 'of'; did you mean 'off'?" in printed
     assert not list(folder.glob("journals/*"))
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (b"{", "line 1"),
         (b"\xff\xfe", "UTF-8"),
@@ -94,11 +94,11 @@ def test_every_fault_is_told_on_stderr_with_its_place(folder: Path, capsys: pyte
 )
 @pytest.mark.parametrize("command", ["check", "run", "draw"])
 def test_a_file_that_is_no_mission_is_refused_and_not_changed(
-    folder: Path, capsys: pytest.CaptureFixture[str], command: str, content: bytes, said: str
+    folder: Path, capsys: pytest.CaptureFixture[str], command: str, content: bytes, message: str
 ) -> None:
     (folder / "m.json").write_bytes(content)
     assert main([command, "m.json"]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert (folder / "m.json").read_bytes() == content
     assert sorted(path.name for path in folder.iterdir()) == ["lamp.json", "m.json"]
 
@@ -179,8 +179,8 @@ def test_a_picture_of_an_altered_journal_is_refused_and_the_page_is_named_that_s
 ) -> None:
     ran_and_altered(folder / "a.journal", capsys)
     assert main(["draw", "lamp.json", "--journal", "a.journal", "-o", "x.dot"]) == 2
-    told = capsys.readouterr().err
-    assert "row 2" in told and "a page (-o review.html) shows what can be read of it" in told
+    reported = capsys.readouterr().err
+    assert "row 2" in reported and "a page (-o review.html) shows what can be read of it" in reported
     assert not (folder / "x.dot").exists()
     assert main(["draw", "lamp.json", "--journal", "a.journal", "-o", "x.html"]) == 0
     assert "a.journal: drawn with this error: row 2" in capsys.readouterr().err
@@ -195,9 +195,9 @@ def test_a_diagram_that_mermaid_will_not_draw_is_told_of(folder: Path, capsys: p
     assert capsys.readouterr().err == ""
     for words in (["draw", "1.0.0.json"], ["diff", "--fail-on", "none", "1.0.0.json", "1.0.1.json"]):
         assert main([*words, "-o", "big.mmd", *(["-o", "big.dot"] if words[0] == "diff" else [])]) == 0
-        (told,) = capsys.readouterr().err.splitlines()
-        assert told.startswith("big.mmd: ") and "Mermaid draws 50000 unless `maxTextSize` is raised" in told
-        assert ".svg and .html have no such limit" in told
+        (reported,) = capsys.readouterr().err.splitlines()
+        assert reported.startswith("big.mmd: ") and "Mermaid draws 50000 unless `maxTextSize` is raised" in reported
+        assert ".svg and .html have no such limit" in reported
 
 
 def test_the_picture_of_another_mission_s_journal_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -302,14 +302,14 @@ def test_a_journal_without_a_step_proves_nothing(folder: Path, capsys: pytest.Ca
 
 
 @pytest.mark.parametrize(
-    ("connector", "said"),
+    ("connector", "message"),
     [
         ({"kind": "local"}, "--speed and --seed have no effect: the run simulates no world, its robot is reached by"),
         ({"kind": "local", "world": "orchard", "camera": False}, ""),
     ],
 )
 def test_words_of_a_simulated_world_warn_where_there_is_none(
-    folder: Path, capsys: pytest.CaptureFixture[str], connector: dict[str, object], said: str
+    folder: Path, capsys: pytest.CaptureFixture[str], connector: dict[str, object], message: str
 ) -> None:
     if "world" in connector:
         pytest.importorskip("mujoco")
@@ -317,6 +317,6 @@ def test_words_of_a_simulated_world_warn_where_there_is_none(
     given = ["run", "lamp.json", "--robot", "r.json", "--no-operator", "--journal", "a.journal"]
     assert main([*given, "--speed", "max", "--seed", "3"]) == 1
     err = capsys.readouterr().err
-    assert said in err and (said or "no effect" not in err)
+    assert message in err and (message or "no effect" not in err)
     main(given)
     assert "no effect" not in capsys.readouterr().err, "what was not said is not warned of"

@@ -73,7 +73,7 @@ def test_what_a_mission_includes_is_that_of_the_revision_too(
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--git", "nowhere", "mission.json"], "there is no revision 'nowhere'"),
         (["--git", "--output=x", "mission.json"], "expected one argument"),
@@ -84,14 +84,14 @@ def test_what_a_mission_includes_is_that_of_the_revision_too(
     ],
 )
 def test_what_cannot_be_compared_exits_with_2_and_says_why(
-    repository: Path, words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    repository: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     try:
         status = main(["diff", *words])
     except SystemExit as ended:
         status = int(ended.code or 0)
     assert status == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_revision_that_looks_like_an_option_is_none(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:

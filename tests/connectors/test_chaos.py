@@ -42,11 +42,11 @@ class Line:
 
     def hear(self, count: int = MESSAGES) -> list[Message]:
         """What arrives of so many messages that are published behind it, without what was put off."""
-        heard: list[Message] = []
-        self.chaos.subscribe("/n", NUMBER, heard.append)
+        received: list[Message] = []
+        self.chaos.subscribe("/n", NUMBER, received.append)
         for number in range(count):
             self.local.publish("/n", NUMBER, {"data": float(number)})
-        return heard
+        return received
 
     def let_come(self) -> None:
         """What was put off comes, each when its time has come."""
@@ -54,8 +54,8 @@ class Line:
             do()
 
 
-def numbers(heard: list[Message]) -> list[Any]:
-    return [message.data["data"] for message in heard]
+def numbers(received: list[Message]) -> list[Any]:
+    return [message.data["data"] for message in received]
 
 
 def test_one_to_which_nothing_befalls_keeps_the_contract() -> None:
@@ -63,43 +63,43 @@ def test_one_to_which_nothing_befalls_keeps_the_contract() -> None:
 
 
 def test_it_loses_some_and_keeps_the_order_of_the_rest() -> None:
-    heard = numbers(Line(lose=0.3).hear())
-    assert 100 < len(heard) < 180 and heard == sorted(heard)
+    received = numbers(Line(lose=0.3).hear())
+    assert 100 < len(received) < 180 and received == sorted(received)
 
 
 def test_it_repeats_some() -> None:
-    heard = numbers(Line(repeat=0.3).hear())
-    assert sorted(set(heard)) == [float(number) for number in range(MESSAGES)]
-    assert 230 < len(heard) < 290 and max(heard.count(number) for number in heard) == 2
+    received = numbers(Line(repeat=0.3).hear())
+    assert sorted(set(received)) == [float(number) for number in range(MESSAGES)]
+    assert 230 < len(received) < 290 and max(received.count(number) for number in received) == 2
 
 
 def test_what_it_delays_is_overtaken_and_comes() -> None:
     line = Line(delay=0.3)
-    heard = line.hear()
-    assert 100 < len(heard) < 180
+    received = line.hear()
+    assert 100 < len(received) < 180
     assert all(0 <= seconds <= 1 for seconds, _ in line.put_off)
     line.let_come()
-    assert sorted(numbers(heard)) == [float(number) for number in range(MESSAGES)]
-    assert numbers(heard) != sorted(numbers(heard)), "in another order"
+    assert sorted(numbers(received)) == [float(number) for number in range(MESSAGES)]
+    assert numbers(received) != sorted(numbers(received)), "in another order"
 
 
 def test_what_it_backdates_is_as_it_was_and_up_to_a_second_older() -> None:
-    heard = Line(backdate=0.3).hear()
-    old = [message for message in heard if message.at != 10.0]
+    received = Line(backdate=0.3).hear()
+    old = [message for message in received if message.at != 10.0]
     assert 30 < len(old) < 90 and all(9.0 <= message.at < 10.0 for message in old)
-    assert numbers(heard) == [float(number) for number in range(MESSAGES)]
+    assert numbers(received) == [float(number) for number in range(MESSAGES)]
 
 
 def test_what_it_garbles_is_of_another_type_or_no_number() -> None:
-    heard = Line(garble=0.3).hear()
-    wrong = [each for each in numbers(heard) if not isinstance(each, float) or not math.isfinite(each)]
+    received = Line(garble=0.3).hear()
+    wrong = [each for each in numbers(received) if not isinstance(each, float) or not math.isfinite(each)]
     assert 30 < len(wrong) < 90 and len({repr(each) for each in wrong}) > 5
 
 
 def test_a_topic_that_it_silences_has_nothing_more_to_say_and_others_have() -> None:
     line = Line(silence=0.05)
-    heard = numbers(line.hear())
-    assert heard == [float(number) for number in range(len(heard))] and len(heard) < MESSAGES
+    received = numbers(line.hear())
+    assert received == [float(number) for number in range(len(received))] and len(received) < MESSAGES
     assert line.hear(1) == [], "for good"
     others: list[Message] = []
     line.chaos.subscribe("/m", NUMBER, others.append)
@@ -109,28 +109,28 @@ def test_a_topic_that_it_silences_has_nothing_more_to_say_and_others_have() -> N
 
 def test_of_what_it_sends_out_the_same_befalls() -> None:
     line = Line(lose=0.3)
-    heard: list[Message] = []
-    line.local.subscribe("/n", NUMBER, heard.append)
+    received: list[Message] = []
+    line.local.subscribe("/n", NUMBER, received.append)
     for number in range(MESSAGES):
         line.chaos.publish("/n", NUMBER, {"data": float(number)})
-    assert 100 < len(heard) < 180
+    assert 100 < len(received) < 180
 
 
 def test_a_call_whose_reply_is_lost_has_timed_out_where_a_time_was_set_and_else_never_ends() -> None:
     line, replies = Line(lose=1), list[Reply]()
     line.local.serve("/s", TRIGGER, lambda _: {"success": True})
-    line.chaos.call("/s", TRIGGER, {}, answered=replies.append, timeout_s=2.0)
-    line.chaos.call("/s", TRIGGER, {}, answered=replies.append)
+    line.chaos.call("/s", TRIGGER, {}, on_reply=replies.append, timeout_s=2.0)
+    line.chaos.call("/s", TRIGGER, {}, on_reply=replies.append)
     line.let_come()
     assert [reply.outcome for reply in replies] == ["timed_out"]
 
 
 def test_a_goal_that_it_repeats_is_one_goal_whose_reports_come_twice() -> None:
-    line, server, said = Line(repeat=1), PatientServer(), list[str]()
+    line, server, reported = Line(repeat=1), PatientServer(), list[str]()
     line.local.offer("/a", ACTION, server)
-    line.chaos.send_goal("/a", ACTION, {}, goal_id="g", report=lambda report: said.append(report.said))
-    server.say("g", "accepted")
-    assert len(server.goals) == 1 and said == ["accepted", "accepted"]
+    line.chaos.send_goal("/a", ACTION, {}, goal_id="g", on_report=lambda report: reported.append(report.status))
+    server.send("g", "accepted")
+    assert len(server.goals) == 1 and reported == ["accepted", "accepted"]
 
 
 @pytest.mark.parametrize("seed", range(3))

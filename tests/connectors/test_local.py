@@ -47,24 +47,24 @@ def test_it_is_a_connector() -> None:
 def test_a_message_is_as_old_as_its_own_stamp_and_never_from_the_future(
     connector: LocalConnector, message: dict[str, object], at: float
 ) -> None:
-    heard: list[Message] = []
-    connector.subscribe("/t", "", heard.append)
+    received: list[Message] = []
+    connector.subscribe("/t", "", received.append)
     connector.publish("/t", "", message)
-    assert [(each.data, each.at) for each in heard] == [(message, at)]
+    assert [(each.data, each.at) for each in received] == [(message, at)]
 
 
 @pytest.mark.parametrize(("behind_s", "at"), [(3600.0, 7.5 - 3600), (0.5, 7.0), (-2.0, 7.5)])
 def test_a_stamp_may_be_of_the_time_of_day(connector: LocalConnector, behind_s: float, at: float) -> None:
-    heard: list[Message] = []
-    connector.subscribe("/t", "", heard.append)
+    received: list[Message] = []
+    connector.subscribe("/t", "", received.append)
     connector.publish("/t", "", {"header": {"stamp": time.time() - behind_s}})
-    assert heard[0].at == pytest.approx(at, abs=0.3) and heard[0].age_s == pytest.approx(behind_s, abs=0.3)
+    assert received[0].at == pytest.approx(at, abs=0.3) and received[0].age_s == pytest.approx(behind_s, abs=0.3)
 
 
 def test_a_reply_has_the_age_that_its_stamp_says(connector: LocalConnector) -> None:
     replies: list[Reply] = []
     connector.serve("/s", "", lambda _request: {"stamp": 5.0})
-    connector.call("/s", "", {}, answered=replies.append)
+    connector.call("/s", "", {}, on_reply=replies.append)
     assert replies[0].age_s == 2.5
 
 
@@ -78,24 +78,24 @@ def test_publishing_calls_subscribers_at_once_on_the_callers_thread(connector: L
 def test_a_subscriber_that_fails_does_not_keep_the_message_from_the_others(
     connector: LocalConnector, caplog: pytest.LogCaptureFixture
 ) -> None:
-    heard: list[Message] = []
+    received: list[Message] = []
 
     def fail(_message: Message) -> None:
         raise RuntimeError("broken ear")
 
     connector.subscribe("/t", STRING, fail)
-    connector.subscribe("/t", STRING, heard.append)
+    connector.subscribe("/t", STRING, received.append)
     connector.publish("/t", STRING, {"data": "x"})
-    assert len(heard) == 1
+    assert len(received) == 1
     assert "a subscriber of /t failed" in caplog.text
 
 
 def test_a_subscriber_closed_by_another_hears_nothing(connector: LocalConnector) -> None:
-    heard: list[Message] = []
+    received: list[Message] = []
     connector.subscribe("/t", STRING, lambda _message: close())
-    close = connector.subscribe("/t", STRING, heard.append)
+    close = connector.subscribe("/t", STRING, received.append)
     connector.publish("/t", STRING, {"data": "x"})
-    assert heard == []
+    assert received == []
 
 
 def test_two_types_on_one_name_are_an_error_that_names_both(connector: LocalConnector) -> None:
@@ -104,7 +104,7 @@ def test_two_types_on_one_name_are_an_error_that_names_both(connector: LocalConn
         connector.publish("/t", "std_msgs/msg/Int32", {"data": 1})
     replies: list[Reply] = []
     connector.serve("/s", "std_srvs/srv/Trigger", lambda _request: {})
-    connector.call("/s", "std_srvs/srv/SetBool", {}, answered=replies.append)
+    connector.call("/s", "std_srvs/srv/SetBool", {}, on_reply=replies.append)
     assert replies == [Reply("failed", {}, "/s is a std_srvs/srv/Trigger, not a std_srvs/srv/SetBool")]
 
 
@@ -119,34 +119,34 @@ def test_a_name_is_served_once(connector: LocalConnector) -> None:
 
 def test_what_is_stopped_neither_hears_nor_answers() -> None:
     connector = LocalConnector()
-    heard: list[Message] = []
+    received: list[Message] = []
     replies: list[Reply] = []
     reports: list[Report] = []
-    connector.subscribe("/t", "", heard.append)
+    connector.subscribe("/t", "", received.append)
     connector.serve("/s", "", lambda _request: {})
     connector.offer("/a", "", PatientServer())
     connector.publish("/t", "", {})
-    connector.call("/s", "", {}, answered=replies.append)
-    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
-    assert heard == []
+    connector.call("/s", "", {}, on_reply=replies.append)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    assert received == []
     assert replies == [Reply("unavailable", {}, "nobody serves /s")]
     assert reports == [Report("g", "rejected", {}, "nobody serves /a")]
 
 
 def test_what_was_opened_before_the_start_works_after_it() -> None:
     connector = LocalConnector()
-    heard: list[Message] = []
-    connector.subscribe("/t", "", heard.append)
+    received: list[Message] = []
+    connector.subscribe("/t", "", received.append)
     connector.start()
     connector.publish("/t", "", {"data": 1})
-    assert len(heard) == 1
+    assert len(received) == 1
 
 
 def test_a_goal_id_in_use_is_refused(connector: LocalConnector) -> None:
     connector.offer("/a", "", PatientServer())
-    connector.send_goal("/a", "", {}, goal_id="g", report=lambda _report: None)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=lambda _report: None)
     with pytest.raises(UsageError, match="goal 'g' is still running"):
-        connector.send_goal("/a", "", {}, goal_id="g", report=lambda _report: None)
+        connector.send_goal("/a", "", {}, goal_id="g", on_report=lambda _report: None)
 
 
 def test_a_server_that_raises_rejects(connector: LocalConnector) -> None:
@@ -156,7 +156,7 @@ def test_a_server_that_raises_rejects(connector: LocalConnector) -> None:
 
     reports: list[Report] = []
     connector.offer("/a", "", Broken())
-    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
     assert reports == [Report("g", "rejected", {}, "RuntimeError: no motor")]
 
 
@@ -164,8 +164,8 @@ def test_an_end_without_acceptance_is_preceded_by_one(connector: LocalConnector)
     server = PatientServer()
     reports: list[Report] = []
     connector.offer("/a", "", server)
-    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
-    server.say("g", "succeeded", {"x": 1})
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server.send("g", "succeeded", {"x": 1})
     assert reports == [Report("g", "accepted", {}), Report("g", "succeeded", {"x": 1})]
 
 
@@ -173,7 +173,7 @@ def test_a_report_under_another_goals_id_is_dropped(connector: LocalConnector) -
     server = PatientServer()
     reports: list[Report] = []
     connector.offer("/a", "", server)
-    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
     server.report["g"](Report("h", "succeeded", {}))
     assert reports == []
 
@@ -182,15 +182,15 @@ def test_goals_are_lost_when_their_server_goes_and_over_when_it_ends_them_later(
     server = PatientServer()
     reports: list[Report] = []
     close = connector.offer("/a", "", server)
-    connector.send_goal("/a", "", {}, goal_id="g", report=reports.append)
-    server.say("g", "accepted")
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server.send("g", "accepted")
     close()
     close()
-    server.say("g", "feedback")
-    assert [report.said for report in reports] == ["accepted", "lost"]
-    server.say("g", "succeeded")
-    server.say("g", "succeeded")
-    assert [report.said for report in reports] == ["accepted", "lost", "over"]
+    server.send("g", "feedback")
+    assert [report.status for report in reports] == ["accepted", "lost"]
+    server.send("g", "succeeded")
+    server.send("g", "succeeded")
+    assert [report.status for report in reports] == ["accepted", "lost", "over"]
 
 
 def test_a_cancel_from_inside_a_report_reaches_the_server_after_accept_returns(connector: LocalConnector) -> None:
@@ -205,7 +205,7 @@ def test_a_cancel_from_inside_a_report_reaches_the_server_after_accept_returns(c
             calls.append("cancel")
 
     connector.offer("/a", "", Eager())
-    connector.send_goal("/a", "", {}, goal_id="g", report=lambda report: connector.cancel_goal(report.goal_id))
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=lambda report: connector.cancel_goal(report.goal_id))
     assert calls == ["accept returns", "cancel"]
 
 
@@ -226,7 +226,7 @@ def test_the_calls_of_a_server_come_one_after_the_other_from_many_threads(connec
 
     def send(name: str) -> None:
         for number in range(200):
-            connector.send_goal("/a", "", {}, goal_id=f"{name}{number}", report=reports.append)
+            connector.send_goal("/a", "", {}, goal_id=f"{name}{number}", on_report=reports.append)
 
     threads = [threading.Thread(target=send, args=(name,)) for name in "abcd"]
     for thread in threads:

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Connector, Message, Reply, Report
-from rai_missions.connectors.contract import Heard, check_connector
+from rai_missions.connectors.contract import Inbox, check_connector
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.connector import MqttConnector
 from rai_missions.errors import ConnectorError, UsageError
@@ -84,12 +84,12 @@ def test_it_keeps_the_contract(broker: Broker) -> None:
 
 
 def test_it_is_a_connector_without_actions() -> None:
-    connector, reports = MqttConnector(), Heard[Report]()
+    connector, reports = MqttConnector(), Inbox[Report]()
     assert isinstance(connector, Connector)
     assert connector.modes == {"topics", "services"}
-    connector.send_goal("/a", "", {}, goal_id="g", report=reports)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports)
     connector.cancel_goal("g")
-    assert [report.said for report in reports.all] == ["rejected"]
+    assert [report.status for report in reports.all] == ["rejected"]
     assert "MQTT carries no actions" in reports.all[0].why
     with pytest.raises(UsageError, match="MQTT carries no actions"):
         connector.offer("/a", "", None)  # type: ignore[arg-type]
@@ -97,35 +97,35 @@ def test_it_is_a_connector_without_actions() -> None:
 
 @needs_broker
 def test_nobody_is_told_at_once(connector: MqttConnector) -> None:
-    replies = Heard[Reply]()
-    connector.call("/nobody", TRIGGER, {}, answered=replies)
+    replies = Inbox[Reply]()
+    connector.call("/nobody", TRIGGER, {}, on_reply=replies)
     assert replies.wait(bool, "the broker knows") == [Reply("unavailable", {}, "nobody serves /nobody")]
 
 
 @needs_broker
 def test_calls_from_many_threads_are_all_answered(connector: MqttConnector) -> None:
-    replies = Heard[Reply]()
+    replies = Inbox[Reply]()
     connector.serve("/busy", TRIGGER, lambda request: request)
 
     def call(name: str) -> None:
         for number in range(100):
-            connector.call(f"/{name if number % 2 else 'busy'}", TRIGGER, {"n": number}, answered=replies)
+            connector.call(f"/{name if number % 2 else 'busy'}", TRIGGER, {"n": number}, on_reply=replies)
 
     threads = [threading.Thread(target=call, args=(name,)) for name in ("nobody", "busy", "no_one", "busy")]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    told = replies.wait(lambda all_: len(all_) == 400, "every call has an answer")
-    assert [reply.outcome for reply in told].count("unavailable") == 100
-    assert [reply.outcome for reply in told].count("succeeded") == 300
+    reported = replies.wait(lambda all_: len(all_) == 400, "every call has an answer")
+    assert [reply.outcome for reply in reported].count("unavailable") == 100
+    assert [reply.outcome for reply in reported].count("succeeded") == 300
 
 
 @needs_broker
 def test_a_call_that_is_not_answered_is_timed_out(connector: MqttConnector) -> None:
-    replies, asked = Heard[Reply](), Heard[Message]()
+    replies, asked = Inbox[Reply](), Inbox[Message]()
     connector.subscribe("/deaf/request", "", asked)
-    connector.call("/deaf", TRIGGER, {}, answered=replies, timeout_s=0.2)
+    connector.call("/deaf", TRIGGER, {}, on_reply=replies, timeout_s=0.2)
     (reply,) = replies.wait(bool, "it is given up")
     assert reply.outcome == "timed_out"
 
@@ -134,27 +134,27 @@ def test_a_call_that_is_not_answered_is_timed_out(connector: MqttConnector) -> N
 def test_calls_end_with_the_broker_and_what_was_open_works_when_it_is_back(
     broker: Broker, connector: MqttConnector
 ) -> None:
-    replies, heard, asked = Heard[Reply](), Heard[Message](), Heard[Message]()
-    connector.subscribe("/t", STRING, heard)
+    replies, received, asked = Inbox[Reply](), Inbox[Message](), Inbox[Message]()
+    connector.subscribe("/t", STRING, received)
     connector.subscribe("/deaf/request", "", asked)
-    connector.call("/deaf", TRIGGER, {}, answered=replies)
+    connector.call("/deaf", TRIGGER, {}, on_reply=replies)
     asked.wait(bool, "the call is on its way")
     broker.stop()
     assert replies.wait(bool, "the broker is gone") == [Reply("unavailable", {}, "the MQTT broker is gone")]
     broker.start()
     connector.publish("/t", STRING, {"data": "again"})
-    heard.wait(bool, "the subscription is renewed")
+    received.wait(bool, "the subscription is renewed")
 
 
 @needs_broker
 @pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (3600.0, -3550.0), (-30.0, 50.0), (None, 50.0)])
 def test_a_stamp_is_told_on_the_runs_clock(connector: MqttConnector, age_s: float | None, at: float) -> None:
-    heard = Heard[Message]()
-    connector.subscribe("/stamped", "", heard)
+    received = Inbox[Message]()
+    connector.subscribe("/stamped", "", received)
     begin = time.time()
     stamp = {} if age_s is None else {"header": {"stamp": begin - age_s}}
     connector.publish("/stamped", "", stamp)
-    message = heard.wait(bool, "it was published")[0]
+    message = received.wait(bool, "it was published")[0]
     took_s = time.time() - begin if age_s is not None and age_s >= 0 else 0.0  # what is under way grows older
     assert at - took_s - 1e-3 <= message.at <= at + 1e-3
 
@@ -167,9 +167,9 @@ def test_a_retained_message_is_as_old_as_its_stamp_and_known_for_what_it_is(
 
     payload = encode({"header": {"stamp": {"sec": int(time.time()) - 3600, "nanosec": 0}}, "x": 1})
     publish.single("/kept", payload, qos=1, retain=True, hostname="127.0.0.1", port=broker.port)
-    heard = Heard[Message]()
-    connector.subscribe("/kept", "", heard)
-    message = heard.wait(bool, "it is retained")[0]
+    received = Inbox[Message]()
+    connector.subscribe("/kept", "", received)
+    message = received.wait(bool, "it is retained")[0]
     assert message.kept and message.at == pytest.approx(50 - 3600, abs=5)
     assert message.age_s == pytest.approx(3600, abs=5)
 
@@ -200,8 +200,8 @@ def test_what_is_encoded_is_decoded(message: dict[str, Any]) -> None:
 
 
 def test_a_picture_travels() -> None:
-    heard = decode(encode({"data": Image("cam@1", 1, 1, "rgb8", lambda: b"abc")}))
-    assert (heard["data"], heard["data"].data) == (Image("cam@1", 1, 1, "rgb8", b""), b"abc")
+    received = decode(encode({"data": Image("cam@1", 1, 1, "rgb8", lambda: b"abc")}))
+    assert (received["data"], received["data"].data) == (Image("cam@1", 1, 1, "rgb8", b""), b"abc")
 
 
 @pytest.mark.parametrize("payload", [b"", b"[]", b"\xff", b'{"a": {"$bytes": "*"}}', b"[" * 100_000])

@@ -126,8 +126,8 @@ class HostileModel(DoubleModel):
             self._count()
             while True:
                 yield _chunk(self._random.choice(["and then ", '{"option": "cross"}', ""]))
-        said = self.says(messages)
-        text = said if isinstance(said, str) else said.text
+        reported = self.says(messages)
+        text = reported if isinstance(reported, str) else reported.text
         for start in range(0, len(text), max(1, len(text) // 7)):
             yield _chunk(text[start : start + max(1, len(text) // 7)])
 
@@ -268,12 +268,12 @@ def repeats_the_question(model: HostileModel, messages: list[BaseMessage]) -> st
 
 def prints_keys(model: HostileModel, messages: list[BaseMessage]) -> str | AIMessage:
     secrets = [*CANARIES.values(), OWN]
-    said, one = " ".join(secrets), model._random.choice(secrets)
+    seen, one = " ".join(secrets), model._random.choice(secrets)
     return model._random.choice([
-        said, asks_for("signal", why=said), asks_for(one), asks_for("detour", parameters={one: one}),
+        seen, asks_for("signal", why=seen), asks_for(one), asks_for("detour", parameters={one: one}),
         "x" * 480 + asks_for("signal", why="y" * 490 + one),
-        AIMessage(said, tool_calls=[call("receive_message", topic=one)]), AIMessage(said, tool_calls=[call(one)]),
-        AIMessage(said, tool_calls=[call("detour", side=one)]),
+        AIMessage(seen, tool_calls=[call("receive_message", topic=one)]), AIMessage(seen, tool_calls=[call(one)]),
+        AIMessage(seen, tool_calls=[call("detour", side=one)]),
         AIMessage(asks_for("signal"), response_metadata={"model_name": one}),
     ])  # fmt: skip
 

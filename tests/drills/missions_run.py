@@ -67,8 +67,8 @@ class Misnumbered:
     def ask(self, question: Any, answer: Any) -> None:
         if self.runner is not None and self._random.random() < 0.3:
             number = question.number + self._random.choice([-3, -2, -1, 1, 2, 1000, -question.number])
-            said = {"option": self._random.choice(["cross", "finish", "detour"])}
-            self.runner.post(Event("agent", self.runner.clock.now(), said, "proposal", number))
+            reported = {"option": self._random.choice(["cross", "finish", "detour"])}
+            self.runner.post(Event("agent", self.runner.clock.now(), reported, "proposal", number))
         self._agent.ask(question, answer)
 
     def withdraw(self, number: int) -> None:
@@ -196,7 +196,7 @@ def _decisions(steps: list[Step], deadline_s: float) -> Iterator[str]:
         yield "a decision was left without an end"
 
 
-def _leaks(folder: Path, said: str, *, shows: bool) -> Iterator[str]:
+def _leaks(folder: Path, message: str, *, shows: bool) -> Iterator[str]:
     """Where a secret stands that should stand nowhere."""
     if shows:
         from rai_missions.check import check
@@ -205,7 +205,9 @@ def _leaks(folder: Path, said: str, *, shows: bool) -> Iterator[str]:
         path = folder / "run.journal"
         draw_review(MISSION, folder / "page.html", [("run", path)], check(MISSION))
         draw(MISSION, folder / "picture.dot")
-    found = {file.name: file.read_bytes() for file in folder.iterdir()} | {"the log": said.encode("utf-8", "replace")}
+    found = {file.name: file.read_bytes() for file in folder.iterdir()} | {
+        "the log": message.encode("utf-8", "replace")
+    }
     for name, data in found.items():
         for secret in (*CANARIES.values(), OWN):
             if secret.encode() in data:

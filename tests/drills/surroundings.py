@@ -123,14 +123,14 @@ class Field:
         self._happen()
 
     def _say(self) -> None:
-        random, say = self.random, self._connector.publish
-        say("/battery", "sensor_msgs/msg/BatteryState", {"percentage": random.choice([0.05, 0.3, 0.9])})
+        random, publish = self.random, self._connector.publish
+        publish("/battery", "sensor_msgs/msg/BatteryState", {"percentage": random.choice([0.05, 0.3, 0.9])})
         position = {"position": {"x": random.uniform(-1, 1), "y": 0.0, "z": 0.0}, "orientation": {"w": 1.0}}
-        say("/pose", "geometry_msgs/msg/PoseStamped", {"header": {"frame_id": "map"}, "pose": position})
+        publish("/pose", "geometry_msgs/msg/PoseStamped", {"header": {"frame_id": "map"}, "pose": position})
         if random.random() < 0.5:
-            say("/clear", "std_msgs/msg/Bool", {"data": random.random() < 0.5})
+            publish("/clear", "std_msgs/msg/Bool", {"data": random.random() < 0.5})
             text = random.choice(['{"kind": "log", "height_m": 0.1, "living": false}', '{"living": true}', "{", "[]"])
-            say("/obstacle", "std_msgs/msg/String", {"data": text})
+            publish("/obstacle", "std_msgs/msg/String", {"data": text})
 
     def _happen(self) -> None:
         assert self.runner is not None
@@ -177,12 +177,12 @@ class Field:
         else:
             do()
 
-    def _report(self, goal_id: str, said: str) -> None:
+    def _report(self, goal_id: str, status: str) -> None:
         report = self.goals.get(goal_id)
-        if said in ("rejected", "succeeded", "failed", "canceled", "lost"):
+        if status in ("rejected", "succeeded", "failed", "canceled", "lost"):
             self.goals.pop(goal_id, None)
         if report is not None:
-            report(Report(goal_id, said, {}))  # type: ignore[arg-type]
+            report(Report(goal_id, status, {}))  # type: ignore[arg-type]
 
 
 class AnyAnswers:
@@ -199,10 +199,10 @@ class AnyAnswers:
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         names = [offer.name for offer in question.options]
-        said = {"option": self._random.choice([*names, *names, "fly"])}
-        answer(self._random.choice([said, said, said, {"absent": "not here"}, {"failed": "no idea"}]))
+        reported = {"option": self._random.choice([*names, *names, "fly"])}
+        answer(self._random.choice([reported, reported, reported, {"absent": "not here"}, {"failed": "no idea"}]))
         if self._random.random() < 0.2:
-            answer(said)
+            answer(reported)
 
     def withdraw(self, number: int) -> None:
         pass

@@ -53,12 +53,12 @@ def flood(path: Path, each: int) -> None:
         runner.run()
         ends.join()
     assert runner.chart.view.board["count"].value == THREADS * each
-    heard: dict[int, list[int]] = {number: [] for number in range(THREADS)}
+    received: dict[int, list[int]] = {number: [] for number in range(THREADS)}
     with read(path) as record:  # which verifies the chain
         for step in record.steps():
             if step.event.name == "go":
-                heard[step.event.data["thread"]].append(step.event.data["number"])
-    assert all(numbers == list(range(each)) for numbers in heard.values()), "none lost, none twice, in order"
+                received[step.event.data["thread"]].append(step.event.data["number"])
+    assert all(numbers == list(range(each)) for numbers in received.values()), "none lost, none twice, in order"
 
 
 def _post(runner: Runner, thread: int, each: int) -> None:
@@ -95,13 +95,13 @@ WAITING: dict[str, Any] = {
 @pytest.mark.parametrize("seed", range(20))
 def test_a_simulations_clock_that_leaps_never_moves_a_run_back_and_never_by_more_than_was_told(seed: int) -> None:
     """Steps, resets to zero, repeats and leaps by years; the run's own time only ever grows, a minute at most."""
-    random, clock, told = Random(seed), HeardClock(silence_s=1e9), 0.0
-    clock.hear(told)
+    random, clock, reported = Random(seed), HeardClock(silence_s=1e9), 0.0
+    clock.hear(reported)
     before = clock.now()
     for _ in range(500):
-        step = random.choice([0.1, 0.1, 0.1, 0.0, -0.05, -told, 1e9, -1e9, 59.0, 61.0])
-        told += step
-        clock.hear(told)
+        step = random.choice([0.1, 0.1, 0.1, 0.0, -0.05, -reported, 1e9, -1e9, 59.0, 61.0])
+        reported += step
+        clock.hear(reported)
         gone = clock.now() - before
         assert gone == pytest.approx(step if 0 <= step <= 60 else 0.0, abs=1e-5)
         before += gone
@@ -115,16 +115,16 @@ def test_a_mission_whose_simulation_is_reset_again_and_again_still_ends_in_its_o
     rig = Rig(WAITING, clock=clock)
     done = threading.Event()
 
-    def tells() -> None:
-        told = 0.0
+    def reports() -> None:
+        reported = 0.0
         while not done.is_set():
-            told = random.choice([told + 0.5] * 8 + [0.0, told - 7.0, told + 1e6])
+            reported = random.choice([reported + 0.5] * 8 + [0.0, reported - 7.0, reported + 1e6])
             rig.publish("/battery", percentage=0.9)
-            clock.hear(told)
+            clock.hear(reported)
             lived[0], steps[0] = clock.now(), steps[0] + 1
             time.sleep(0)
 
-    thread = threading.Thread(target=tells)
+    thread = threading.Thread(target=reports)
     rig.connector.start()
     rig.publish("/battery", percentage=0.9)
     thread.start()
@@ -142,14 +142,14 @@ def test_messages_whose_stamps_leap_back_and_forth_are_as_old_as_they_say_and_ne
     rig = Rig(WAITING)
     ages: list[float] = []
 
-    def say() -> None:
+    def on_result() -> None:
         at = rig.stage.at
         stamp = {0: at, 1: at - 1.5, 2: at + 1e6, 3: -5.0}[rig.stage.steps % 4]
         rig.connector.publish("/battery", "sensor_msgs/msg/BatteryState", {"percentage": 0.9, "stamp": stamp})
         entry = rig.runner.chart.view.board.get("battery")
         ages.append(0.0 if entry is None else rig.clock.now() - entry.at)
 
-    rig.stage.each = say
+    rig.stage.each = on_result
     result = rig.run()
     assert result.why.startswith("'late'") and result.duration_s == pytest.approx(20.1, abs=0.3)
     assert min(ages) >= 0.0, "nothing is newer than now"
@@ -224,8 +224,8 @@ class Patrolled:
     def cancel(self, goal_id: str) -> None:
         self._end(goal_id, "canceled")
 
-    def _end(self, goal_id: str, said: Any) -> None:
-        self._running.pop(goal_id)(Report(goal_id, said, {}))
+    def _end(self, goal_id: str, status: Any) -> None:
+        self._running.pop(goal_id)(Report(goal_id, status, {}))
 
 
 def patrol(path: Path, days: float, at: Callable[[int], None]) -> Mission:
@@ -283,10 +283,10 @@ def test_a_mailbox_gives_what_eight_threads_put_in_each_in_its_order() -> None:
     ]
     for thread in threads:
         thread.start()
-    heard: dict[str, list[float]] = {str(number): [] for number in range(THREADS)}
-    while sum(map(len, heard.values())) < THREADS * each:
+    received: dict[str, list[float]] = {str(number): [] for number in range(THREADS)}
+    while sum(map(len, received.values())) < THREADS * each:
         mailbox.wait(30.0)
         event = mailbox.take()
         assert event is not None
-        heard[event.name].append(event.at)
-    assert all(times == [float(i) for i in range(each)] for times in heard.values())
+        received[event.name].append(event.at)
+    assert all(times == [float(i) for i in range(each)] for times in received.values())

@@ -56,11 +56,11 @@ class Always(HostileModel):
         return self.said
 
 
-def found(folder: Path, said: str, mission: Mission | None = None) -> Iterator[str]:
+def found(folder: Path, message: str, mission: Mission | None = None) -> Iterator[str]:
     """What the drill finds in some missions in which a model always says the same."""
     for number in range(12):
         (folder / str(number)).mkdir()
-        trial: Trial = try_one(f"{SEED}/{number}", folder / str(number), mission=mission, model=Always(0, said=said))
+        trial: Trial = try_one(f"{SEED}/{number}", folder / str(number), mission=mission, model=Always(0, said=message))
         yield from trial.faults
 
 

@@ -49,8 +49,10 @@ def unowned(running: Iterable[str], runner: Runner, steps: Sequence[Step]) -> li
         runner.performer._goals.goal_id(effect.number, effect.owner): effect.number
         for step in steps for effect in step.effects if isinstance(effect, StartGoal)
     }  # fmt: skip
-    told = {number for number in started.values() for note in notes if f"goal {number} of" in note and "orphan" in note}
-    return [goal_id for goal_id in running if started.get(goal_id) not in told]
+    report = {
+        number for number in started.values() for note in notes if f"goal {number} of" in note and "orphan" in note
+    }
+    return [goal_id for goal_id in running if started.get(goal_id) not in report]
 
 
 def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, folder: Path) -> list[str]:

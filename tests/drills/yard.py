@@ -160,23 +160,23 @@ class Yard:
         _, report = self.goals.pop(goal_id)
         report(Report(goal_id, "canceled", {}))
 
-    def _end(self, name: str, said: str) -> None:
+    def _end(self, name: str, status: str) -> None:
         for goal_id, (kind, report) in list(self.goals.items()):
             if kind == name:
                 del self.goals[goal_id]
-                report(Report(goal_id, said, {"note": self._label}))  # type: ignore[arg-type]
+                report(Report(goal_id, status, {"note": self._label}))  # type: ignore[arg-type]
 
     def _tell(self) -> None:
-        say, thing = self._connector.publish, self.ahead
-        say("/yard/position", NUMBER, {"data": self.position_m})
-        say("/yard/harmed", BOOL, {"data": bool(self.harmed)})
-        say("/yard/blocked", BOOL, {"data": thing is not None})
+        publish, thing = self._connector.publish, self.ahead
+        publish("/yard/position", NUMBER, {"data": self.position_m})
+        publish("/yard/harmed", BOOL, {"data": bool(self.harmed)})
+        publish("/yard/blocked", BOOL, {"data": thing is not None})
         if thing is not None:
             facts = {"kind": thing.kind, "height_m": thing.height_m, "living": thing.living, "label": self._label}
-            say("/yard/thing", STRING, {"data": json.dumps(facts)})
+            publish("/yard/thing", STRING, {"data": json.dumps(facts)})
         if self.steps % 2 == 0:
             picture = Image(f"camera@{self.at:.1f}", 1, 1, "png", lambda: png_that_says(self._label))
-            say("/yard/camera", "sensor_msgs/msg/Image", {
+            publish("/yard/camera", "sensor_msgs/msg/Image", {
                 "height": 1, "width": 1, "encoding": "png", "is_bigendian": 0, "step": 3, "data": picture,
             })  # fmt: skip
 
@@ -201,10 +201,14 @@ def png_that_says(text: str) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     head = struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)
-    said = b"Comment\0" + text.encode("latin-1", "replace")
+    reported = b"Comment\0" + text.encode("latin-1", "replace")
     pixel = zlib.compress(b"\0\0\0\0")
     return (
-        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"tEXt", said) + chunk(b"IDAT", pixel) + chunk(b"IEND", b"")
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", head)
+        + chunk(b"tEXt", reported)
+        + chunk(b"IDAT", pixel)
+        + chunk(b"IEND", b"")
     )
 
 

@@ -57,8 +57,8 @@ def asked(height: float | None = 0.5, **words: Any) -> tuple[Chart, Question]:
 
 
 def answers(made: Chart, number: int, option: Any = None, at: float | None = None, **data: Any) -> Step:
-    said = {"option": option, **data} if option is not None else data
-    return made.send(Event("agent", made.at if at is None else at, said, "proposal", number))
+    reported = {"option": option, **data} if option is not None else data
+    return made.send(Event("agent", made.at if at is None else at, reported, "proposal", number))
 
 
 def offered(question: Question) -> list[str]:

@@ -301,8 +301,8 @@ def test_an_event_of_the_engine_that_waited_is_handled_though_control_came_back_
     made = agents({"a": here, "b": {}}, events=[])
     number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
     taken(made, 1.0)
-    heard = Event("failed", 2.0, {}, "result", number) if name == "call_failed" else Event(name, 2.0, {}, "doubt")
-    made.send(heard)
+    received = Event("failed", 2.0, {}, "result", number) if name == "call_failed" else Event(name, 2.0, {}, "doubt")
+    made.send(received)
     step = given_back_in_a_pause(made)
     assert step.entered == ("b",) and not step.why
 

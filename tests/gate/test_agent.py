@@ -18,7 +18,7 @@ from rai_missions.gate import GateAgent, GateWords, gate_words
 from rai_missions.gate.gate import EMPTY, STRING, TRIGGER
 from rai_missions.gate.state import Deed, Pass, Refuse
 from rai_missions.runtime.clock import WallClock
-from rai_missions.testing import Heard, check_agent
+from rai_missions.testing import Inbox, check_agent
 from tests.rigs.runs import ManualClock
 
 TWIST = "geometry_msgs/msg/Twist"
@@ -36,22 +36,22 @@ class Rig:
         """What arrives at the actuators: how fast they shall go."""
         self.status: list[dict[str, Any]] = []
         self.holders: list[str] = []
-        self.connector.subscribe("/cmd_vel", TWIST, lambda heard: self.base.append(speed(heard.data)))
+        self.connector.subscribe("/cmd_vel", TWIST, lambda received: self.base.append(speed(received.data)))
         self.connector.subscribe("/gate/status", STRING, self._told)
-        self.connector.subscribe("/gate/holder", STRING, lambda heard: self.holders.append(heard.data["data"]))
+        self.connector.subscribe("/gate/holder", STRING, lambda received: self.holders.append(received.data["data"]))
         self.agent = GateAgent(words or GateWords(), self.connector, clock=self.clock, observe=self.deeds.append)
         self.agent.open()
 
-    def _told(self, heard: Message) -> None:
-        if heard.data["data"].startswith('{"gate"'):
-            self.status.append(json.loads(heard.data["data"]))
+    def _told(self, received: Message) -> None:
+        if received.data["data"].startswith('{"gate"'):
+            self.status.append(json.loads(received.data["data"]))
 
     def command(self, who: str, x: float, **fields: Any) -> None:
         self.connector.publish(f"/gate/{who}/cmd_vel", TWIST, {"linear": {"x": x}, **fields})
 
     def ask(self, to: str, by: str) -> Reply:
         replies: list[Reply] = []
-        self.connector.call(f"/gate/{by}/hand_to_{to}", TRIGGER, {}, answered=replies.append)
+        self.connector.call(f"/gate/{by}/hand_to_{to}", TRIGGER, {}, on_reply=replies.append)
         (reply,) = replies
         return reply
 
@@ -139,8 +139,8 @@ def test_a_command_older_than_its_grant_is_refused_where_it_says_when_it_was_mad
 
 
 def test_what_a_listener_of_the_actuators_does_comes_after_what_it_listens_to(rig: Rig) -> None:
-    def grasp(heard: Any) -> None:
-        if speed(heard.data) == 1.0:
+    def grasp(received: Any) -> None:
+        if speed(received.data) == 1.0:
             rig.ask("agent", "agent")
             rig.command("agent", 2.0)
             rig.command("autonomy", 1.5)
@@ -158,14 +158,14 @@ def test_several_topics_are_guarded_alike_and_stopped_as_each_is() -> None:
         {"topic": "/lamp", "type": "std_msgs/msg/String"},
     ]
     rig = Rig(gate_words({"commands": commands}))
-    said: list[str] = []
+    lines: list[str] = []
     for topic in ("/arm", "/lamp"):
-        rig.connector.subscribe(topic, STRING, lambda heard: said.append(heard.data["data"]))
+        rig.connector.subscribe(topic, STRING, lambda received: lines.append(received.data["data"]))
     rig.connector.publish("/gate/autonomy/lamp", STRING, {"data": "on"})
     rig.connector.publish("/gate/agent/arm", STRING, {"data": "grasp"})
     rig.ask("agent", "agent")
     rig.connector.publish("/gate/agent/arm", STRING, {"data": "grasp"})
-    assert said == ["on", "hold", "grasp"]
+    assert lines == ["on", "hold", "grasp"]
     rig.agent.close()
 
 
@@ -206,15 +206,17 @@ def test_the_gate_is_an_agent() -> None:
 
 
 def test_on_the_wall_s_clock_silence_is_noticed_without_anybody_s_help() -> None:
-    clock, changed = WallClock(), Heard[Any](30.0)
+    clock, changed = WallClock(), Inbox[Any](30.0)
     connector = LocalConnector(now=clock.now)
     connector.start()
     connector.subscribe("/gate/holder", STRING, changed)
     agent = GateAgent(gate_words({"leases": {"agent": 0.05}, "status_s": 60.0}), connector, clock=clock)
     agent.run()
-    changed.wait(lambda told: bool(told), "the gate has begun")
+    changed.wait(lambda reported: bool(reported), "the gate has begun")
     assert agent.ask("agent", "agent")["success"]
-    changed.wait(lambda told: [each.data["data"] for each in told[-2:]] == ["agent", "autonomy"], "it was noticed")
+    changed.wait(
+        lambda reported: [each.data["data"] for each in reported[-2:]] == ["agent", "autonomy"], "it was noticed"
+    )
     agent.stop()
 
 

@@ -11,7 +11,7 @@ import pytest
 from rai_missions.connectors.connector import Mode
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.gate import bypass_monitor
-from rai_missions.gate.bypass_monitor import Beside
+from rai_missions.gate.bypass_monitor import BypassMonitor
 
 
 class Counted(LocalConnector):
@@ -26,28 +26,28 @@ class Counted(LocalConnector):
 
 
 def test_others_on_an_actuator_s_topic_are_told_of_once_until_they_have_gone() -> None:
-    told: list[tuple[str, int]] = []
+    results: list[tuple[str, int]] = []
     connector = Counted()
-    beside = Beside(connector, ["/cmd_vel", "/arm"], lambda topic, count: told.append((topic, count)))
+    neighbours = BypassMonitor(connector, ["/cmd_vel", "/arm"], lambda topic, count: results.append((topic, count)))
     for count in (0, 1, 1):
         connector.topics = {"/cmd_vel": count, "/status": 5}
-        beside.look()
-    assert told == [], "the gate itself is no other"
+        neighbours.look()
+    assert results == [], "the gate itself is no other"
     for count in (3, 3, 1, 2):
         connector.topics = {"/cmd_vel": count}
-        beside.look()
-    assert told == [("/cmd_vel", 2), ("/cmd_vel", 1)]
+        neighbours.look()
+    assert results == [("/cmd_vel", 2), ("/cmd_vel", 1)]
 
 
 def test_a_connector_that_cannot_tell_finds_nobody_and_the_watch_ends_when_told_to() -> None:
-    told: list[tuple[str, int]] = []
-    beside = Beside(LocalConnector(), ["/cmd_vel"], lambda topic, count: told.append((topic, count)))
-    beside.run()
-    beside.run()
-    beside.look()
-    beside.stop()
-    beside.stop()
-    assert told == []
+    results: list[tuple[str, int]] = []
+    neighbours = BypassMonitor(LocalConnector(), ["/cmd_vel"], lambda topic, count: results.append((topic, count)))
+    neighbours.run()
+    neighbours.run()
+    neighbours.look()
+    neighbours.stop()
+    neighbours.stop()
+    assert results == []
 
 
 def test_it_looks_by_itself_until_it_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -55,7 +55,7 @@ def test_it_looks_by_itself_until_it_is_stopped(monkeypatch: pytest.MonkeyPatch)
     found = threading.Event()
     connector = Counted()
     connector.topics = {"/cmd_vel": 2}
-    beside = Beside(connector, ["/cmd_vel"], lambda topic, count: found.set())
-    beside.run()
+    neighbours = BypassMonitor(connector, ["/cmd_vel"], lambda topic, count: found.set())
+    neighbours.run()
     assert found.wait(10)
-    beside.stop()
+    neighbours.stop()

@@ -144,7 +144,7 @@ def test_an_operator_who_takes_at_the_gate_what_the_mission_gave_keeps_it() -> N
 
 
 def test_the_status_says_by_whom_the_mission_is_held_and_since_when() -> None:
-    said: list[tuple[str, float | None, str]] = []
+    lines: list[tuple[str, float | None, str]] = []
     shared = Shared(
         {
             2.0: lambda all_: all_.gate.ask("operator", "operator"),
@@ -152,13 +152,13 @@ def test_the_status_says_by_whom_the_mission_is_held_and_since_when() -> None:
             4.0: lambda all_: all_.gate.ask("autonomy", "operator"),
             5.0: lambda all_: all_.rig.runner.cancel("the test"),
         },
-        on_status=lambda status: said.append((status.held_by, status.held_since, status.waits)),
+        on_status=lambda status: lines.append((status.held_by, status.held_since, status.waits)),
     )
     shared.run()
     words = "held until the operator gives control back; {} has it; driving waits"
     held = [("operator", 2.0, words.format("operator")), ("nobody", 3.0, words.format("nobody"))]
-    assert [each for each in said if each[0]] == held
-    assert said[-1][:2] == ("", None)
+    assert [each for each in lines if each[0]] == held
+    assert lines[-1][:2] == ("", None)
 
 
 def test_a_gate_that_is_gone_acknowledges_nothing() -> None:

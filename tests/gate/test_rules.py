@@ -23,9 +23,9 @@ from rai_missions.gate.state import (
     GateEvent,
     GateRules,
     Pass,
+    Publish,
     Refuse,
     Request,
-    Tell,
     Tick,
     status_of,
 )
@@ -49,7 +49,7 @@ def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
             assert deed.former == holder != deed.holder and deed.holder in CONTROLLERS
             assert deed.revision == revision + 1
             holder, revision = deed.holder, deed.revision
-        elif not isinstance(deed, Tell):
+        elif not isinstance(deed, Publish):
             assert deed.revision == revision, "what is done under a grant carries its number"
 
 
@@ -136,21 +136,23 @@ def test_every_change_and_every_answer_is_told_and_the_status_is_never_older_tha
 ) -> None:
     for moment in live(given_, happened):
         if any(isinstance(each, Change | Answer) for each in moment.done):
-            assert moment.done[-1] == Tell(moment.after)
-        assert moment.after.at < moment.after.told + given_.status_s
+            assert moment.done[-1] == Publish(moment.after)
+        assert moment.after.at < moment.after.published + given_.status_s
         assert moment.after.wake_at(given_) > moment.after.at
 
 
 @given(terms, happenings)
 def test_telling_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     ticked = [each for one in happened for each in (Tick(one.at), one, Tick(one.at))]
-    plain, often = ([each for each in deeds(given_, all_) if not isinstance(each, Tell)] for all_ in (happened, ticked))
+    plain, often = (
+        [each for each in deeds(given_, all_) if not isinstance(each, Publish)] for all_ in (happened, ticked)
+    )
     assert plain == often
 
 
 def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None:
     done = deeds(AGENT_ALONE, [Request(1.0, "agent", "agent"), Command(1.4, "agent", "/c", {}), Tick(1.8), Tick(1.9)])
-    assert [type(each) for each in done if not isinstance(each, Tell)] == [Change, Answer, Pass, Change]
+    assert [type(each) for each in done if not isinstance(each, Publish)] == [Change, Answer, Pass, Change]
     late = [Request(1.0, "agent", "agent"), Command(1.5, "agent", "/c", {})]
     *_, change, refusal, _ = deeds(AGENT_ALONE, late)
     assert isinstance(change, Change) and change.why == "agent was silent for 0.5 s"
@@ -208,7 +210,7 @@ def test_a_number_that_is_not_finite_goes_no_further_and_is_counted(number: floa
     holds = Gate(holder="agent")
     data = {"linear": {"x": 0.1}, "points": [{"effort": array("d", [1.0, number])}]}
     after, done = step(AGENT_ALONE, holds, Command(0.1, "agent", "/arm", data))
-    assert [type(each) for each in done if not isinstance(each, Tell)] == [Refuse]
+    assert [type(each) for each in done if not isinstance(each, Publish)] == [Refuse]
     assert after.refused == {"agent": 1} and after.passed == {}
     assert after.last_refusal == f"agent on /arm: 'points.0.effort.1' is {number}, which is no finite number"
     assert after.alive == {"agent": 0.1}, "who commands nonsense is there all the same"

@@ -33,7 +33,7 @@ def test_a_lease_of_zero_is_none() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "why"),
+    ("data", "why"),
     [
         ({"leases": {"agnet": 1.0}}, "/leases: nobody called 'agnet' commands actuators; did you mean 'agent'?"),
         (
@@ -48,10 +48,10 @@ def test_a_lease_of_zero_is_none() -> None:
         ({"saef": "nobody"}, "/saef"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place_and_its_remedy(said: dict[str, Any], why: str) -> None:
-    with pytest.raises(DefinitionError) as told:
-        gate_words(said)
-    assert why in str(told.value)
+def test_what_is_wrong_is_told_with_its_place_and_its_remedy(data: dict[str, Any], why: str) -> None:
+    with pytest.raises(DefinitionError) as reported:
+        gate_words(data)
+    assert why in str(reported.value)
 
 
 def test_words_given_here_count_instead_of_the_file_s(tmp_path: Path) -> None:

@@ -183,7 +183,7 @@ def test_a_late_answer_does_nothing_in_another_state() -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "said"),
+    ("model", "message"),
     [
         (RaisingModel(), "the model raised RuntimeError: the model is overloaded"),
         (RaisingModel(SystemExit(3)), "the model raised SystemExit"),
@@ -194,10 +194,10 @@ def test_a_late_answer_does_nothing_in_another_state() -> None:
         (LyingModel(), ""),
     ],
 )
-def test_a_model_that_fails_leads_to_the_fallback(model: DoubleModel, said: str) -> None:
+def test_a_model_that_fails_leads_to_the_fallback(model: DoubleModel, message: str) -> None:
     result, made = asked(model)
     assert result.outcome == "aborted" and made.entered[-1] == "left"
-    assert any(said in note for note in notes(made)), notes(made)
+    assert any(message in note for note in notes(made)), notes(made)
     assert any(note.startswith("fallback 'leave'") for note in notes(made))
 
 
@@ -286,12 +286,12 @@ class AnyModel(DoubleModel):
     script: list[Any]
 
     def says(self, messages: list[Any]) -> Any:
-        said = self.script.pop(0) if self.script else "no more"
-        if isinstance(said, Exception):
-            raise said
-        if isinstance(said, dict):
-            return AIMessage(f"I think {SECRET}", tool_calls=[said])
-        return said.replace("KEY", SECRET)
+        reported = self.script.pop(0) if self.script else "no more"
+        if isinstance(reported, Exception):
+            raise reported
+        if isinstance(reported, dict):
+            return AIMessage(f"I think {SECRET}", tool_calls=[reported])
+        return reported.replace("KEY", SECRET)
 
 
 RAISED = st.sampled_from([RuntimeError(f"401: {SECRET}"), ValueError("no"), NotImplementedError(), RecursionError()])

@@ -110,8 +110,8 @@ def test_every_definition_of_anothers_package_is_held_against_jazzy() -> None:
 def test_a_built_type_has_the_fields_of_jazzy_in_their_order(name: str) -> None:
     found = built(name)
     for part, fields in zip(PARTS[name.split("/")[1]], JAZZY[name], strict=True):
-        said = (getattr(found, part) if part else found).get_fields_and_field_types()
-        assert [pair for pair in said.items() if pair[0] != NO_FIELD] == list(fields.items()), (name, part)
+        reported = (getattr(found, part) if part else found).get_fields_and_field_types()
+        assert [pair for pair in reported.items() if pair[0] != NO_FIELD] == list(fields.items()), (name, part)
 
 
 @pytest.mark.parametrize("name", [type_name(path) for path in DEFINITIONS])

@@ -35,16 +35,16 @@ def empty_venv(tmp_path: Path) -> Path:
 
 
 def test_a_check_says_what_is_not_built_and_who_builds_it(empty_venv: Path) -> None:
-    code, told = ran("--check", "nav2_msgs", VENV=str(empty_venv))
+    code, reported = ran("--check", "nav2_msgs", VENV=str(empty_venv))
     assert code == 1
-    assert told == "interfaces: nav2_msgs: absent (8 interfaces)\ninterfaces: make ros-interfaces builds them\n"
+    assert reported == "interfaces: nav2_msgs: absent (8 interfaces)\ninterfaces: make ros-interfaces builds them\n"
 
 
 def test_without_the_wheels_it_says_how_to_get_them(empty_venv: Path) -> None:
     if not all(map(shutil.which, ("cmake", "g++"))):
         pytest.skip("no cmake or no g++ here")
-    code, told = ran("nav2_msgs", VENV=str(empty_venv))
-    assert code == 1 and "the ROS 2 wheels are not in" in told and "make middleware" in told
+    code, reported = ran("nav2_msgs", VENV=str(empty_venv))
+    assert code == 1 and "the ROS 2 wheels are not in" in reported and "make middleware" in reported
 
 
 def test_without_a_compiler_it_says_how_to_get_one(tmp_path: Path, empty_venv: Path) -> None:
@@ -52,21 +52,21 @@ def test_without_a_compiler_it_says_how_to_get_one(tmp_path: Path, empty_venv: P
     tools.mkdir()
     for name in ("bash", "dirname", "ls", "xargs", "find", "sort", "wc", "cat", "basename", "realpath", "env"):
         (tools / name).symlink_to(str(shutil.which(name)))
-    code, told = ran("nav2_msgs", VENV=str(empty_venv), PATH=str(tools))
-    assert code == 1 and "cmake is missing" in told and "apt-get install cmake g++" in told
+    code, reported = ran("nav2_msgs", VENV=str(empty_venv), PATH=str(tools))
+    assert code == 1 and "cmake is missing" in reported and "apt-get install cmake g++" in reported
 
 
 def test_with_a_sourced_ros_nothing_is_built_and_colcon_is_named(tmp_path: Path) -> None:
     share = tmp_path / "opt" / "share" / "nav2_msgs"
     share.mkdir(parents=True)
     (share / "package.xml").touch()
-    code, told = ran("nav2_msgs", ROS_DISTRO="jazzy", AMENT_PREFIX_PATH=str(tmp_path / "opt"))
-    assert (code, told) == (0, f"interfaces: nav2_msgs: in {tmp_path / 'opt'}\n")
-    code, told = ran("nav2_msgs", "tf2_msgs", ROS_DISTRO="jazzy", AMENT_PREFIX_PATH=str(tmp_path / "opt"))
-    assert code == 1 and "colcon build --paths interfaces/tf2_msgs" in told
+    code, reported = ran("nav2_msgs", ROS_DISTRO="jazzy", AMENT_PREFIX_PATH=str(tmp_path / "opt"))
+    assert (code, reported) == (0, f"interfaces: nav2_msgs: in {tmp_path / 'opt'}\n")
+    code, reported = ran("nav2_msgs", "tf2_msgs", ROS_DISTRO="jazzy", AMENT_PREFIX_PATH=str(tmp_path / "opt"))
+    assert code == 1 and "colcon build --paths interfaces/tf2_msgs" in reported
 
 
 def test_what_it_does_not_know_it_refuses_with_what_there_is() -> None:
     assert ran("--fast") == (1, "interfaces: no option --fast; there is: --check\n")
-    code, told = ran("nav3_msgs")
-    assert code == 1 and "no package nav3_msgs in interfaces/; there are: nav2_msgs" in told
+    code, reported = ran("nav3_msgs")
+    assert code == 1 and "no package nav3_msgs in interfaces/; there are: nav2_msgs" in reported

@@ -48,7 +48,7 @@ def test_a_difference_is_found_exactly_where_there_is_one(one: Step, other: Step
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "message"),
     [
         (float("nan"), "NaN"),
         ({"a": [b"raw"]}, "not b'raw' (bytes)"),
@@ -56,10 +56,10 @@ def test_a_difference_is_found_exactly_where_there_is_one(one: Step, other: Step
         ({"a": {2, 3}}, "(set)"),
     ],
 )
-def test_what_cannot_come_back_is_refused(value: Any, said: str) -> None:
+def test_what_cannot_come_back_is_refused(value: Any, message: str) -> None:
     with pytest.raises(UsageError) as refused:
         encode(Step(1, 0.0, Event("found", 0.0, {"it": value})))
-    assert said in str(refused.value)
+    assert message in str(refused.value)
 
 
 def test_only_the_pictures_of_a_question_are_kept() -> None:
@@ -90,7 +90,7 @@ STEP = Step(3, 1.5, Event("anomaly", 1.5), (Move((), ("driving",), ("assessing",
 
 
 @pytest.mark.parametrize(
-    ("got", "said"),
+    ("got", "message"),
     [
         (STEP, ""),
         (STEP._replace(why="x"), "step 3 (anomaly, 1.5 s): why was '', now it is 'x'"),
@@ -107,8 +107,8 @@ STEP = Step(3, 1.5, Event("anomaly", 1.5), (Move((), ("driving",), ("assessing",
         (STEP._replace(writes=(("n", True),)), "step 3 (anomaly, 1.5 s): writes[0] was absent, now it is ('n', True)"),
     ],
 )
-def test_a_difference_is_told_with_its_place(got: Step, said: str) -> None:
-    assert difference(STEP, got) == said
+def test_a_difference_is_told_with_its_place(got: Step, message: str) -> None:
+    assert difference(STEP, got) == message
 
 
 SAID = {"seq": 1, "at": 0, "event": {"name": "x"}}

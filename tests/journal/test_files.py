@@ -231,9 +231,9 @@ ALTERED = {
 
 @pytest.mark.parametrize("name", ALTERED)
 def test_a_journal_that_was_altered_is_refused_with_its_row(path: Path, name: str) -> None:
-    statement, said = ALTERED[name]
+    statement, reported = ALTERED[name]
     alter(path, statement)
-    with pytest.raises(DefinitionError, match=said):
+    with pytest.raises(DefinitionError, match=reported):
         read(path)
     assert verify(path)
 
@@ -256,8 +256,8 @@ def test_a_picture_that_was_altered_is_told(tmp_path: Path) -> None:
     with Journal.create(path, HEADER) as journal:
         digest = journal.put_blob(b"a person", "image/png")
     alter(path, "UPDATE blobs SET bytes = CAST('nobody' AS BLOB)")
-    said = f"picture {digest[:12]}…: its bytes do not have the hash under which they are kept"
-    assert [str(fault).startswith(said) for fault in verify(path)] == [True]
+    reported = f"picture {digest[:12]}…: its bytes do not have the hash under which they are kept"
+    assert [str(fault).startswith(reported) for fault in verify(path)] == [True]
     with read(path) as record, pytest.raises(DefinitionError, match="its bytes do not have the hash"):
         record.blob(digest)
 
@@ -286,7 +286,7 @@ def forge(path: Path, number: int, kind: str, content: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "content", "said"),
+    ("kind", "content", "message"),
     [
         ("step", "{", "no step can be read here: Expecting property name"),
         ("step", "[" * 100_000, "no step can be read here: it is nested too deeply"),
@@ -296,11 +296,11 @@ def forge(path: Path, number: int, kind: str, content: str) -> None:
         ("fly", "{}", "a row is one of step, confirmation, note, not 'fly'"),
     ],
 )
-def test_a_row_that_is_none_is_told_though_its_chain_holds(path: Path, kind: str, content: str, said: str) -> None:
+def test_a_row_that_is_none_is_told_though_its_chain_holds(path: Path, kind: str, content: str, message: str) -> None:
     forge(path, 2, kind, content)
     with read(path) as record, pytest.raises(DefinitionError, match="row 2: ") as refused:
         list(record.rows())
-    assert said in str(refused.value)
+    assert message in str(refused.value)
     assert verify(path)[0].place == "row 2"
 
 

@@ -56,9 +56,9 @@ def test_it_is_reported_as_what_it_is(
         if name in READERS[reader] or (reader == "an included mission" and name == "f.json"):
             SORTS[sort](Path(name))
     assert main(READERS[reader]) == 2
-    said = capsys.readouterr().err
+    printed = capsys.readouterr().err
     if (reader, sort) not in OTHERWISE:
-        assert sort in said, said
+        assert sort in printed, printed
 
 
 def test_what_is_regular_or_absent_is_not_named(tmp_path: Path) -> None:

@@ -82,8 +82,8 @@ def test_nobody_writes_a_journal_that_another_process_writes(tmp_path: Path) -> 
 def test_a_full_disk_is_told_and_costs_no_row_that_was_written(tmp_path: Path) -> None:
     path = tmp_path / "j"
     with writer(path, limit_bytes=300_000) as process:
-        told, error = process.communicate()
+        reported, error = process.communicate()
     assert "ConnectorError: the journal " in error
     assert "is lost" in error.splitlines()[-1]
     with read(path) as record:
-        assert [step.seq for step in record.steps()] == [int(line) for line in told.split()[1:]]
+        assert [step.seq for step in record.steps()] == [int(line) for line in reported.split()[1:]]

@@ -71,8 +71,8 @@ def through(door: str, made: Chart, value: Any) -> list[Step]:
     numbers = [each.number for each in first.effects if isinstance(each, StartGoal | CallService)]
     numbers += [each.question.number for each in first.effects if isinstance(each, Ask)]
     if door == "answer":
-        said = {"option": "go", "parameters": {"k": value}}
-        return [made.send(Event("x", 1.0, said, "proposal", numbers[0]))]
+        reported = {"option": "go", "parameters": {"k": value}}
+        return [made.send(Event("x", 1.0, reported, "proposal", numbers[0]))]
     if numbers:
         return [made.send(Event("succeeded", 1.0, {"v": value}, "result", numbers[0]))]
     return [made.send(Event("e", 1.0, {"v": value})), made.send(Event("e", 3.0, {"v": value}))]

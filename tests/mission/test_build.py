@@ -165,9 +165,9 @@ def test_a_mission_takes_keys_and_names_of_events() -> None:
     ],
 )
 def test_a_name_that_is_not_there_is_told_with_the_nearest(wrong: Any, sentence: str) -> None:
-    with pytest.raises(AttributeError) as told:
+    with pytest.raises(AttributeError) as reported:
         wrong()
-    assert str(told.value) == sentence
+    assert str(reported.value) == sentence
 
 
 @pytest.mark.parametrize(
@@ -183,9 +183,9 @@ def test_a_name_that_is_not_there_is_told_with_the_nearest(wrong: Any, sentence:
     ],
 )
 def test_what_python_would_misread_is_refused(wrong: Any, sentence: str) -> None:
-    with pytest.raises(TypeError) as told:
+    with pytest.raises(TypeError) as reported:
         wrong()
-    assert sentence in str(told.value)
+    assert sentence in str(reported.value)
 
 
 def test_a_comparison_that_json_could_not_say_is_refused() -> None:

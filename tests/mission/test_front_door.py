@@ -22,8 +22,10 @@ print(json.dumps([sorted(set(sys.modules) - before), time.process_time() - start
 
 def after(code: str) -> tuple[list[str], float]:
     """The modules that some code loads beside pydantic, and the CPU seconds it takes."""
-    heard = subprocess.run([sys.executable, "-c", PROBE.format(code=code)], capture_output=True, text=True, check=True)
-    modules, seconds = json.loads(heard.stdout)
+    received = subprocess.run(
+        [sys.executable, "-c", PROBE.format(code=code)], capture_output=True, text=True, check=True
+    )
+    modules, seconds = json.loads(received.stdout)
     return modules, seconds
 
 

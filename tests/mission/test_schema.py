@@ -26,8 +26,8 @@ SMALL: dict[str, Any] = {"format": 1, "name": "small", "initial": "a", "states":
 
 def test_the_shipped_schema_is_the_one_the_models_make() -> None:
     made = json.dumps(mission_schema(), indent=2, ensure_ascii=False) + "\n"
-    told = "the format has changed: run `rai-missions schema > rai_missions/mission.schema.json`"
-    assert SHIPPED.read_text(encoding="utf-8") == made, told
+    reported = "the format has changed: run `rai-missions schema > rai_missions/mission.schema.json`"
+    assert SHIPPED.read_text(encoding="utf-8") == made, reported
 
 
 def test_the_schema_is_a_schema_with_a_description_for_every_kind() -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Connector, Message, Reply
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 
@@ -22,7 +22,7 @@ PATIENCE_S = 30.0
 def mission(**words: Any) -> Mission:
     """Waits; on `go` it moves until the robot is there, on `ask` it asks the operator, on `guess` a model alone."""
     asked = {"options": {"left": {}, "right": {}}, "deadline_s": 600, "fallback": "right"}
-    told = [{"on": "left", "to": "over"}, {"on": "right", "to": "waiting"}]
+    seen = [{"on": "left", "to": "over"}, {"on": "right", "to": "waiting"}]
     return Mission.model_validate(
         {
             "name": "errand", "version": "1.2.3", "initial": "waiting", "events": ["go", "ask", "guess", "unlisted"],
@@ -41,8 +41,8 @@ def mission(**words: Any) -> Mission:
                     "action": "move", "timeout_s": 600, "achieved": {"key": "there", "==": True},
                     "transitions": [{"on": "succeeded", "to": "done"}],
                 },
-                "asking": {"decision": {"question": "Which way?", "ask": ["operator"], **asked}, "transitions": told},
-                "guessing": {"decision": {"question": "Guess?", "ask": ["agent"], **asked}, "transitions": told},
+                "asking": {"decision": {"question": "Which way?", "ask": ["operator"], **asked}, "transitions": seen},
+                "guessing": {"decision": {"question": "Guess?", "ask": ["agent"], **asked}, "transitions": seen},
                 "done": {"final": "succeeded", "requires": {"key": "there", "==": True}},
                 "over": {"final": "aborted"},
             },
@@ -73,7 +73,7 @@ class StandIn:
     """The robot: says what it was asked to do, and arrives when it is told to."""
 
     def __init__(self, connector: Connector, below: str = "/robot") -> None:
-        self.asked: Heard[str] = Heard(PATIENCE_S)
+        self.asked: Inbox[str] = Inbox(PATIENCE_S)
         self.obey: Callable[[str], object] = self.asked
         """Told what the robot is asked to do, before it answers."""
         self._connector, self._below = connector, below
@@ -96,21 +96,21 @@ class Client:
 
     def __init__(self, connector: Connector, path: str) -> None:
         self.connector, self.path = connector, path
-        self.statuses: Heard[dict[str, Any]] = Heard(PATIENCE_S)
-        self.replies: Heard[dict[str, Any]] = Heard(PATIENCE_S)
-        self.steps: Heard[dict[str, Any]] = Heard(PATIENCE_S)
-        self.holders: Heard[str] = Heard(PATIENCE_S)
-        self.moves: Heard[tuple[str, str]] = Heard(PATIENCE_S)
-        for name, heard in (("status", self.statuses), ("reply", self.replies), ("step", self.steps)):
-            connector.subscribe(f"{path}/{name}", STRING, _json_to(heard))
+        self.statuses: Inbox[dict[str, Any]] = Inbox(PATIENCE_S)
+        self.replies: Inbox[dict[str, Any]] = Inbox(PATIENCE_S)
+        self.steps: Inbox[dict[str, Any]] = Inbox(PATIENCE_S)
+        self.holders: Inbox[str] = Inbox(PATIENCE_S)
+        self.moves: Inbox[tuple[str, str]] = Inbox(PATIENCE_S)
+        for name, received in (("status", self.statuses), ("reply", self.replies), ("step", self.steps)):
+            connector.subscribe(f"{path}/{name}", STRING, _json_to(received))
         connector.subscribe(f"{path}/control", STRING, lambda message: self.holders(message.data["data"]))
         event = "lifecycle_msgs/msg/TransitionEvent"
-        connector.subscribe(f"{path}/transition_event", event, lambda heard: self.moves(_move(heard.data)))
+        connector.subscribe(f"{path}/transition_event", event, lambda received: self.moves(_move(received.data)))
 
     def call(self, name: str, kind: str = TRIGGER, **request: Any) -> Mapping[str, Any]:
         """Call a service of the node's; its response."""
-        replies: Heard[Reply] = Heard(PATIENCE_S)
-        self.connector.call(f"{self.path}/{name}", kind, request, answered=replies, timeout_s=PATIENCE_S)
+        replies: Inbox[Reply] = Inbox(PATIENCE_S)
+        self.connector.call(f"{self.path}/{name}", kind, request, on_reply=replies, timeout_s=PATIENCE_S)
         (reply,) = replies.wait(bool, f"{name} answers")
         assert reply.outcome == "succeeded", (name, reply)
         return reply.data
@@ -134,19 +134,19 @@ class Client:
         before = len(self.replies.all)
         self.connector.publish(f"{self.path}/command", STRING, {"data": sent})
 
-        def answered(all_: list[dict[str, Any]]) -> bool:
+        def on_reply(all_: list[dict[str, Any]]) -> bool:
             return any(each["id"] == name for each in all_) or (text is not None and len(all_) > before)
 
-        told = self.replies.wait(answered, f"a reply to {sent[:200]}")
-        return next((each for each in told if each["id"] == name), told[-1])
+        reported = self.replies.wait(on_reply, f"a reply to {sent[:200]}")
+        return next((each for each in reported if each["id"] == name), reported[-1])
 
     def await_status(self, what: str, **fields: Any) -> dict[str, Any]:
         """Wait until the latest status says so."""
 
-        def says(all_: list[dict[str, Any]]) -> bool:
+        def states(all_: list[dict[str, Any]]) -> bool:
             return bool(all_) and all(all_[-1][word] == value for word, value in fields.items())
 
-        return self.statuses.wait(says, what)[-1]
+        return self.statuses.wait(states, what)[-1]
 
     def start(self) -> None:
         """Start a run, and wait until it runs."""
@@ -154,8 +154,8 @@ class Client:
         self.await_status("it runs", mode="running")
 
 
-def _json_to(heard: Heard[dict[str, Any]]) -> Callable[[Message], None]:
-    return lambda message: heard(json.loads(message.data["data"]))
+def _json_to(received: Inbox[dict[str, Any]]) -> Callable[[Message], None]:
+    return lambda message: received(json.loads(message.data["data"]))
 
 
 def _move(data: Mapping[str, Any]) -> tuple[str, str]:

@@ -40,52 +40,52 @@ class Stood:
 
 @given(goes=SPANS, rests=SPANS)
 def test_a_question_loses_no_time_while_its_run_is_paused(goes: list[float], rests: list[float]) -> None:
-    stood, gone = Stood(), 0.0
-    stood.send("ask")
+    answered_at, gone = Stood(), 0.0
+    answered_at.send("ask")
     for went, rested in zip(goes, rests, strict=False):
-        stood.clock.at += went
+        answered_at.clock.at += went
         gone += went
         left = max(0.0, round(600.0 - gone, 6))
-        assert abs(stood.left_s - left) < 1e-5
-        stood.send("pause", "command")
-        stood.clock.at += rested
-        assert abs(stood.left_s - left) < 1e-5, "it stands still"
-        stood.send("resume", "command")
-        assert abs(stood.left_s - left) < 1e-5, "and goes on from there"
+        assert abs(answered_at.left_s - left) < 1e-5
+        answered_at.send("pause", "command")
+        answered_at.clock.at += rested
+        assert abs(answered_at.left_s - left) < 1e-5, "it stands still"
+        answered_at.send("resume", "command")
+        assert abs(answered_at.left_s - left) < 1e-5, "and goes on from there"
 
 
 def test_a_pause_before_a_question_gives_it_no_more_time() -> None:
-    stood = Stood()
-    stood.send("pause", "command")
-    stood.clock.at = 50.0
-    stood.send("resume", "command")
-    stood.send("ask")
-    stood.clock.at = 60.0
-    assert stood.left_s == 590.0
+    answered_at = Stood()
+    answered_at.send("pause", "command")
+    answered_at.clock.at = 50.0
+    answered_at.send("resume", "command")
+    answered_at.send("ask")
+    answered_at.clock.at = 60.0
+    assert answered_at.left_s == 590.0
 
 
 def test_a_run_that_goes_on_shows_what_was_asked_before_with_the_time_left() -> None:
-    stood = Stood()
-    stood.send("ask")
-    stood.clock.at = 10.0
-    stood.send("pause", "command")
-    stood.clock.at = 99.0
-    resumed = RunSession(stood.runner, None)
+    answered_at = Stood()
+    answered_at.send("ask")
+    answered_at.clock.at = 10.0
+    answered_at.send("pause", "command")
+    answered_at.clock.at = 99.0
+    resumed = RunSession(answered_at.runner, None)
     ((question, left_s),) = resumed.questions()
     assert (question.state, question.asked, left_s) == ("asking", "operator", 590.0)
-    resumed.step(stood.runner.chart.send(Event("resume", 99.0, {}, "command")))
+    resumed.step(answered_at.runner.chart.send(Event("resume", 99.0, {}, "command")))
     assert resumed.questions()[0].left_s == 590.0
 
 
-@pytest.mark.parametrize("said", [{"id": 1}, [1], None, 7, "another"])
-def test_what_a_robot_calls_a_request_is_none_of_the_orders(said: Any) -> None:
+@pytest.mark.parametrize("reported", [{"id": 1}, [1], None, 7, "another"])
+def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> None:
     """An order waits; a robot's event comes first, in which something has the name of what tells orders apart."""
-    stood, receipts = Stood(), list[CommandReply]()
-    stood.course.submit(Command("pause"), receipts.append)
-    event = Event("robot_says", 0.0, {"request": said})
-    stood.runner.mailbox.put_back([event])
-    assert stood.runner.mailbox.take() == event
-    stood.course.receive(stood.runner.chart.send(event))
+    answered_at, receipts = Stood(), list[CommandReply]()
+    answered_at.course.submit(Command("pause"), receipts.append)
+    event = Event("robot_says", 0.0, {"request": reported})
+    answered_at.runner.mailbox.put_back([event])
+    assert answered_at.runner.mailbox.take() == event
+    answered_at.course.receive(answered_at.runner.chart.send(event))
     assert receipts == []
 
 

@@ -56,13 +56,13 @@ def test_the_level_says_how_bad_it_is(
 
 
 def test_a_bulletin_names_the_goals_that_may_still_move_the_robot() -> None:
-    said = RUNNING._replace(open_goals=LOOSE).data()["open_goals"]
-    assert said == [{"number": 3, "action": "drive", "owner": "moving", "reason": "refused"}]
+    reported = RUNNING._replace(open_goals=LOOSE).data()["open_goals"]
+    assert reported == [{"number": 3, "action": "drive", "owner": "moving", "reason": "refused"}]
 
 
 def test_a_bulletin_says_its_question_with_the_time_left() -> None:
-    said = RUNNING._replace(questions=ASKED).data()
-    assert said["question"] == said["questions"][0] and said["question"]["left_s"] == 5.0
+    reported = RUNNING._replace(questions=ASKED).data()
+    assert reported["question"] == reported["questions"][0] and reported["question"]["left_s"] == 5.0
 
 
 def test_sources_that_are_off_or_not_understood_are_named_with_their_values() -> None:

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.agents.mission import RunConfig
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.journal import read
@@ -41,13 +41,13 @@ def obeys(client: Client, orders: list[str]) -> None:
     """Give the orders one after the other; each is taken where the lifecycle allows it, and nowhere else."""
     mode = "idle"
     for order in orders:
-        told = client.call(order) if order != "control" else client.command(command="control", to="operator")
-        assert told["success"] is (order in ALLOWED[mode]), (mode, order, told)
-        assert told["success"] or told.get("message") or told["why"], f"a refused '{order}' says why"
+        reported = client.call(order) if order != "control" else client.command(command="control", to="operator")
+        assert reported["success"] is (order in ALLOWED[mode]), (mode, order, reported)
+        assert reported["success"] or reported.get("message") or reported["why"], f"a refused '{order}' says why"
         mode = ALLOWED[mode].get(order, mode)
-        if told["success"] and order in ("cancel", "e_stop"):
+        if reported["success"] and order in ("cancel", "e_stop"):
             client.await_status("it is over", outcome="canceled" if order == "cancel" else "aborted")
-        elif told["success"] and mode != "idle":
+        elif reported["success"] and mode != "idle":
             client.await_status(f"it is {mode}", mode=mode)
     if mode in ("running", "paused"):
         client.call("e_stop")
@@ -103,8 +103,8 @@ def test_a_node_without_a_name_has_its_mission_s_and_else_its_file_s(
 
 
 def test_a_node_does_nothing_before_it_is_configured_and_activated(scene: Scene) -> None:
-    told = scene.client.call("start")
-    assert told == {"success": False, "message": "the node is unconfigured; configure and activate it first"}
+    reported = scene.client.call("start")
+    assert reported == {"success": False, "message": "the node is unconfigured; configure and activate it first"}
     assert scene.client.change("configure")
     assert scene.client.call("start")["message"] == "the node is inactive; activate it first"
     assert scene.client.change("activate")
@@ -228,20 +228,20 @@ def test_a_question_stands_in_the_status_until_it_is_answered(scene: Scene) -> N
     asked = scene.client.await_status("a question", active=["asking"])["question"]
     assert (asked["text"], asked["asked"], asked["state"]) == ("Which way?", "operator", "asking")
     assert [option["name"] for option in asked["options"]] == ["left", "right"] and 0 < asked["left_s"] <= 600
-    told = scene.client.command(command="answer", question=asked["number"], option="left", by="Ann")
-    assert told["success"]
+    reported = scene.client.command(command="answer", question=asked["number"], option="left", by="Ann")
+    assert reported["success"]
     scene.client.await_status("it is over", outcome="aborted", question=None)
 
 
 def test_an_answer_that_does_not_count_says_why(scene: Scene) -> None:
     scene.client.activate()
     scene.client.start()
-    told = scene.client.command(command="answer", question=7, option="left")
-    assert told["why"] == "question 7 is not open; open: none"
+    reported = scene.client.command(command="answer", question=7, option="left")
+    assert reported["why"] == "question 7 is not open; open: none"
     scene.client.command(command="post", event="ask")
     number = scene.client.await_status("a question", active=["asking"])["question"]["number"]
-    told = scene.client.command(command="answer", question=number, option="fly")
-    assert not told["success"] and "'fly' was not offered; offered: left, right" in told["why"]
+    reported = scene.client.command(command="answer", question=number, option="fly")
+    assert not reported["success"] and "'fly' was not offered; offered: left, right" in reported["why"]
 
 
 def test_a_client_answers_no_question_that_the_mission_does_not_ask_the_operator(
@@ -257,19 +257,19 @@ def test_a_client_answers_no_question_that_the_mission_does_not_ask_the_operator
     scene.client.start()
     scene.client.command(command="post", event="guess")
     number = scene.client.await_status("a question", active=["guessing"])["question"]["number"]
-    told = scene.client.command(command="answer", question=number, option="left")
-    assert told["why"] == f"question {number} is not for the operator; it is asked of agent"
+    reported = scene.client.command(command="answer", question=number, option="left")
+    assert reported["why"] == f"question {number} is not for the operator; it is asked of agent"
     scene.client.await_status("nothing has moved", active=["guessing"])
 
 
 def test_an_event_that_the_profile_does_not_list_as_posted_is_refused(scene: Scene) -> None:
     scene.client.activate()
     scene.client.start()
-    told = scene.client.command(command="post", event="unlisted")
-    assert told["why"] == "the robot profile lists no posted event 'unlisted'; there is: ask, go, guess"
+    results = scene.client.command(command="post", event="unlisted")
+    assert results["why"] == "the robot profile lists no posted event 'unlisted'; there is: ask, go, guess"
     assert scene.client.command(command="post", event="go", data={"by": "x", "request": "y"})["success"]
-    told = scene.client.command(command="post", event="ask")
-    assert (told["success"], told["why"]) == (True, "nothing in the mission reacts to it now")
+    results = scene.client.command(command="post", event="ask")
+    assert (results["success"], results["why"]) == (True, "nothing in the mission reacts to it now")
 
 
 def test_control_is_asked_for_by_its_rules(scene: Scene) -> None:
@@ -277,10 +277,10 @@ def test_control_is_asked_for_by_its_rules(scene: Scene) -> None:
     scene.client.start()
     assert scene.client.command(command="control", to="operator")["success"]
     scene.client.holders.wait(lambda all_: all_[-1] == "operator", "the operator holds control")
-    told = scene.client.command(command="control", to="autonomy", by="autonomy")
-    assert told["why"] == "the operator has control and has not given it back"
-    told = scene.client.command(command="control", to="pilot")
-    assert told["why"] == "nobody called 'pilot' can hold control; there is: agent, autonomy, nobody, operator"
+    reported = scene.client.command(command="control", to="autonomy", by="autonomy")
+    assert reported["why"] == "the operator has control and has not given it back"
+    reported = scene.client.command(command="control", to="pilot")
+    assert reported["why"] == "nobody called 'pilot' can hold control; there is: agent, autonomy, nobody, operator"
     assert scene.client.command(command="control", to="autonomy", by="Ann")["success"]
     scene.client.holders.wait(lambda all_: all_[-1] == "autonomy", "it is given back")
 
@@ -295,8 +295,8 @@ def test_a_state_that_waits_for_control_is_told_of(open_scene: Callable[..., Sce
     asked = scene.client.await_status("the question is asked", active=["asking"], control="agent")
     assert asked["waits"] == ""
     assert scene.client.command(command="control", to="autonomy")["success"]
-    told = scene.client.await_status("control is away", control="autonomy", questions=[])
-    assert told["waits"] == "asking waits until control is with agent; autonomy has it"
+    reported = scene.client.await_status("control is away", control="autonomy", questions=[])
+    assert reported["waits"] == "asking waits until control is with agent; autonomy has it"
     assert scene.client.command(command="control", to="agent", by="agent")["success"], "it was given, not taken"
     scene.client.await_status("it is asked again", control="agent", waits="")
 
@@ -315,14 +315,14 @@ def test_a_state_that_waits_for_control_is_told_of(open_scene: Callable[..., Sce
     ],
 )  # fmt: skip
 def test_what_is_no_order_is_answered_with_why(active: Client, text: str, why: str) -> None:
-    told = active.command(text)
-    assert not told["success"] and told["why"].startswith(why), told
+    reported = active.command(text)
+    assert not reported["success"] and reported["why"].startswith(why), reported
 
 
 def test_arguments_come_with_the_start_and_are_checked(scene: Scene) -> None:
     scene.client.activate()
-    told = scene.client.command(command="start", arguments={"sped": 2})
-    assert "the mission takes no argument 'sped'; it takes: speed" in told["why"]
+    reported = scene.client.command(command="start", arguments={"sped": 2})
+    assert "the mission takes no argument 'sped'; it takes: speed" in reported["why"]
     assert "does not fit" in scene.client.command(command="start", arguments={"speed": "fast"})["why"]
     assert scene.client.command(command="start", arguments={"speed": 2})["success"]
 
@@ -349,23 +349,27 @@ def test_each_step_that_did_something_is_published(scene: Scene) -> None:
     scene.client.activate()
     scene.client.start()
     scene.client.command(command="post", event="go")
-    told = scene.client.steps.wait(
+    reported = scene.client.steps.wait(
         lambda all_: any(step["event"]["name"] == "accepted" for step in all_) or len(all_) >= 2, "steps"
     )
-    assert told[0]["moves"][0]["entered"] == ["waiting"] and {step["run"] for step in told} == {told[0]["run"]}
+    assert reported[0]["moves"][0]["entered"] == ["waiting"] and {step["run"] for step in reported} == {
+        reported[0]["run"]
+    }
 
 
 def test_keys_that_are_not_fresh_are_told_in_the_diagnostics(open_scene: Callable[..., Scene]) -> None:
     there = {"type": "boolean", "source": "robot", "optional": True, "max_age_s": 0.01}
     speed = {"type": "number", "source": "argument", "initial": 1.0}
     scene = open_scene(mission=mission(blackboard={"there": there, "speed": speed}))
-    heard: Heard[str] = Heard(30.0)
+    received: Inbox[str] = Inbox(30.0)
     kind = "diagnostic_msgs/msg/DiagnosticArray"
-    scene.client.connector.subscribe("/diagnostics", kind, lambda said: heard(said.data["status"][0]["message"]))
+    scene.client.connector.subscribe(
+        "/diagnostics", kind, lambda reported: received(reported.data["status"][0]["message"])
+    )
     scene.client.activate()
     scene.client.start()
     scene.robot.arrive()
-    heard.wait(lambda all_: all_[-1] == "not fresh: there", "the key is stale")
+    received.wait(lambda all_: all_[-1] == "not fresh: there", "the key is stale")
 
 
 def kept_busy(scene: Scene) -> threading.Event:
@@ -381,9 +385,9 @@ def kept_busy(scene: Scene) -> threading.Event:
 
 def test_an_order_that_the_run_does_not_take_in_time_is_not_told_as_done(scene: Scene) -> None:
     is_free = kept_busy(scene)
-    told = scene.node.ask(Command("pause"), within_s=0.0)
+    reported = scene.node.ask(Command("pause"), within_s=0.0)
     is_free.set()
-    assert not told.success and "has not taken it yet" in told.why
+    assert not reported.success and "has not taken it yet" in reported.why
     scene.client.await_status("it is taken in the end", mode="paused")
 
 
@@ -392,14 +396,14 @@ def test_orders_that_a_busy_run_takes_too_late_are_dropped_but_those_that_end_it
 ) -> None:
     is_free = kept_busy(scene)
     monkeypatch.setattr("rai_missions.node.run_session.GOOD_FOR_S", -1.0)  # as if it had been busy for longer
-    course, told = scene.node.course, Heard[CommandReply]()
+    course, reported = scene.node.course, Inbox[CommandReply]()
     assert course is not None
     orders = (Command("pause", id="a"), Command("control", to="operator", id="b"), Command("control", to="nobody", id="c"),  # noqa: E501
               Command("post", event="ask", id="d"), Command("cancel", id="e"))  # fmt: skip
     for order in orders:
-        course.submit(order, told)
+        course.submit(order, reported)
     is_free.set()
-    receipts = {each.id: each for each in told.wait(lambda all_: len(all_) == len(orders), "each is told its fate")}
+    receipts = {each.id: each for each in reported.wait(lambda all_: len(all_) == len(orders), "each is told its fate")}
     assert {name: each.dropped for name, each in receipts.items()} == dict(zip("abcde", (1, 1, 0, 0, 0), strict=True))
     assert "did not get to it for" in receipts["a"].why and "give it anew" in receipts["a"].why
     assert receipts["c"].success and receipts["e"].success
@@ -419,8 +423,8 @@ def test_a_second_node_of_the_same_name_is_refused(scene: Scene) -> None:
 def test_a_stranger_under_the_same_name_is_warned_of_once(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
     for text in ('{"instance": "stranger"}', '{"instance": "stranger"}'):
         scene.client.connector.publish("/errand/status", "std_msgs/msg/String", {"data": text})
-    said = [record.message for record in caplog.records if "another node" in record.message]
-    assert said == ["another node is called /errand too; give one of them another name with --node"]
+    reported = [record.message for record in caplog.records if "another node" in record.message]
+    assert reported == ["another node is called /errand too; give one of them another name with --node"]
 
 
 def test_the_node_runs_and_stops_as_agents_do() -> None:

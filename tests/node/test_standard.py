@@ -24,9 +24,11 @@ def test_the_ids_are_those_of_lifecycle_msgs() -> None:
     messages = importlib.import_module("lifecycle_msgs.msg")
     known = {getattr(messages.State, name) for name in vars(type(messages.State)) if "_STATE_" in name}
     assert {state.id for state in STATES} == known
-    said = {name: getattr(messages.Transition, name) for name in dir(messages.Transition) if name.startswith("TRANS")}
+    reported = {
+        name: getattr(messages.Transition, name) for name in dir(messages.Transition) if name.startswith("TRANS")
+    }
     for way in TRANSITIONS:
-        assert said[f"TRANSITION_{_constant(way).upper()}"] == way.id, way
+        assert reported[f"TRANSITION_{_constant(way).upper()}"] == way.id, way
 
 
 def _constant(way: Transition) -> str:
@@ -72,9 +74,9 @@ def walk(asked: list[tuple[str, str]]) -> tuple[list[Transition], bool]:
     for label, end in asked:
         how[0] = end
         before, state = len(moves), lifecycle.state
-        told = lifecycle.change(label)
+        reported = lifecycle.change(label)
         known = label in [way.label for way in leaving(state)]
-        assert told is (known and end in ("success", "later")) or (not known and not told)
+        assert reported is (known and end in ("success", "later")) or (not known and not reported)
         assert (len(moves) > before) is known, "what does not leave a state moves nothing"
         assert not known or end == "later" or bool(lifecycle.fault) is (end != "success")
         if len(waiting) > 1:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from rai_missions.connectors.connector import Message, Report
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from tests.node.conftest import Scene
 from tests.node.scenes import mission
 
@@ -22,15 +22,15 @@ def scene(open_scene: Callable[..., Scene]) -> Scene:
     return made
 
 
-def send(scene: Scene, goal_id: str = "g1", arguments: str = "") -> Heard[Report]:
-    reports: Heard[Report] = Heard(30.0)
+def send(scene: Scene, goal_id: str = "g1", arguments: str = "") -> Inbox[Report]:
+    reports: Inbox[Report] = Inbox(30.0)
     goal = {"arguments": arguments, "by": "Ann"}
-    scene.client.connector.send_goal("/errand/run", RUN, goal, goal_id=goal_id, report=reports)
+    scene.client.connector.send_goal("/errand/run", RUN, goal, goal_id=goal_id, on_report=reports)
     return reports
 
 
 def ended(reports: list[Report]) -> bool:
-    return bool(reports) and reports[-1].said in ("succeeded", "failed", "canceled", "rejected")
+    return bool(reports) and reports[-1].status in ("succeeded", "failed", "canceled", "rejected")
 
 
 def test_a_goal_runs_the_mission_and_its_result_says_how_it_ended(scene: Scene) -> None:
@@ -40,12 +40,15 @@ def test_a_goal_runs_the_mission_and_its_result_says_how_it_ended(scene: Scene) 
     scene.robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
     reports.wait(lambda all_: all_[-1].data.get("state") == ["moving"], "the feedback tells so")
     scene.robot.arrive()
-    told = reports.wait(ended, "the goal ends")
-    assert told[0].said == "accepted" and told[-1].said == "succeeded"
-    assert told[-1].data["outcome"] == "succeeded" and told[-1].data["why"] == "'done' was reached, and there is true"
-    states = [report.data["state"] for report in told if report.said == "feedback"]
+    reported = reports.wait(ended, "the goal ends")
+    assert reported[0].status == "accepted" and reported[-1].status == "succeeded"
+    assert (
+        reported[-1].data["outcome"] == "succeeded"
+        and reported[-1].data["why"] == "'done' was reached, and there is true"
+    )
+    states = [report.data["state"] for report in reported if report.status == "feedback"]
     assert ["waiting"] in states and ["moving"] in states
-    revisions = [report.data["revision"] for report in told if report.said == "feedback"]
+    revisions = [report.data["revision"] for report in reported if report.status == "feedback"]
     assert revisions == sorted(set(revisions))
 
 
@@ -54,7 +57,7 @@ def test_canceling_the_goal_cancels_the_mission(scene: Scene) -> None:
     scene.client.await_status("it runs", mode="running")
     scene.client.connector.cancel_goal("g1")
     last = reports.wait(ended, "the goal ends")[-1]
-    assert (last.said, last.data["outcome"], last.data["why"]) == (
+    assert (last.status, last.data["outcome"], last.data["why"]) == (
         "canceled",
         "canceled",
         "canceled by operator (~/run)",
@@ -66,7 +69,7 @@ def test_a_mission_that_somebody_else_cancels_aborts_the_goal(scene: Scene) -> N
     scene.client.await_status("it runs", mode="running")
     assert scene.client.call("cancel")["success"]
     last = reports.wait(ended, "the goal ends")[-1]
-    assert (last.said, last.data["outcome"]) == ("failed", "canceled")
+    assert (last.status, last.data["outcome"]) == ("failed", "canceled")
 
 
 @pytest.mark.parametrize(
@@ -78,17 +81,17 @@ def test_a_mission_that_somebody_else_cancels_aborts_the_goal(scene: Scene) -> N
     ],
 )
 def test_a_goal_that_cannot_be_is_rejected_and_the_reply_says_why(scene: Scene, arguments: str, why: str) -> None:
-    assert send(scene, arguments=arguments).wait(ended, "it is rejected")[-1].said == "rejected"
-    told = scene.client.replies.wait(bool, "a reply")[-1]
-    assert told["id"] == "g1" and why in told["why"]
+    assert send(scene, arguments=arguments).wait(ended, "it is rejected")[-1].status == "rejected"
+    reported = scene.client.replies.wait(bool, "a reply")[-1]
+    assert reported["id"] == "g1" and why in reported["why"]
 
 
 def test_a_goal_that_may_still_move_the_robot_is_named(open_scene: Callable[..., Scene]) -> None:
     given = mission()
     moving = given.states["moving"].model_copy(update={"cancel_s": 0.1})
     scene = open_scene(typed=True, mission=given.model_copy(update={"states": {**given.states, "moving": moving}}))
-    heard: Heard[Message] = Heard(30.0)
-    scene.client.connector.subscribe("/errand/mission_status", "rai_missions_msgs/msg/MissionStatus", heard)
+    received: Inbox[Message] = Inbox(30.0)
+    scene.client.connector.subscribe("/errand/mission_status", "rai_missions_msgs/msg/MissionStatus", received)
     scene.client.activate()
 
     def obey(word: str) -> None:
@@ -104,24 +107,26 @@ def test_a_goal_that_may_still_move_the_robot_is_named(open_scene: Callable[...,
     scene.client.connector.cancel_goal("g1")
     open_goals = [{"number": 1, "action": "move", "owner": "moving", "reason": "refused"}]
     last = reports.wait(ended, "the goal ends")[-1]
-    assert (last.said, last.data["open_goals"]) == ("canceled", open_goals)
-    heard.wait(lambda all_: all_[-1].data["outcome"] == "canceled" and all_[-1].data["open_goals"] == open_goals, "so")
+    assert (last.status, last.data["open_goals"]) == ("canceled", open_goals)
+    received.wait(
+        lambda all_: all_[-1].data["outcome"] == "canceled" and all_[-1].data["open_goals"] == open_goals, "so"
+    )
 
 
 def test_a_second_goal_is_rejected_while_a_mission_runs(scene: Scene) -> None:
     send(scene)
     scene.client.await_status("it runs", mode="running")
-    assert send(scene, "g2").wait(ended, "it is rejected")[-1].said == "rejected"
+    assert send(scene, "g2").wait(ended, "it is rejected")[-1].status == "rejected"
     scene.client.await_status("the first goes on", mode="running")
 
 
 def test_questions_are_answered_by_a_service(scene: Scene) -> None:
-    heard: Heard[Message] = Heard(30.0)
-    scene.client.connector.subscribe("/errand/mission_status", "rai_missions_msgs/msg/MissionStatus", heard)
+    received: Inbox[Message] = Inbox(30.0)
+    scene.client.connector.subscribe("/errand/mission_status", "rai_missions_msgs/msg/MissionStatus", received)
     scene.client.start()
     scene.client.command(command="post", event="ask")
-    told = heard.wait(lambda all_: bool(all_) and bool(all_[-1].data["questions"]), "the question is published")
-    (question,) = told[-1].data["questions"]
+    reported = received.wait(lambda all_: bool(all_) and bool(all_[-1].data["questions"]), "the question is published")
+    (question,) = reported[-1].data["questions"]
     answer = {"number": question["number"], "option": "left", "by": "Ann"}
     refused = scene.client.call("answer", "rai_missions_msgs/srv/Answer", **answer, parameters="[1")
     assert not refused["success"] and refused["message"].startswith("parameters is not understood")
@@ -133,5 +138,5 @@ def test_control_is_asked_for_by_a_service(scene: Scene) -> None:
     scene.client.start()
     assert scene.client.call("set_control", "rai_missions_msgs/srv/Control", to="operator", by="")["success"]
     scene.client.holders.wait(lambda all_: all_[-1] == "operator", "the operator holds control")
-    told = scene.client.call("set_control", "rai_missions_msgs/srv/Control", to="agent", by="agent")
-    assert not told["success"] and told["message"]
+    reported = scene.client.call("set_control", "rai_missions_msgs/srv/Control", to="agent", by="agent")
+    assert not reported["success"] and reported["message"]

@@ -56,7 +56,7 @@ def of_appendix_d(document: dict[str, Any], script: Iterable[tuple[Any, ...]]) -
     """
     oracle = Interpreter(document)
     oracle.interpret()
-    trace, at = [_heard(oracle)], 0.0
+    trace, at = [_received(oracle)], 0.0
     for word, what, wait in script:
         at += wait
         if word == "event":
@@ -65,10 +65,10 @@ def of_appendix_d(document: dict[str, Any], script: Iterable[tuple[Any, ...]]) -
             oracle.assign(*what, at)
         else:
             oracle.advance(at)
-        trace.append(_heard(oracle))
+        trace.append(_received(oracle))
     return trace
 
 
-def _heard(oracle: Interpreter) -> Told:
+def _received(oracle: Interpreter) -> Told:
     logs, oracle.log = tuple(oracle.log), []
     return Told(frozenset(s.id for s in oracle.configuration if s.id), logs, oracle.outcome)

@@ -41,31 +41,31 @@ def at_home(document: Json) -> Json:
     return without_rows(document, unwanted)
 
 
-def unordered(told: Told) -> tuple[frozenset[str], list[str], str]:
-    return told.active, sorted(set(told.logs)), told.ended
+def unordered(reported: Told) -> tuple[frozenset[str], list[str], str]:
+    return reported.active, sorted(set(reported.logs)), reported.ended
 
 
 def of_python_statemachine(document: Json, script: list[tuple[Any, ...]]) -> list[Told]:
     ends = {name: state["final"] for name, state in document["states"].items() if "final" in state}
-    said = io.StringIO()
+    reported = io.StringIO()
 
-    def heard() -> Told:
-        logs = tuple(line.strip("'") for line in said.getvalue().splitlines())
-        said.seek(0)
-        said.truncate()
+    def on_message() -> Told:
+        logs = tuple(line.strip("'") for line in reported.getvalue().splitlines())
+        reported.seek(0)
+        reported.truncate()
         active = frozenset(state.id for state in machine.configuration)
         return Told(active, logs, next((end for name, end in ends.items() if name in active), ""))
 
-    with contextlib.redirect_stdout(said), warnings.catch_warnings():
+    with contextlib.redirect_stdout(reported), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         reader = processor.SCXMLProcessor()
         reader.parse_scxml("generated", scxml_text(document))
         machine = reader.start()
-        trace = [heard()]
+        trace = [on_message()]
         for _, name, _ in script:
             if not trace[-1].ended:
                 machine.send(name)
-            trace.append(heard() if not trace[-1].ended else trace[-1]._replace(logs=()))
+            trace.append(on_message() if not trace[-1].ended else trace[-1]._replace(logs=()))
     return trace
 
 

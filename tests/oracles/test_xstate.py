@@ -42,12 +42,12 @@ def of_xstate() -> Iterator[Runs]:
     command = [str(NODE), "xstate.mjs"]
     with subprocess.Popen(command, cwd=HERE, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as node:
         assert node.stdin is not None and node.stdout is not None
-        told, heard = node.stdin, node.stdout
+        reported, received = node.stdin, node.stdout
 
         def runs(document: Json, script: list[tuple[Any, ...]]) -> list[Told]:
-            told.write(json.dumps({"document": document, "script": [name for _, name, _ in script]}) + "\n")
-            told.flush()
-            answer = json.loads(heard.readline())
+            reported.write(json.dumps({"document": document, "script": [name for _, name, _ in script]}) + "\n")
+            reported.flush()
+            answer = json.loads(received.readline())
             assert isinstance(answer, list), answer
             return [Told(frozenset(active), tuple(logs), ended) for active, logs, ended in answer]
 

@@ -58,10 +58,10 @@ def written(value: Any) -> Any:
 )
 def test_a_pose_that_is_sent_is_the_pose_that_is_heard(x: float, y: float, z: float, yaw: float, frame: str) -> None:
     sent = {"x": x, "y": y, "z": z, "yaw": yaw, "frame": frame}
-    heard = pose_of(pose_message(sent))
-    assert heard is not None
-    assert heard == {**sent, "yaw": heard["yaw"]}
-    assert math.isclose(math.remainder(heard["yaw"] - yaw, math.tau), 0.0, abs_tol=1e-9)
+    received = pose_of(pose_message(sent))
+    assert received is not None
+    assert received == {**sent, "yaw": received["yaw"]}
+    assert math.isclose(math.remainder(received["yaw"] - yaw, math.tau), 0.0, abs_tol=1e-9)
 
 
 @given(roll=st.floats(-1.5, 1.5), pitch=st.floats(-1.5, 1.5), yaw=st.floats(-3.1, 3.1))
@@ -73,9 +73,9 @@ def test_the_heading_of_a_robot_on_a_slope_is_its_yaw(roll: float, pitch: float,
         "y": cr * sp * cy + sr * cp * sy,
         "z": cr * cp * sy - sr * sp * cy,
     }
-    heard = pose_of({"position": {"x": 0.0, "y": 0.0}, "orientation": turn})
-    assert heard is not None
-    assert math.isclose(heard["yaw"], yaw, abs_tol=1e-6)
+    received = pose_of({"position": {"x": 0.0, "y": 0.0}, "orientation": turn})
+    assert received is not None
+    assert math.isclose(received["yaw"], yaw, abs_tol=1e-6)
 
 
 @given(anything.filter(lambda message: isinstance(message, dict)))
@@ -89,7 +89,7 @@ def test_whatever_is_heard_can_be_written_down_or_is_refused(message: dict[str, 
 
 
 @pytest.mark.parametrize(
-    ("message", "said"),
+    ("message", "text"),
     [
         ({"data": "not json"}, "is no JSON: Expecting value"),
         ({"data": "[" * 100_000}, "nested"),
@@ -100,8 +100,8 @@ def test_whatever_is_heard_can_be_written_down_or_is_refused(message: dict[str, 
         ({}, "None stands where JSON text belongs"),
     ],
 )
-def test_hostile_json_is_refused(message: dict[str, Any], said: str) -> None:
-    with pytest.raises(ConnectorError, match=said):
+def test_hostile_json_is_refused(message: dict[str, Any], text: str) -> None:
+    with pytest.raises(ConnectorError, match=text):
         Source(topic="/t", type="std_msgs/msg/String", json=True).value(message)
 
 
@@ -222,9 +222,9 @@ def test_what_is_no_picture_is_refused(message: dict[str, Any]) -> None:
 
 def test_an_event_happens_when_its_condition_becomes_true() -> None:
     source = EventSource(topic="/state", type="std_msgs/msg/String", when={"key": "data", "==": "WAITING"})
-    said = ["DRIVING", "WAITING", "WAITING", "DRIVING", "WAITING"]
+    reported = ["DRIVING", "WAITING", "WAITING", "DRIVING", "WAITING"]
     before, happened = None, []
-    for word in said:
+    for word in reported:
         now = source.fires({"data": word})
         happened.append(source.happens(before, now))
         before = now

@@ -38,7 +38,7 @@ def battery(field: str, **words: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("field", "said"),
+    ("field", "message"),
     [
         (
             "percent",
@@ -50,9 +50,9 @@ def battery(field: str, **words: Any) -> dict[str, Any]:
         ("cell_voltage.x", "has no field 'x' in 'cell_voltage', which is a list"),
     ],
 )
-def test_a_field_that_a_type_has_not_is_told_with_those_that_it_has(field: str, said: str) -> None:
+def test_a_field_that_a_type_has_not_is_told_with_those_that_it_has(field: str, message: str) -> None:
     (fault,) = faults(blackboard=battery(field))
-    assert fault.startswith(f"/blackboard/battery/field: a s/msg/Battery {said}")
+    assert fault.startswith(f"/blackboard/battery/field: a s/msg/Battery {message}")
 
 
 @pytest.mark.parametrize("field", ["percentage", "cell_voltage.7", ""])
@@ -123,9 +123,9 @@ def test_a_message_without_the_field_is_told_once_and_one_that_leaves_it_open_is
             "events": {"said": {"topic": "/s", "type": "s/msg/String", "when": {"key": "dada", "==": "GO"}}},
         }
     )
-    connector, heard = LocalConnector(), list[Event]()
+    connector, received = LocalConnector(), list[Event]()
     connector.start()
-    senses = RobotListener(robot, connector, post=heard.append, later=lambda _at, _do: None, now=WallClock().now)
+    senses = RobotListener(robot, connector, post=received.append, later=lambda _at, _do: None, now=WallClock().now)
     senses.open()
     with caplog.at_level(logging.WARNING):
         for _ in range(3):
@@ -134,7 +134,7 @@ def test_a_message_without_the_field_is_told_once_and_one_that_leaves_it_open_is
             connector.publish("/s", "s/msg/String", {"data": "GO"})
     senses.close()
     connector.stop()
-    assert heard == []
+    assert received == []
     assert [each.getMessage() for each in caplog.records] == [
         "'battery': a s/msg/Battery has no field 'percent' (did you mean 'percentage'?); it has: voltage, percentage",
         "'said': a s/msg/String has no field 'dada' (did you mean 'data'?); it has: data",

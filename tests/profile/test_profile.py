@@ -43,7 +43,7 @@ def test_a_profile_is_read_from_a_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("identity", "said"),
+    ("identity", "message"),
     [
         ("../elsewhere", "lies outside the profile's own folder"),
         ("/etc", "lies outside"),
@@ -53,14 +53,14 @@ def test_a_profile_is_read_from_a_file(tmp_path: Path) -> None:
         ("a\0b", "no folder's name"),
     ],
 )
-def test_an_identity_lies_beside_its_profile(tmp_path: Path, identity: str, said: str) -> None:
+def test_an_identity_lies_beside_its_profile(tmp_path: Path, identity: str, message: str) -> None:
     (tmp_path / "elsewhere").mkdir()
     here = tmp_path / "here"
     here.mkdir()
     (here / "link").symlink_to(tmp_path / "elsewhere")
     path = here / "robot.json"
     path.write_text(json.dumps({**PROFILE, "identity": identity}))
-    with pytest.raises(DefinitionError, match=f"/identity: .*{said}"):
+    with pytest.raises(DefinitionError, match=f"/identity: .*{message}"):
         load_profile(path)
 
 
@@ -77,7 +77,7 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"format": 2}, "/format: no such choice: 2; it is 1"),
         ({"connector": {"world": "orchard"}}, "a connector has a 'kind'"),
@@ -126,8 +126,8 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
         ({"services/Horn": {"service": "/x"}}, "'Horn' is not a name"),
     ],
 )
-def test_a_fault_is_told_with_its_place(change: dict[str, Any], said: str) -> None:
-    assert any(said in fault for fault in refused(change)), refused(change)
+def test_a_fault_is_told_with_its_place(change: dict[str, Any], message: str) -> None:
+    assert any(message in fault for fault in refused(change)), refused(change)
 
 
 def test_every_fault_is_told_at_once() -> None:
@@ -163,11 +163,11 @@ def test_a_goal_is_written_as_the_server_wants_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [({}, "needs 'home', and the mission gives: nothing"), ({"home": 3}, "3 stands where a pose belongs")],
 )
-def test_a_goal_that_lacks_what_the_server_wants_is_refused(given: dict[str, Any], said: str) -> None:
-    with pytest.raises(ConnectorError, match=said):
+def test_a_goal_that_lacks_what_the_server_wants_is_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConnectorError, match=message):
         robot().actions["go_home"].goal_of(given)
 
 
@@ -216,7 +216,7 @@ def test_a_robot_without_anything_lacks_everything() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (
             {"blackboard/battery": None, "blackboard/batery": PROFILE["blackboard"]["battery"]},
@@ -277,10 +277,10 @@ def test_a_robot_without_anything_lacks_everything() -> None:
         ),
     ],
 )
-def test_what_a_profile_lacks_is_told_with_its_place(change: dict[str, Any], said: str) -> None:
+def test_what_a_profile_lacks_is_told_with_its_place(change: dict[str, Any], message: str) -> None:
     faults = [str(fault) for fault in missing(mission(), robot(change))]
     assert len(faults) == 1
-    assert said in faults[0]
+    assert message in faults[0]
 
 
 def test_a_number_may_come_as_an_integer() -> None:

@@ -25,8 +25,8 @@ def test_every_type_of_a_shipped_profile_is_met_with_its_place(mission: Path, pr
     assert all(each.type.split("/")[1] == each.kind for each in found)
     text = profile.read_text(encoding="utf-8")
     assert {each.type for each in found} >= {kind for kind in ("nav2_msgs/action/NavigateToPose",) if kind in text}
-    heard = set(robot.blackboard)
-    assert heard == {each.place.split("/")[2] for each in found if each.place.startswith("/blackboard")}
+    received = set(robot.blackboard)
+    assert received == {each.place.split("/")[2] for each in found if each.place.startswith("/blackboard")}
 
 
 MISSION = Mission.model_validate(

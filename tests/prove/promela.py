@@ -81,7 +81,7 @@ class Drawing:
             row["to"] = self.random.choice(self.regions[region])
         raising = row["on"] in EVENTS
         row["do"] = [self.effect(raising=raising) for _ in range(self.random.randint(0 if "to" in row else 1, 2))]
-        return row if row["do"] else {word: said for word, said in row.items() if word != "do"}
+        return row if row["do"] else {word: reported for word, reported in row.items() if word != "do"}
 
     def effect(self, *, raising: bool) -> Json:
         if raising and self.random.random() < 0.5:
@@ -142,11 +142,11 @@ class Translation:
         lines += [f"inline push(e) {{ assert(waiting < {QUEUE}); queue[waiting] = e; waiting++ }}"]
         lines += [f"inline choose() {{ {self._selections()} }}", f"inline take() {{ {self._moves()} }}"]
         printed = ", ".join(f"now.cur{at}" for at in range(count))
-        told = f'c_code {{ printf("REACHED {" ".join(["%d"] * count)} %d\\n", {printed}, now.over); }}'
-        lines += ["active proctype chart() { d_step {", self._entered(), "ev = 255 };", self._settled(), told + ";"]
+        reported = f'c_code {{ printf("REACHED {" ".join(["%d"] * count)} %d\\n", {printed}, now.over); }}'
+        lines += ["active proctype chart() { d_step {", self._entered(), "ev = 255 };", self._settled(), reported + ";"]
         lines += ["do :: over -> break :: else ->", "if"]
         lines += [f":: ev = {number}" for number in range(len(self.raises))]
-        lines += ["fi;", "atomic { " + self._macrostep() + " };", self._settled(), told + ";", "od }"]
+        lines += ["fi;", "atomic { " + self._macrostep() + " };", self._settled(), reported + ";", "od }"]
         return "\n".join(lines)
 
     def _macrostep(self) -> str:

@@ -31,17 +31,17 @@ def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., st
 
 def test_what_is_proved_is_told_claim_by_claim(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["prove", written()]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("tractor_orchard 1.0.0: ") and told.count("  proved ") == 9
-    assert "the operator may pause, resume" in told and "not explored: a process that is killed" in told
+    reported = capsys.readouterr().out
+    assert reported.startswith("tractor_orchard 1.0.0: ") and reported.count("  proved ") == 9
+    assert "the operator may pause, resume" in reported and "not explored: a process that is killed" in reported
     assert not list(Path().glob("*.journal"))
 
 
 def test_a_refutation_is_told_and_written_down(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
     mission = written(over_people)
     assert main(["prove", mission, "-o", "runs/flaw.journal"]) == 1
-    told = capsys.readouterr().out
-    assert "  refuted        invariants:" in told and "      4. agent answers 'assessing': drive_over" in told
+    reported = capsys.readouterr().out
+    assert "  refuted        invariants:" in reported and "      4. agent answers 'assessing': drive_over" in reported
     assert main(["replay", "runs/flaw.journal"]) == 0
     assert "aborted: invariant 'nobody_is_driven_over' is false" in capsys.readouterr().out
     assert main(["draw", mission, "--journal", "runs/flaw.journal", "-o", "flaw.dot"]) == 0
@@ -58,9 +58,9 @@ def test_a_journal_that_is_there_is_left_alone(written: Callable[..., str]) -> N
 
 def test_the_object_holds_what_the_lines_say(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["prove", written(over_people), "--json"]) == 1
-    told = json.loads(capsys.readouterr().out)
-    refuted = [claim for claim in told["claims"] if claim["verdict"] == "refuted"]
-    assert told["verdict"] == "refuted" and [claim["claim"] for claim in refuted] == ["invariants"]
+    reported = json.loads(capsys.readouterr().out)
+    refuted = [claim for claim in reported["claims"] if claim["verdict"] == "refuted"]
+    assert reported["verdict"] == "refuted" and [claim["claim"] for claim in refuted] == ["invariants"]
     assert refuted[0]["shows"] is True and refuted[0]["run"][-1]["outcome"] == "aborted"
 
 

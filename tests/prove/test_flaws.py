@@ -33,8 +33,8 @@ def asking(options: Json, rows: list[Json], **words: Any) -> Json:
 
 
 def mission(states: Json, **words: Any) -> Json:
-    said = json.dumps([states, words])
-    keys = {name: key for name, key in KEYS.items() if f'"{name}' in said}
+    reported = json.dumps([states, words])
+    keys = {name: key for name, key in KEYS.items() if f'"{name}' in reported}
     return {
         "format": 1, "name": "flawed", "version": "1.0.0", "blackboard": keys, "initial": next(iter(states)),
         "states": states, **words,
@@ -119,11 +119,11 @@ def test_a_flaw_is_refuted_by_its_shortest_run_replayed_and_drawn(
 ) -> None:
     written.write_text(json.dumps(given), encoding="utf-8")
     assert main(["prove", str(written), "--json", "-o", "flaw.journal"]) == 1
-    told = {each["claim"]: each for each in json.loads(capsys.readouterr().out)["claims"]}
-    assert told[claim]["verdict"] == "refuted" and [each["happens"] for each in told[claim]["run"]] == run
-    assert all(told[name]["verdict"] == "proved" for name in ("stop", "cancel", "stopped"))
+    report = {each["claim"]: each for each in json.loads(capsys.readouterr().out)["claims"]}
+    assert report[claim]["verdict"] == "refuted" and [each["happens"] for each in report[claim]["run"]] == run
+    assert all(report[name]["verdict"] == "proved" for name in ("stop", "cancel", "stopped"))
     if run:
-        assert told[claim]["shows"] is True
+        assert report[claim]["shows"] is True
         assert main(["replay", "flaw.journal"]) == 0
         assert main(["draw", str(written), "--journal", "flaw.journal", "-o", "flaw.dot"]) == 0
 

@@ -103,10 +103,10 @@ def test_a_flaw_is_found_and_shown(change: Callable[[Json], None], claim: str, s
     if not steps:
         return
     path = tmp_path / "refutation.journal"
-    told = proof.ways[claim]
-    assert record(path, Header(dump(mission)), mission, told, default_ticker(mission))
+    reported = proof.ways[claim]
+    assert record(path, Header(dump(mission)), mission, reported, default_ticker(mission))
     again = replay(path)
-    assert again.holds and again.outcome == told[-1].outcome
+    assert again.holds and again.outcome == reported[-1].outcome
 
 
 # -- bounds and order ------------------------------------------------------------------------------------------------

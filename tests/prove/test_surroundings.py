@@ -59,13 +59,13 @@ def test_events_whose_fields_share_a_name_each_bring_their_own_type() -> None:
 def test_what_a_raised_event_takes_from_a_key_is_told_apart() -> None:
     counting = {"entry": [{"set": "many", "add": 1}],
                 "transitions": [{"on": "next", "to": "saying"}, {"on": "stop", "to": "aborted"}]}  # fmt: skip
-    saying = {
+    message = {
         "entry": [{"raise": "counted", "data": {"many": {"from": "many"}}}],
         "transitions": [{"on": "counted", "when": {"key": "event.many", ">=": 3}, "to": "wrong"},
                         {"on": "counted", "to": "counting"}],
     }  # fmt: skip
     proof = proof_of(
-        {"counting": counting, "saying": saying, "wrong": WRONG}, {"many": {"type": "integer", "initial": 0}},
+        {"counting": counting, "saying": message, "wrong": WRONG}, {"many": {"type": "integer", "initial": 0}},
         events={"next": {}, "stop": {}, "counted": {"fields": {"many": "integer"}}}, invariants=NEVER,
     )  # fmt: skip
     assert refuted(proof)["invariants"] == ["the mission starts", *["event 'next'"] * 3]
@@ -236,7 +236,7 @@ def test_a_run_that_ends_for_another_reason_does_not_show_what_was_told(tmp_path
         },
         "invariants": {"not_for_long": {"not": {"all": [{"in": "driving"}, near]}}},
     })  # fmt: skip
-    told = prove(mission).ways["invariants"]  # the two guards ripen at one instant, and the row comes first
-    assert (told[-1].outcome, record(tmp_path / "told.journal", Header(dump(mission)), mission, told)) == (
+    reported = prove(mission).ways["invariants"]  # the two guards ripen at one instant, and the row comes first
+    assert (reported[-1].outcome, record(tmp_path / "told.journal", Header(dump(mission)), mission, reported)) == (
         "aborted", False,
     )  # fmt: skip

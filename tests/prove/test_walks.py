@@ -27,21 +27,21 @@ class Count(NamedTuple):
 
 def walk(mission: Mission, proof: Proof, seed: int) -> int:
     """Walk, and compare with what was proved; whether anything was seen broken."""
-    told = Walk(mission, seed)
-    told.go(10 + seed % 30)
+    reported = Walk(mission, seed)
+    reported.go(10 + seed % 30)
     if seed % 3 == 0:
-        told.be_silent()
+        reported.be_silent()
     elif seed % 3 == 1:
-        told.order("cancel", 200)
-    told.order("kill", 0)
+        reported.order("cancel", 200)
+    reported.order("kill", 0)
     proved = {each.name for each in proof.claims if each.verdict == "proved"}
-    for claim, how in told.broken.items():
-        if claim != "invariants" or told.chart.false_invariant not in proof.assumed:
+    for claim, how in reported.broken.items():
+        if claim != "invariants" or reported.chart.false_invariant not in proof.assumed:
             assert claim not in proved, f"walk {seed}: {claim} was proved, but {how}"
-    assert told.entered.isdisjoint(proof.never), (
-        f"walk {seed}: {told.entered & set(proof.never)} was never to be entered"
+    assert reported.entered.isdisjoint(proof.never), (
+        f"walk {seed}: {reported.entered & set(proof.never)} was never to be entered"
     )
-    return bool(told.broken)
+    return bool(reported.broken)
 
 
 def walks(seeds: range) -> Count:

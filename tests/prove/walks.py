@@ -277,5 +277,5 @@ class Walk:
             return
         if chart.outcome is None:
             self.broken["stop" if command == "kill" else command] = f"still in {sorted(chart.active)}"
-        elif untold := [number for number, is_told in self.goals.items() if not is_told]:
-            self.broken["stopped"] = f"goals {untold} were never told to end"
+        elif unreported := [number for number, is_reported in self.goals.items() if not is_reported]:
+            self.broken["stopped"] = f"goals {unreported} were never told to end"

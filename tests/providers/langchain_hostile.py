@@ -154,8 +154,8 @@ def looks(messages: list[BaseMessage], words: str) -> AIMessage:
     """Looks up which topics there are, and answers with what it found in the reason."""
     last = messages[-1]
     if last.type == "tool":
-        said = re.sub(r"\W+", " ", str(last.content))
-        return AIMessage("", tool_calls=[call("stay", why=said[:300])])
+        reported = re.sub(r"\W+", " ", str(last.content))
+        return AIMessage("", tool_calls=[call("stay", why=reported[:300])])
     return AIMessage("", tool_calls=[call("list_topics", containing=words)])
 
 

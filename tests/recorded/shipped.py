@@ -57,8 +57,8 @@ def tractor() -> Iterator[Run]:
         yield f"{obstacle}-by-rules", trip(Drive, **{**FREE, "obstacles": [obstacle]})
     liar = ChatteringAnswerer([{"option": "drive_over"}, "nonsense", None])
     yield "person-and-a-liar", trip(Drive, words={"answerers": {"agent": liar}}, **{**FREE, "obstacles": ["person"]})
-    says = ScriptedModel(['{"option": "abort", "why": "a person must look"}'])
-    yield "log-by-a-model", trip(Drive, words={"model": says}, **{**FREE, "obstacles": ["log"]})
+    states = ScriptedModel(['{"option": "abort", "why": "a person must look"}'])
+    yield "log-by-a-model", trip(Drive, words={"model": states}, **{**FREE, "obstacles": ["log"]})
 
 
 def patrol() -> Iterator[Run]:
@@ -84,8 +84,8 @@ def patrol() -> Iterator[Run]:
     for name, who in scripts.items():
         yield f"agent-{name}", trip(Patrol, words={"answerers": who, "arguments": BEHIND_THE_DOOR}, **BLOCKED)
     yield "agent-late", late
-    says = ['{"option": "dance"}', '{"option": "skip", "why": "the door is shut"}']
-    yield "model", trip(Patrol, words={"model": ScriptedModel(says), "arguments": BEHIND_THE_DOOR}, **BLOCKED)
+    states = ['{"option": "dance"}', '{"option": "skip", "why": "the door is shut"}']
+    yield "model", trip(Patrol, words={"model": ScriptedModel(states), "arguments": BEHIND_THE_DOOR}, **BLOCKED)
 
 
 def trip(

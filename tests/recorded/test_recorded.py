@@ -67,9 +67,9 @@ def other(step: Step, is_last: bool) -> Step:
     return step._replace(outcome="aborted") if is_last else step
 
 
-@pytest.mark.parametrize(("change", "says"), [(alter, "row 1"), (forge, "outcome")])
+@pytest.mark.parametrize(("change", "states"), [(alter, "row 1"), (forge, "outcome")])
 def test_a_recorded_run_that_is_another_is_noticed_by_its_name(
-    change: Callable[[Path], None], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    change: Callable[[Path], None], states: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in ("included/succeeded.journal", "trees/03.journal"):
         (tmp_path / name).parent.mkdir()
@@ -79,4 +79,4 @@ def test_a_recorded_run_that_is_another_is_noticed_by_its_name(
     assert status == 1 and found["holds"] is False
     first, second = found["runs"]
     assert (first["run"], first["holds"], second["holds"]) == ("included/succeeded.journal", False, True)
-    assert says in first.get("fault", "") + first.get("difference", "")
+    assert states in first.get("fault", "") + first.get("difference", "")

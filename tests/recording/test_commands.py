@@ -62,7 +62,7 @@ def test_a_recording_of_the_same_name_is_moved_aside(folder: Path, capsys: pytes
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--record", "run.bag"], "'run.bag' does not end so; name it 'run.mcap'"),
         (["--record", "notes.mcap"], "notes.mcap is there already, and is no recording; name another file"),
@@ -71,11 +71,11 @@ def test_a_recording_of_the_same_name_is_moved_aside(folder: Path, capsys: pytes
     ],
 )
 def test_what_cannot_be_recorded_is_refused_before_anything_happens(
-    folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+    folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str
 ) -> None:
     (folder / "notes.mcap").write_text("notes of mine")
     assert main(["run", "lamp.json", "--journal", "a.journal", *words]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert (folder / "notes.mcap").read_text() == "notes of mine"
     assert sorted(path.name for path in folder.iterdir()) == ["lamp.json", "notes.mcap"]
 
@@ -96,8 +96,8 @@ def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_goes(
     (folder / "run.mcap").write_bytes(whole[: whole.index(b"rai_missions/end")])
     capsys.readouterr()
     assert main(["replay", "run.mcap"]) == 0
-    said = capsys.readouterr()
-    assert "run.mcap is cut off" in said.err and "2 steps done again" in said.out
+    printed = capsys.readouterr()
+    assert "run.mcap is cut off" in printed.err and "2 steps done again" in printed.out
 
 
 def test_a_recording_that_was_damaged_is_not_replayed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -112,9 +112,9 @@ def test_a_recording_that_was_damaged_is_not_replayed(folder: Path, capsys: pyte
 def test_what_is_no_recording_is_not_replayed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "notes.mcap").write_text("notes of mine")
     assert main(["replay", "notes.mcap"]) == main(["replay", "missing.mcap"]) == 2
-    said = capsys.readouterr().err
-    assert "no MCAP file; give one that `rai-missions run --record` has written" in said
-    assert "missing.mcap: there is no such file" in said
+    printed = capsys.readouterr().err
+    assert "no MCAP file; give one that `rai-missions run --record` has written" in printed
+    assert "missing.mcap: there is no such file" in printed
 
 
 def test_a_run_that_goes_on_is_recorded_from_its_beginning(folder: Path) -> None:

@@ -72,8 +72,8 @@ def test_without_the_library_one_sentence_says_how_to_get_it(monkeypatch: pytest
 
 
 def test_the_library_is_loaded_by_no_run_that_is_not_recorded() -> None:
-    said = "import rai_missions.agents.mission, rai_missions.recording, sys; print('mcap' in sys.modules)"
-    assert subprocess.check_output([sys.executable, "-c", said], text=True) == "False\n"
+    reported = "import rai_missions.agents.mission, rai_missions.recording, sys; print('mcap' in sys.modules)"
+    assert subprocess.check_output([sys.executable, "-c", reported], text=True) == "False\n"
 
 
 def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
@@ -94,10 +94,10 @@ def test_where_none_can_be_written_it_is_told(tmp_path: Path) -> None:
 
 
 def refused(path: Path) -> str:
-    with pytest.raises(DefinitionError) as told, journal_of(path):
+    with pytest.raises(DefinitionError) as reported, journal_of(path):
         pass
-    assert told.value.source == str(path)
-    return str(told.value)
+    assert reported.value.source == str(path)
+    return str(reported.value)
 
 
 def test_what_is_no_recording_of_a_run_is_told_so(tmp_path: Path) -> None:
@@ -143,7 +143,7 @@ def rewritten(path: Path, change: Callable[[dict[str, Any]], dict[str, Any] | No
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (lambda row: row | {"content": row["content"].replace('"n":3', '"n":4')}, "row 3: its hash"),
         (lambda row: None if row["row"] == 2 else row, "row 2: missing: row 3 comes next"),
@@ -154,14 +154,14 @@ def rewritten(path: Path, change: Callable[[dict[str, Any]], dict[str, Any] | No
     ],
     ids=["content", "removed", "twice", "number", "nothing", "all"],
 )
-def test_rows_that_were_altered_are_told_with_their_place(tmp_path: Path, change: Any, told: str) -> None:
+def test_rows_that_were_altered_are_told_with_their_place(tmp_path: Path, change: Any, reported: str) -> None:
     path = tmp_path / "run.mcap"
     made = recording(path)
     made.end(journaled(tmp_path, made, 5))
     rewritten(path, change)
     with pytest.raises(DefinitionError) as error, journal_of(path) as replayed, read(replayed.path):
         pass
-    assert told in str(error.value)
+    assert reported in str(error.value)
     assert str(error.value).startswith(str(path))
 
 
@@ -182,7 +182,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
     )
     with Journal.create(tmp_path / "run.journal", Header(dump(mission)), witness=made.row) as journal:
         runner = Runner(mission, clock=SimulatedClock(), journal=journal, on_step=made.step)
-        made.heard(Message("/battery", {"percentage": 1.0}, 0.0), "")
+        made.received(Message("/battery", {"percentage": 1.0}, 0.0), "")
         until(lambda: "the mission goes on" in caplog.text)
         assert runner.run().outcome == "aborted"
     made.end(journal)
@@ -218,7 +218,7 @@ def test_a_picture_that_takes_long_holds_up_nobody_and_what_is_dropped_is_said(
         return bytes(12)
 
     for number in range(50):
-        made.heard(Message("/camera", {"data": Image(f"c@{number}", 2, 2, "rgb8", render)}, 0.0), "")
+        made.received(Message("/camera", {"data": Image(f"c@{number}", 2, 2, "rgb8", render)}, 0.0), "")
     rendered.set()
     summary = made.close()
     count = len(kept(tmp_path / "run.mcap").messages["/camera"])
@@ -231,7 +231,7 @@ def test_rows_for_which_there_was_no_room_are_read_from_the_journal(
 ) -> None:
     monkeypatch.setitem(rooms.MOST, "row", 3)
     made, held = recording(tmp_path / "run.mcap"), threading.Event()
-    made.heard(
+    made.received(
         Message("/camera", {"data": Image("c", 1, 1, "rgb8", lambda: b"abc" if held.wait(PATIENCE_S) else b"")}, 0.0),
         "",
     )
@@ -250,8 +250,8 @@ def test_a_message_that_cannot_be_written_is_counted_and_the_others_are_kept(tmp
     def broken() -> bytes:
         raise ValueError("no picture today")
 
-    made.heard(Message("/camera", {"data": Image("c", 1, 1, "rgb8", broken)}, 0.0), "")
-    made.heard(Message("/battery", {"percentage": 0.5}, 0.0), "")
+    made.received(Message("/camera", {"data": Image("c", 1, 1, "rgb8", broken)}, 0.0), "")
+    made.received(Message("/battery", {"percentage": 0.5}, 0.0), "")
     assert made.close().dropped == {"/camera": 1}
     assert made.close().messages == 1, "closing twice changes nothing"
     assert list(kept(tmp_path / "run.mcap").messages) == ["/battery"]

@@ -89,10 +89,10 @@ def test_a_recording_that_was_cut_off_anywhere_gives_its_first_rows_or_says_why_
 ) -> None:
     path = tmp_path_factory.mktemp("cut") / "run.mcap"
     path.write_bytes(whole[: data.draw(st.integers(8, len(whole) - 1))])
-    numbers, said = read_as_far(path)
+    numbers, reported = read_as_far(path)
     assert numbers == list(range(len(numbers)))
     is_whole = numbers == list(range(32))  # only the index is cut off, which nobody needs
-    assert is_whole or any(words in said for words in ("is cut off", "no recording of a mission"))
+    assert is_whole or any(words in reported for words in ("is cut off", "no recording of a mission"))
 
 
 @given(st.data())
@@ -103,8 +103,8 @@ def test_no_byte_of_a_recording_can_be_changed_and_its_run_with_it(
     path, altered = tmp_path_factory.mktemp("altered") / "run.mcap", bytearray(whole)
     altered[data.draw(st.integers(8, len(whole) - 1))] ^= data.draw(st.integers(1, 255))
     path.write_bytes(altered)
-    numbers, said = read_as_far(path)
-    assert numbers == list(range(32)) or said
+    numbers, reported = read_as_far(path)
+    assert numbers == list(range(32)) or reported
 
 
 def read_as_far(path: Path) -> tuple[list[int], str]:

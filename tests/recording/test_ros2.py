@@ -132,14 +132,18 @@ def test_messages_of_ros_are_kept_as_they_came_and_decoded_by_others(
         # not byte by byte: what stands where CDR only fills up is anybody's
         expected = [serialize_message(to_message(cls, each)) for each in sent[topic]]
         assert list(map(len, found.messages[topic])) == list(map(len, expected))
-        heard, said = ([deserialize_message(each, cls) for each in some] for some in (found.messages[topic], expected))
-        assert heard == said
+        received, reported = (
+            [deserialize_message(each, cls) for each in some] for some in (found.messages[topic], expected)
+        )
+        assert received == reported
         assert {(name, encoding) for name, encoding, _ in found.schemas[topic]} == {(kind, "ros2msg")}
     assert [round(each.percentage, 3) for each in decoded(path, "/battery")] == [0.9, 0.125]
     assert (decoded(path, "/battery")[0].header.frame_id, decoded(path, "/battery")[0].location) == ("base", "back")
     assert bytes(decoded(path, "/camera")[0].data) == bytes([7]) * 12
     assert profile_of(path) == "ros2"
-    offered = {topic: yaml.safe_load(said["offered_qos_profiles"]) for topic, said in robots_channels(path).items()}
+    offered = {
+        topic: yaml.safe_load(reported["offered_qos_profiles"]) for topic, reported in robots_channels(path).items()
+    }
     assert set(offered) == {"/battery", "/camera"}, "all that are no topics of the mission's own are in CDR"
     for (one,) in offered.values():
         assert (one["reliability"], one["durability"], one["liveliness"]) == ("reliable", "volatile", "automatic")
@@ -175,15 +179,15 @@ def test_a_type_without_its_definition_is_kept_as_plain_data(
     from rai_missions.errors import ConnectorError
     from rai_missions.recording import RecordedConnector, Recording
 
-    sender, receiver, heard = open_ros(), open_ros(), threading.Event()
+    sender, receiver, received = open_ros(), open_ros(), threading.Event()
 
     def nowhere(type_name: str) -> str:
         raise ConnectorError("not on this machine")
 
     monkeypatch.setattr(receiver, "definition", nowhere)
     made = Recording.create(tmp_path / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0)
-    RecordedConnector(receiver, made).subscribe("/said", "std_msgs/msg/String", lambda message: heard.set())
+    RecordedConnector(receiver, made).subscribe("/said", "std_msgs/msg/String", lambda message: received.set())
     sender.publish("/said", "std_msgs/msg/String", {"data": "hello"})
-    assert heard.wait(PATIENCE_S)
+    assert received.wait(PATIENCE_S)
     made.close()
     assert kept(tmp_path / "run.mcap").messages["/said"] == [{"data": "hello"}]

@@ -223,19 +223,21 @@ def test_calls_and_goals_are_kept_with_their_ends(tmp_path: Path) -> None:
     connector.serve("/horn", "", lambda request: {"success": True, "loud": float("nan"), "raw": b"\x01"})
     replies: list[Reply] = []
     reports: list[Report] = []
-    connector.call("/horn", "", {"for_s": 1}, answered=replies.append)
-    connector.send_goal("/go", "", {}, goal_id="g1", report=reports.append)
-    connector.find_goal("/go", "", goal_id="g0", report=reports.append)
+    connector.call("/horn", "", {"for_s": 1}, on_reply=replies.append)
+    connector.send_goal("/go", "", {}, goal_id="g1", on_report=reports.append)
+    connector.find_goal("/go", "", goal_id="g0", on_report=reports.append)
     connector.stop()
     recording.close()
-    assert (replies[0].outcome, *(each.said for each in reports)) == ("succeeded", "rejected", "lost")
+    assert (replies[0].outcome, *(each.status for each in reports)) == ("succeeded", "rejected", "lost")
     calls, goals = (kept(tmp_path / "run.mcap").messages[f"/rai_missions/{name}"] for name in ("calls", "goals"))
     assert calls[0] | {"seconds": 0} == {
         "service": "/horn", "request": '{"for_s": 1}', "seconds": 0, "outcome": "succeeded", "why": "",
         "data": {"success": True, "loud": "nan", "raw": "AQ=="},
     }  # fmt: skip
-    said = [(each["action"], each["goal_id"], each["said"]) for each in goals]
-    assert said == [("/go", "g1", "rejected"), ("/go", "g0", "lost")], "a run that goes on asks for the goals before it"
+    reported = [(each["action"], each["goal_id"], each["said"]) for each in goals]
+    assert reported == [("/go", "g1", "rejected"), ("/go", "g0", "lost")], (
+        "a run that goes on asks for the goals before it"
+    )
 
 
 def test_a_topic_that_two_listen_to_is_kept_once(tmp_path: Path) -> None:
@@ -243,19 +245,19 @@ def test_a_topic_that_two_listen_to_is_kept_once(tmp_path: Path) -> None:
     inner.start()
     recording = Recording.create(tmp_path / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0)
     connector = RecordedConnector(inner, recording)
-    heard: list[Message] = []
-    first = connector.subscribe("/battery", "", heard.append)
-    connector.subscribe("/battery", "", heard.append)
+    received: list[Message] = []
+    first = connector.subscribe("/battery", "", received.append)
+    connector.subscribe("/battery", "", received.append)
     inner.publish("/battery", "", {"percentage": 0.5})
     first()
     inner.publish("/battery", "", {"percentage": 0.4})
     recording.close()
-    assert len(heard) == 3
+    assert len(received) == 3
     assert [each["percentage"] for each in kept(tmp_path / "run.mcap").messages["/battery"]] == [0.5, 0.4]
 
 
 def test_a_time_that_is_none_does_not_harm_a_recording(tmp_path: Path) -> None:
     recording = Recording.create(tmp_path / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0)
     for at in (float("nan"), float("inf"), -1e12, 1e30):
-        recording.heard(Message("/battery", {"at": str(at)}, at), "")
+        recording.received(Message("/battery", {"at": str(at)}, at), "")
     assert recording.close().messages == 4

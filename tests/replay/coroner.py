@@ -12,7 +12,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.journal import StepRow
-from rai_missions.journal.in_flight import weighty
+from rai_missions.journal.in_flight import needs_confirmation
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.open_run import OpenedRun
 from rai_missions.runtime.goals import Goals
@@ -41,10 +41,10 @@ class Latching(LocalConnector):
         self._last[topic] = message
         super().publish(topic, type_name, message)
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
-        close = super().subscribe(topic, type_name, hear)
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+        close = super().subscribe(topic, type_name, on_message)
         if topic in self._last:
-            hear(Message(topic, self._last[topic], self._now()))
+            on_message(Message(topic, self._last[topic], self._now()))
         return close
 
 
@@ -156,7 +156,7 @@ class Inquest(Coroner):
         unaccepted = self._land.unaccepted.keys()
         is_so = {
             "between a step's row and its effects":
-                (step is not None and is_done and weighty(step)) or (what in CARRIED_OUT and not is_done),
+                (step is not None and is_done and needs_confirmation(step)) or (what in CARRIED_OUT and not is_done),
             "done and not confirmed": (what in CARRIED_OUT and is_done) or (what == "confirm" and not is_done),
             "in a transition": step is not None and bool(step.moves),
             "in a decision": runner.performer.thinking,

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.engine.step import Ask, CallService, StartGoal
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import StepRow, read
@@ -75,7 +75,7 @@ class Nursery:
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
-        self._folder, self._said = folder, Heard[dict[str, Any]](PATIENCE_S)
+        self._folder, self._said = folder, Inbox[dict[str, Any]](PATIENCE_S)
         self._process = subprocess.Popen(
             [sys.executable, "-W", "ignore", "-m", "tests.replay.zygote", str(folder)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=dict(environment),
@@ -96,10 +96,10 @@ class Nursery:
 
     def begin(self, words: Sequence[str], instant: Instant | None = None) -> None:
         """A life."""
-        self._said.wait(lambda said: bool(said), "everything is loaded")
+        self._said.wait(lambda reported: bool(reported), "everything is loaded")
         self._count = len(self._said.all)
         self._tell(words=list(words), out=str(self.out), instant=instant)
-        self._said.wait(lambda said: len(said) > self._count, "a life begins")
+        self._said.wait(lambda reported: len(reported) > self._count, "a life begins")
 
     @property
     def out(self) -> Path:
@@ -117,25 +117,25 @@ class Nursery:
 
     def ends(self) -> int:
         """Wait for its end."""
-        self._said.wait(lambda said: len(said) > self._count + 1, "a life ends")
+        self._said.wait(lambda reported: len(reported) > self._count + 1, "a life ends")
         return int(self.status or 0)
 
-    def carry_out(self, plan: Plan, robot_said: list[Any]) -> int:
+    def carry_out(self, plan: Plan, robot_reports: list[Any]) -> int:
         """Have a life end as planned, or in its own way if that comes first; how it ended."""
-        before = len(robot_said)
+        before = len(robot_reports)
 
         def is_over() -> bool:
             return self.status is not None
 
-        def says(word: str) -> Callable[[], bool]:
-            return lambda: is_over() or any(said[0] == word for said in robot_said[before:])
+        def states(word: str) -> Callable[[], bool]:
+            return lambda: is_over() or any(reported[0] == word for reported in robot_reports[before:])
 
-        if plan.kind in ("word", "unread") and not wait_until(says(plan.word), LONGEST_S):
+        if plan.kind in ("word", "unread") and not wait_until(states(plan.word), LONGEST_S):
             return self.ends()
         wait_until(is_over, plan.delay_s)
         if plan.kind == "unread" and not is_over():
             self.signal(signal.SIGSTOP)
-            wait_until(lambda: robot_said[-1][0] == "ended", 1.0)
+            wait_until(lambda: robot_reports[-1][0] == "ended", 1.0)
         if not is_over():
             self.signal(signal.SIGKILL)
         return self.ends()
@@ -157,13 +157,13 @@ def has_begun(journal: Path) -> bool:
         return False
 
 
-def doing(journal: Path, rows_before: int, robot_said: Sequence[Any]) -> Iterator[str]:
+def doing(journal: Path, rows_before: int, robot_reports: Sequence[Any]) -> Iterator[str]:
     """What a run was doing when it died, in the words in which it is counted.
 
     Args:
         journal: The run's.
         rows_before: How many rows it had when the life began; 0 for the first.
-        robot_said: By the robot, since the run began.
+        robot_reports: By the robot, since the run began.
     """
     if not has_begun(journal):
         yield "before its first row"
@@ -190,19 +190,19 @@ def doing(journal: Path, rows_before: int, robot_said: Sequence[Any]) -> Iterato
         elif isinstance(effect, CallService):
             yield "a service called"
         elif isinstance(effect, StartGoal):
-            yield _of_goal(effect, under.accepted, robot_said)
+            yield _of_goal(effect, under.accepted, robot_reports)
 
 
-def _of_goal(start: StartGoal, accepted: set[int], robot_said: Sequence[Any]) -> str:
+def _of_goal(start: StartGoal, accepted: set[int], robot_reports: Sequence[Any]) -> str:
     """How far a goal is that the journal knows no end of."""
-    asked = [at for at, said in enumerate(robot_said) if said == ["asked", start.goal["order"]]]
+    asked = [at for at, reported in enumerate(robot_reports) if reported == ["asked", start.goal["order"]]]
     if not asked:
         return "a goal written, and not at its server"
-    others = {said[1] for said in robot_said[: asked[0]] if said[0] == "runs"}
-    mine = [said for said in robot_said[asked[0] :] if said[0] == "runs" and said[1] not in others]
+    others = {reported[1] for reported in robot_reports[: asked[0]] if reported[0] == "runs"}
+    mine = [reported for reported in robot_reports[asked[0] :] if reported[0] == "runs" and reported[1] not in others]
     if not mine:
         return "a goal sent, and not accepted"
-    is_over = any(said == ["ended", each[1]] for each in mine for said in robot_said)
+    is_over = any(reported == ["ended", each[1]] for each in mine for reported in robot_reports)
     if is_over:
         return "a goal finished, and unread"
     return "a goal running" if start.number in accepted else "a goal accepted, and unread"

@@ -82,12 +82,12 @@ def written(folder: Path, robot: str) -> tuple[Path, Path]:
     return paths
 
 
-def check(journal: Path, robot_said: Sequence[Sequence[Any]]) -> None:
+def check(journal: Path, robot_reports: Sequence[Sequence[Any]]) -> None:
     """Hold a run that has ended, and the robot, to what is so without any death.
 
     Args:
         journal: The run's.
-        robot_said: What the robot has said since the run began.
+        robot_reports: What the robot has said since the run began.
     """
     assert verify(journal) == ()
     again = replay(journal)
@@ -99,19 +99,21 @@ def check(journal: Path, robot_said: Sequence[Sequence[Any]]) -> None:
     assert [step.seq for step in steps] == sorted({step.seq for step in steps}), "no step twice"
     entered = [name for step in steps for name in step.entered]
     assert sorted(entered) == sorted(STATES), "no state was entered twice, and none left out"
-    _check_goals(run, steps, robot_said)
-    _check_services(rows, Counter(str(said[0]) for said in robot_said))
+    _check_goals(run, steps, robot_reports)
+    _check_services(rows, Counter(str(reported[0]) for reported in robot_reports))
     _check_question(steps)
     _check_timer(steps)
 
 
-def _check_goals(run: str, steps: Sequence[Any], robot_said: Sequence[Sequence[Any]]) -> None:
+def _check_goals(run: str, steps: Sequence[Any], robot_reports: Sequence[Sequence[Any]]) -> None:
     starts = [each for step in steps for each in step.effects if isinstance(each, StartGoal)]
     ids = sorted(uuid.uuid5(uuid.NAMESPACE_URL, f"{run}/{each.owner}/{each.number}").hex for each in starts)
     assert len(ids) == GOALS
     for word in ("runs", "ended"):
-        assert sorted(str(said[1]) for said in robot_said if said[0] == word) == ids, f"each goal {word} once"
-    assert not [said for said in robot_said if said[0] == "canceled"], "no goal is ended that is wanted"
+        assert sorted(str(reported[1]) for reported in robot_reports if reported[0] == word) == ids, (
+            f"each goal {word} once"
+        )
+    assert not [reported for reported in robot_reports if reported[0] == "canceled"], "no goal is ended that is wanted"
 
 
 def _check_services(rows: Sequence[Any], done: Counter[str]) -> None:

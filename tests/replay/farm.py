@@ -104,13 +104,13 @@ class Farm(Land):
         for name in [name for name, until in self.until.items() if until <= self.at]:
             del self.until[name]
             self.done[name] += 1
-        says: list[tuple[str, str, Mapping[str, Any]]] = [
+        states: list[tuple[str, str, Mapping[str, Any]]] = [
             ("/holder", "String", {"data": self.holder}),
             *((f"/{name}s", "Int32", {"data": done}) for name, done in self.done.items()),
             ("/battery", "Float64", {"data": 0.8}),
             ("/clear", "Bool", {"data": True}),
         ]
-        for topic, kind, message in says:
+        for topic, kind, message in states:
             if topic not in self.silent:
                 self.connector.publish(topic, f"std_msgs/msg/{kind}", message)
         if "/pose" not in self.silent:

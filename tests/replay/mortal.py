@@ -93,8 +93,8 @@ class Mortal:
 
         return used
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Any], None]) -> Callable[[], None]:
-        close: Callable[[], None] = self._what.subscribe(topic, type_name, self._while_alive(hear))
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Any], None]) -> Callable[[], None]:
+        close: Callable[[], None] = self._what.subscribe(topic, type_name, self._while_alive(on_message))
         return close
 
     def _while_alive(self, given: Any) -> Any:
@@ -102,11 +102,11 @@ class Mortal:
         if not callable(given):
             return given
 
-        def heard(*data: Any) -> None:
+        def on_message(*data: Any) -> None:
             if not self._fate.is_dead:
                 given(*data)
 
-        return heard
+        return on_message
 
 
 class Wish(NamedTuple):
@@ -134,15 +134,15 @@ class Coroner:
 class Noted:
     """A journal of whose steps a coroner hears."""
 
-    def __init__(self, journal: Journal, heard: Callable[[], None]) -> None:
-        self._journal, self._heard = journal, heard
+    def __init__(self, journal: Journal, on_message: Callable[[], None]) -> None:
+        self._journal, self._received = journal, on_message
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._journal, name)
 
     def write(self, *given: Any, **words: Any) -> int:
         number = self._journal.write(*given, **words)
-        self._heard()
+        self._received()
         return number
 
 
@@ -186,7 +186,7 @@ class Land:
         for service in ("/horn", "/lamp"):
             self.connector.serve(service, "std_srvs/srv/Trigger", lambda _, name=service: self._serve(name))
         self.connector.subscribe(
-            "/lamp_topic", "std_msgs/msg/Bool", lambda said: self.heard.update([str(said.data["data"])])
+            "/lamp_topic", "std_msgs/msg/Bool", lambda reported: self.heard.update([str(reported.data["data"])])
         )
 
     @property
@@ -252,10 +252,10 @@ class Land:
     def cancel(self, goal_id: str) -> None:
         self._end(goal_id, "canceled")
 
-    def _end(self, goal_id: str, said: str = "") -> None:
+    def _end(self, goal_id: str, status: str = "") -> None:
         end, _, report = self._goals.pop(goal_id)
-        self.ended.append((goal_id, said or end))
-        report(Report(goal_id, said or end, {}))  # type: ignore[arg-type]
+        self.ended.append((goal_id, status or end))
+        report(Report(goal_id, status or end, {}))  # type: ignore[arg-type]
 
 
 class Worker:

@@ -70,9 +70,9 @@ def serve(name: str) -> None:
     )  # fmt: skip
     for service in ("horn", "lamp"):
         node.create_service(Trigger, f"/{name}/{service}", answering(service), callback_group=group)
-    node.create_subscription(Bool, f"/{name}/light", lambda heard: say("light"), 10, callback_group=group)
-    told = node.create_publisher(Int32, f"/{name}/done", 10)
-    node.create_timer(PERIOD_S, lambda: told.publish(Int32(data=done)), callback_group=group)
+    node.create_subscription(Bool, f"/{name}/light", lambda received: say("light"), 10, callback_group=group)
+    reported = node.create_publisher(Int32, f"/{name}/done", 10)
+    node.create_timer(PERIOD_S, lambda: reported.publish(Int32(data=done)), callback_group=group)
     executor = MultiThreadedExecutor(6)
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()

@@ -55,9 +55,9 @@ class Late(LocalConnector):
 
     from_s = 0.0
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         return super().subscribe(
-            topic, type_name, lambda message: hear(message) if self._now() >= self.from_s else None
+            topic, type_name, lambda message: on_message(message) if self._now() >= self.from_s else None
         )
 
 

@@ -101,7 +101,7 @@ class Thinker:
     """Needs more time for its answer than a run that was held up would leave."""
 
     def __init__(self) -> None:
-        self.answer: Callable[[Mapping[str, Any]], None] = lambda said: None
+        self.answer: Callable[[Mapping[str, Any]], None] = lambda reported: None
         self.until: list[float] = []
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:

@@ -74,13 +74,13 @@ def test_one_run_never_goes_on_in_two_journals(tmp_path: Path) -> None:
     """As if whoever migrated had died before the old journal was told of it."""
     there = land()
     path = died(tmp_path / "run.journal", there)
-    untold = Path(shutil.copy(path, tmp_path / "untold.journal"))
+    unreported = Path(shutil.copy(path, tmp_path / "untold.journal"))
     new = migrate(path, ERRAND, Map(), to=tmp_path / "new.journal").journal
-    shutil.copy(untold, path)
+    shutil.copy(unreported, path)
     took_up(path)
     with pytest.raises(UsageError, match=r"went on otherwise after .* was made of it; this journal counts no more"):
         open_run(new)
-    shutil.copy(untold, path)
+    shutil.copy(unreported, path)
     open_run(new).record.close()
     with pytest.raises(UsageError, match=r"goes on in another mission: --resume .*new\.journal"):
         open_run(path)
@@ -125,10 +125,10 @@ def test_a_disk_that_is_full_leaves_the_run_where_it_was(tmp_path: Path, small: 
         shutil.copy(path, disk / "run.journal")
         with suppress(UsageError, ConnectorError):
             migrate(disk / "run.journal", ERRAND, Map(), to=disk / "new.journal")
-        goes_on = "new.journal" if (disk / "new.journal").exists() else "run.journal"
-        open_run(disk / goes_on).record.close()
-        assert {each.name for each in disk.iterdir()} == {"run.journal", goes_on}
-        found.add(goes_on)
+        continues = "new.journal" if (disk / "new.journal").exists() else "run.journal"
+        open_run(disk / continues).record.close()
+        assert {each.name for each in disk.iterdir()} == {"run.journal", continues}
+        found.add(continues)
     assert found == {"new.journal", "run.journal"}
 
 

@@ -43,14 +43,14 @@ class Errands:
     def run(self, plans: list[Plan], dead_s: list[float]) -> None:
         """One run that dies by these plans, one after the other, and then lives to its end."""
         journal = self.folder / f"{uuid.uuid4().hex}.journal"
-        said = self.robot.said.all
-        since, lived_s, story = len(said), 0.0, [str(each) for each in plans]
-        wanted = sum(each[0] == "ended" for each in said) + GOALS
+        reported = self.robot.lines.all
+        since, lived_s, story = len(reported), 0.0, [str(each) for each in plans]
+        wanted = sum(each[0] == "ended" for each in reported) + GOALS
         for each, pause_s in zip([*plans, Plan("none")], [*dead_s, 0.0], strict=True):
             rows = number_of_rows(journal)
             began = time.monotonic()
             self.nursery.begin(self.words(journal, wanted), each.instant)
-            status = self.nursery.ends() if each.kind == "none" else self.nursery.carry_out(each, said)
+            status = self.nursery.ends() if each.kind == "none" else self.nursery.carry_out(each, reported)
             lived_s += time.monotonic() - began
             text = self.nursery.out.read_text(errors="replace")
             assert "Traceback" not in text, text
@@ -59,14 +59,14 @@ class Errands:
                 break
             self.kills += 1
             self.planned[str(each.instant or each.kind).rstrip(" 0123456789")] += 1
-            self.killed.update(set(doing(journal, rows, said[since:])))
+            self.killed.update(set(doing(journal, rows, reported[since:])))
             wait_until(lambda: False, pause_s)
         self.runs += 1
         try:
-            check(journal, said[since:])
+            check(journal, reported[since:])
             assert clock_at_the_end(journal) <= lived_s + SLACK_S, "the time in which nothing lived does not count"
         except AssertionError as fault:
-            raise AssertionError(f"{journal}, killed by {story}; the robot: {said[since:]}") from fault
+            raise AssertionError(f"{journal}, killed by {story}; the robot: {reported[since:]}") from fault
         journal.unlink()
 
     def words(self, journal: Path, wanted: int) -> list[str]:

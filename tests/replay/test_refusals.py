@@ -82,19 +82,19 @@ def test_a_mission_that_has_changed_is_told_by_what_changed_and_what_to_do(
 
 
 def test_a_disk_that_is_full_is_told_in_a_sentence(killed: Path) -> None:
-    told = subprocess.run([sys.executable, "-c", FULL], capture_output=True, text=True, check=False)
-    assert told.returncode == 2
-    assert "run.journal cannot be written: disk I/O error; row 10 is lost" in told.stderr
-    assert "Traceback" not in told.stderr
+    reported = subprocess.run([sys.executable, "-c", FULL], capture_output=True, text=True, check=False)
+    assert reported.returncode == 2
+    assert "run.journal cannot be written: disk I/O error; row 10 is lost" in reported.stderr
+    assert "Traceback" not in reported.stderr
     assert verify("run.journal") == ()
     assert main(["run", "--resume", "run.journal"]) == 1, "once there is room again, it goes on"
 
 
 def test_a_disk_without_room_for_the_copy_that_is_read_is_told_in_a_sentence(killed: Path) -> None:
     less = FULL.replace("(size, size)", "(9000, 9000)")
-    told = subprocess.run([sys.executable, "-c", less], capture_output=True, text=True, check=False)
-    assert told.returncode == 2
-    assert told.stderr.startswith("rai-missions run: the journal run.journal cannot be read: ")
+    reported = subprocess.run([sys.executable, "-c", less], capture_output=True, text=True, check=False)
+    assert reported.returncode == 2
+    assert reported.stderr.startswith("rai-missions run: the journal run.journal cannot be read: ")
     assert main(["run", "--resume", "run.journal"]) == 1
 
 
@@ -106,8 +106,8 @@ def test_a_file_that_could_not_be_read_is_named(
 
     monkeypatch.setattr(shutil, "copyfile", fails)
     assert main(["run", "--resume", "run.journal"]) == 2
-    said = capsys.readouterr().err
-    assert "the journal run.journal cannot be read: No space left on device: /somewhere/journal" in said
+    printed = capsys.readouterr().err
+    assert "the journal run.journal cannot be read: No space left on device: /somewhere/journal" in printed
 
 
 def test_a_list_in_which_nothing_would_be_active_is_no_place_to_go_on(

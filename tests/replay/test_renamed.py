@@ -76,11 +76,11 @@ def gone_over(folder: Path, mission: Mission, seed: int) -> str:
     except UsageError:
         return "it had ended, or had not begun"
     with read(path) as record:
-        yard.said |= {step.event.data.get("id", -1) for step in record.steps()}
+        yard.reported |= {step.event.data.get("id", -1) for step in record.steps()}
     yard.suffix = TWO
     live(new, yard, now, second_robot(), who, Fate(seed % 6, is_done=bool(seed % 2)))  # it dies once more, at once
     with read(new) as record:
-        yard.said |= {step.event.data.get("id", -1) for step in record.steps()}
+        yard.reported |= {step.event.data.get("id", -1) for step in record.steps()}
     if has_ended(new, now):
         return "it ended at once"
     ended = live(new, yard, now, second_robot(), who, Fate())
@@ -151,11 +151,11 @@ def test_the_command_line_migrates_a_run_or_says_what_is_missing(
     assert "map.json: /states: 'resting' is active, and the mission now has no state" in capsys.readouterr().err
     map_.write_text(json.dumps({"states": {"resting": "waiting"}}))
     assert main([*command, "--migrate", str(map_), "--json"]) == 1, "it ends, and not with success"
-    said = capsys.readouterr()
-    told = json.loads(said.out)
-    assert (told["outcome"], told["journal"]) == ("canceled", str(tmp_path / "run-migrated.journal"))
-    assert f"the run of {journal} goes on in {told['journal']}, as 'patrol' 2.0.0" in said.err
-    assert replay(told["journal"]).holds
+    printed = capsys.readouterr()
+    reported = json.loads(printed.out)
+    assert (reported["outcome"], reported["journal"]) == ("canceled", str(tmp_path / "run-migrated.journal"))
+    assert f"the run of {journal} goes on in {reported['journal']}, as 'patrol' 2.0.0" in printed.err
+    assert replay(reported["journal"]).holds
     assert main([*command, "--migrate", str(map_)]) == 2
     assert "goes on in another mission" in capsys.readouterr().err
     assert main(["run", str(mission), "--migrate", str(map_)]) == 2

@@ -47,7 +47,7 @@ class Performed(Rig):
     def __init__(self, *given: Any, **words: Any) -> None:
         super().__init__(LIT, *given, robot=PROFILE, **words)
         self.lamps: list[object] = []
-        self.connector.subscribe("/lamp", "std_msgs/msg/Bool", lambda heard: self.lamps.append(heard.data))
+        self.connector.subscribe("/lamp", "std_msgs/msg/Bool", lambda received: self.lamps.append(received.data))
 
     @property
     def done(self) -> list[object]:

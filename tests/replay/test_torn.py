@@ -75,8 +75,8 @@ def test_a_log_that_is_torn_at_any_byte_is_gone_on_with_from_its_last_whole_row(
     try:
         taken = open_run(path)
     except (DefinitionError, UsageError) as error:
-        is_told = "no journal" in str(error) or "empty" in str(error)
-        assert is_told, "so little is left that there is no run"
+        is_reported = "no journal" in str(error) or "empty" in str(error)
+        assert is_reported, "so little is left that there is no run"
         return
     with taken.record as record:
         left = [raw[3] for raw in record.raw()]
@@ -115,7 +115,7 @@ def test_a_row_that_was_altered_is_named(killed: Path, tmp_path: Path) -> None:
 def test_a_disk_that_is_full_when_the_run_goes_on_ends_it_before_anything_is_done(killed: Path, tmp_path: Path) -> None:
     path = torn(killed, tmp_path, WAL, 1.0)
 
-    def goes_on() -> bool:
+    def continues() -> bool:
         there = land()
         try:
             live(path, there, MISSION, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate())
@@ -123,7 +123,7 @@ def test_a_disk_that_is_full_when_the_run_goes_on_ends_it_before_anything_is_don
             return "cannot be written" in str(error) and there.started == []
         return False
 
-    assert in_another_process(goes_on, path.with_name(WAL).stat().st_size)
+    assert in_another_process(continues, path.with_name(WAL).stat().st_size)
     assert lived(path, land(), []).outcome is not None, "once there is room again, it goes on"
     holds(path, land())
 

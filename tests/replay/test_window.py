@@ -118,7 +118,7 @@ class Counting(Coroner):
         self._yard.rows += 1
 
     def found(self, taken: OpenedRun) -> None:
-        self._yard.said |= {step.event.data.get("id", -1) for step in taken.record.steps()}
+        self._yard.reported |= {step.event.data.get("id", -1) for step in taken.record.steps()}
 
 
 class Course(NamedTuple):

@@ -64,7 +64,7 @@ class Yard(Steady):
         self.keeps_time = keeps_time
         self.connector_type = connector_type or (Steady if keeps_time else Farm).connector_type
         self.accepts_s = chance.choice([0.0, 1.0])
-        self.said: set[int] = set()
+        self.reported: set[int] = set()
         self.suffix = ""
         """Of the names of events, in a mission that was renamed."""
         self.inquest = Inquest(mission, self, {})
@@ -86,16 +86,18 @@ class Yard(Steady):
     def _once(self, number: int, chance: random.Random) -> Wish:
         name = chance.choice(EVENTS)
 
-        def say(runner: Any) -> None:
+        def on_result(runner: Any) -> None:
             runner.post(Event(name + self.suffix, runner.clock.now(), {"id": number}))
 
-        return Wish(chance.uniform(1, ENDS_AT_S), say, lambda _: number in self.said or number in self.inquest.heard)
+        return Wish(
+            chance.uniform(1, ENDS_AT_S), on_result, lambda _: number in self.reported or number in self.inquest.heard
+        )
 
     def look(self, step: Step) -> None:
         runner = self.runner
         if runner is None:
             return
-        self.said.add(step.event.data.get("id", -1))
+        self.reported.add(step.event.data.get("id", -1))
         at, count = self._crowd
         self._crowd = (step.at, count + 1 if step.at == at else 0)
         if self._crowd[1] > MOST_AT_ONCE and step.outcome is None:

@@ -93,9 +93,9 @@ def live(wish: Mapping[str, Any]) -> None:
     """In the child: run the command, and end."""
     status = 70
     try:
-        said = os.open(wish["out"], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-        os.dup2(said, 1)
-        os.dup2(said, 2)
+        reported = os.open(wish["out"], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(reported, 1)
+        os.dup2(reported, 2)
         if wish["instant"]:
             from tests.replay.instants import Instant, die_at
 

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Connector, Message
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.ros2 import open_connector
 from rai_missions.journal import read
 from rai_missions.replay.replay import replay
@@ -75,9 +75,9 @@ class House(Graph):
 
     def goals(self, listener: Connector, wanted: list[int]) -> bool:
         """Wait until the navigation's server says that its goals stand so, the oldest first."""
-        heard: Heard[Message] = Heard(PATIENCE_S)
-        close = listener.subscribe(STATUS, "action_msgs/msg/GoalStatusArray", heard)
-        heard.wait(
+        received: Inbox[Message] = Inbox(PATIENCE_S)
+        close = listener.subscribe(STATUS, "action_msgs/msg/GoalStatusArray", received)
+        received.wait(
             lambda all_: bool(all_) and [one["status"] for one in all_[-1].data["status_list"]] == wanted,
             f"goals that stand as {wanted}",
         )
@@ -96,8 +96,8 @@ def test_the_patrol_succeeds_with_its_robot_in_another_process(graph: House, mon
     world = graph.house()
     run = graph.patrol(["kitchen", "living_room"])
     assert run.ends() == 0, run.text + world.text
-    told = json.loads(run.said.all[-1])
-    assert (told["outcome"], told["decisions"]) == ("succeeded", 0)
+    reported = json.loads(run.lines.all[-1])
+    assert (reported["outcome"], reported["decisions"]) == ("succeeded", 0)
     assert graph.entered.count("visited") == 2
     with graph.listener(monkeypatch) as listener:
         assert graph.goals(listener, [SUCCEEDED] * 2)
@@ -112,14 +112,14 @@ def test_leaving_a_state_while_it_navigates_cancels_the_goal_at_its_server(
     """Somebody pushes the button while it drives."""
     world = graph.house()
     with graph.listener(monkeypatch) as listener:
-        driven: Heard[Message] = Heard(PATIENCE_S)
+        driven: Inbox[Message] = Inbox(PATIENCE_S)
         listener.subscribe("/odom", "nav_msgs/msg/Odometry", driven)
         run = graph.patrol(["bedroom"])
         driven.wait(lambda all_: bool(all_) and speed(all_[-1]) > 0.2, "the robot to drive")
         listener.publish("/e_stop", "std_msgs/msg/Empty", {})
         assert run.ends() == 1, run.text + world.text
-        told = json.loads(run.said.all[-1])
-        assert (told["outcome"], told["state"]) == ("aborted", "stopped")
+        reported = json.loads(run.lines.all[-1])
+        assert (reported["outcome"], reported["state"]) == ("aborted", "stopped")
         assert graph.goals(listener, [CANCELED])
         driven.wait(lambda all_: speed(all_[-1]) < 0.02, "the robot to stand")
 
@@ -135,8 +135,8 @@ def test_recoveries_that_fail_abort_the_goal_and_a_decision_is_made(
     world = graph.house(blocked=["study_pantry"], recoveries=1)
     run = graph.patrol(["pantry"])
     assert run.ends() == 1, run.text + world.text
-    told = json.loads(run.said.all[-1])
-    assert (told["outcome"], told["state"]) == ("failed", "incomplete")
+    reported = json.loads(run.lines.all[-1])
+    assert (reported["outcome"], reported["state"]) == ("failed", "incomplete")
     with graph.listener(monkeypatch) as listener:
         assert graph.goals(listener, [ABORTED] * 3)
 
@@ -149,8 +149,8 @@ def test_without_nav2s_types_it_says_at_once_how_to_get_them() -> None:
         capture_output=True, text=True, check=False, timeout=PATIENCE_S,
     )  # fmt: skip
     assert done.returncode == 2
-    said = [line for line in done.stderr.splitlines() if "robot.ros2.json: /" in line]
-    assert [line.split("robot.ros2.json: ")[1].split(":")[0] for line in said] == [
+    printed = [line for line in done.stderr.splitlines() if "robot.ros2.json: /" in line]
+    assert [line.split("robot.ros2.json: ")[1].split(":")[0] for line in printed] == [
         "/actions/navigate/type",
         "/actions/dock/type",
     ]
@@ -159,5 +159,5 @@ def test_without_nav2s_types_it_says_at_once_how_to_get_them() -> None:
             "no ROS package 'nav2_msgs' on this machine; source a ROS 2 that has it (Nav2), "
             "or build it in a checkout: make ros-interfaces"
         )
-        for line in said
+        for line in printed
     )

@@ -27,43 +27,45 @@ class SlowRobot(LocalConnector):
         self.answered: dict[str, Callable[[Reply], None]] = {}
 
     def call(
-        self, service: str, type_name: str, request: Data, *, answered: Callable[[Reply], None],
+        self, service: str, type_name: str, request: Data, *, on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:  # fmt: skip
         self.asked.append(service)
-        self.answered[service] = answered
+        self.answered[service] = on_reply
         if service == "/broken":
             raise RuntimeError("the wire is cut")
 
 
 def driving(**drive: Any) -> tuple[Goals, SlowRobot, list[str]]:
     """A composed action that runs, its robot, and what was told of it."""
-    robot, told = SlowRobot(), list[str]()
+    robot, reported = SlowRobot(), list[str]()
     profile = {**ROBOT, "actions": {"drive": {**ROBOT["actions"]["drive"], **drive}}}
-    goals = Goals("run", Robot.model_validate(profile), robot, tell=lambda kind, name, number, data: told.append(name))
+    goals = Goals(
+        "run", Robot.model_validate(profile), robot, tell=lambda kind, name, number, data: reported.append(name)
+    )
     goals.start(StartGoal(1, "driving", "drive", {}))
     robot.answered["/drive"](DONE)
-    return goals, robot, told
+    return goals, robot, reported
 
 
 def test_a_call_waits_for_the_reply_to_the_cancel() -> None:
-    goals, robot, told = driving()
+    goals, robot, reported = driving()
     goals.cancel(CancelGoal(1, "drive"))
     goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
     assert robot.asked == ["/drive", "/halt"]
     robot.answered["/halt"](DONE)
     assert robot.asked == ["/drive", "/halt", "/turn_back"]
-    assert told == ["accepted", "canceled"]
+    assert reported == ["accepted", "canceled"]
 
 
 @pytest.mark.parametrize("outcome", ["failed", "timed_out", "unavailable"])
 def test_a_cancel_that_fails_keeps_nobody_waiting(outcome: Any) -> None:
-    goals, robot, told = driving()
+    goals, robot, reported = driving()
     goals.cancel(CancelGoal(1, "drive"))
     goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
     robot.answered["/halt"](Reply(outcome, {}))
     assert robot.asked[-1] == "/turn_back"
-    assert told == ["accepted", *(["drive"] if outcome == "failed" else [])], "its end is not confirmed"
+    assert reported == ["accepted", *(["drive"] if outcome == "failed" else [])], "its end is not confirmed"
 
 
 def test_a_cancel_that_cannot_be_sent_keeps_nobody_waiting() -> None:

@@ -204,10 +204,10 @@ def test_a_connector_that_raises_at_a_poll_is_a_robot_not_heard(caplog: pytest.L
 )
 def test_a_call_that_is_answered_twice_wrongly_or_never(answers: list[tuple[Any, ...]], end: str) -> None:
     def call(
-        service: str, kind: str, request: Any, *, answered: Callable[[Reply], None], timeout_s: Any = None
+        service: str, kind: str, request: Any, *, on_reply: Callable[[Reply], None], timeout_s: Any = None
     ) -> None:
-        for said in answers:
-            answered(Reply(*said))
+        for reported in answers:
+            on_reply(Reply(*reported))
 
     rig = Rig(
         {
@@ -230,21 +230,21 @@ REPORTS = [
 
 @given(st.lists(st.tuples(st.integers(1, 60), st.integers(0, 3), st.sampled_from(REPORTS)), max_size=15), st.booleans())
 def test_whatever_servers_say_a_goal_is_never_another_goals_and_the_run_ends(
-    said: list[tuple[int, int, str]], raw: bool
+    lines: list[tuple[int, int, str]], raw: bool
 ) -> None:
     """With `raw` the connector passes on what real ones may: late, twice, after the end."""
     goals: list[Callable[..., None]] = []
 
-    def send_goal(action: str, kind: str, goal: Any, *, goal_id: str, report: Callable[..., None]) -> None:
-        goals.append(lambda word: report(Report(goal_id, word, {})))
+    def send_goal(action: str, kind: str, goal: Any, *, goal_id: str, on_report: Callable[..., None]) -> None:
+        goals.append(lambda word: on_report(Report(goal_id, word, {})))
 
     rig = Rig(MOVING, connector=Connector(send_goal=send_goal) if raw else None)
-    say = (lambda which, word: goals[which](word)) if raw else (lambda which, word: rig.move.report(word, which))
-    for tenth, which, word in said:
+    publish = (lambda which, word: goals[which](word)) if raw else (lambda which, word: rig.move.report(word, which))
+    for tenth, which, word in lines:
         rig.stage.play(
             {
                 tenth / 10: lambda which=which, word=word: (
-                    which < (len(goals) if raw else len(rig.move.goals)) and say(which, word)
+                    which < (len(goals) if raw else len(rig.move.goals)) and publish(which, word)
                 )
             }
         )
@@ -258,16 +258,20 @@ def test_whatever_servers_say_a_goal_is_never_another_goals_and_the_run_ends(
 
 
 def test_what_is_said_of_another_goal_ends_none() -> None:
-    told: list[Callable[[Report], None]] = []
+    on_report: list[Callable[[Report], None]] = []
 
     def send_goal(action: str, kind: str, goal: Any, *, goal_id: str, report: Callable[[Report], None]) -> None:
-        told.append(report)
+        on_report.append(report)
         report(Report(goal_id, "accepted", {}))
 
     rig = Rig(MOVING, connector=Connector(send_goal=send_goal, cancel_goal=lambda goal_id: canceled.append(goal_id)))
     canceled: list[str] = []
     rig.stage.play(
-        {1.0: lambda: rig.post("go"), 2.0: lambda: told[0](Report("0" * 32, "succeeded", {})), 3.0: rig.runner.kill}
+        {
+            1.0: lambda: rig.post("go"),
+            2.0: lambda: on_report[0](Report("0" * 32, "succeeded", {})),
+            3.0: rig.runner.kill,
+        }
     )
     rig.run()
     assert "over" not in rig.entered
@@ -280,24 +284,24 @@ def test_what_is_said_of_another_goal_ends_none() -> None:
 def test_a_message_that_is_not_what_the_profile_says_is_not_heard(message: Any) -> None:
     rig = Rig(MOVING)
     subscribers: list[Any] = []
-    hear = rig.connector.subscribe
+    on_message = rig.connector.subscribe
     rig.connector.subscribe = lambda topic, kind, callback: (
         subscribers.append((topic, callback)),
-        hear(topic, kind, callback),
+        on_message(topic, kind, callback),
     )[1]
-    heard = type("Heard", (), {"data": message, "at": 0.0, "topic": "/there"})()
-    rig.stage.play({1.0: lambda: dict(subscribers)["/there"](heard), 2.0: rig.runner.kill})
+    received = type("Heard", (), {"data": message, "at": 0.0, "topic": "/there"})()
+    rig.stage.play({1.0: lambda: dict(subscribers)["/there"](received), 2.0: rig.runner.kill})
     assert rig.run().duration_s == 2.0
     assert "there" not in rig.runner.chart.view.board
 
 
 def test_an_integer_beyond_all_floating_point_numbers_ends_no_run_whoever_says_it() -> None:
-    told: Any = {"option": "left", "parameters": {"limit": 10**400}}
+    report: Any = {"option": "left", "parameters": {"limit": 10**400}}
     states = {**copy.deepcopy(ASKING), "waiting": {"transitions": [{"after_s": 2, "to": "asking"}]}}
     states["asking"]["decision"]["options"]["left"] = {"parameters": {"properties": {"limit": {"type": "number"}}}}
     keys = {**KEYS, "limit": {"type": "number", "source": "answer", "initial": 1}}
     given = mission(states, initial="waiting", blackboard=keys)
-    rig = Rig(given, answerers={"agent": ChatteringAnswerer([told])})
+    rig = Rig(given, answerers={"agent": ChatteringAnswerer([report])})
     rig.stage.play({1.0: lambda: rig.publish("/battery", percentage=10**400)})
     assert rig.run().outcome == "failed" and rig.entered[-1] == "lost", "the fallback"
     assert "battery" not in rig.runner.chart.view.board
@@ -348,7 +352,7 @@ def test_an_answerer_that_raises_has_failed_and_the_next_attempt_is_made() -> No
 
 
 @pytest.mark.parametrize(
-    "saying",
+    "message",
     [
         None,
         42,
@@ -372,8 +376,8 @@ def test_an_answerer_that_raises_has_failed_and_the_next_attempt_is_made() -> No
         {"option": b"left"},
     ],
 )
-def test_what_is_no_answer_does_not_count(saying: Any) -> None:
-    rig = Rig(ASKING, answerers={"agent": ChatteringAnswerer([saying])})
+def test_what_is_no_answer_does_not_count(message: Any) -> None:
+    rig = Rig(ASKING, answerers={"agent": ChatteringAnswerer([message])})
     result = rig.run()
     assert rig.entered[-1] == "lost" and result.outcome == "failed", "the fallback"
     assert len([step for step in rig.book.steps if step.question]) == 3, "each attempt was asked"

@@ -164,8 +164,8 @@ def test_a_kill_acts_before_it_is_written_down() -> None:
     rig = Rig(MOVING)
     rig.book.on_write = lambda step: order.append("written") if step.event.name == "kill" else None
     order: list[str] = []
-    told = rig.move.cancel
-    rig.move.cancel = lambda goal_id: (order.append("stopped"), told(goal_id))[1]  # type: ignore[method-assign]
+    reported = rig.move.cancel
+    rig.move.cancel = lambda goal_id: (order.append("stopped"), reported(goal_id))[1]  # type: ignore[method-assign]
     rig.stage.play({1.0: rig.runner.kill})
     rig.run()
     assert order == ["stopped", "written"]
@@ -370,8 +370,8 @@ def test_whatever_is_commanded_the_run_ends_and_no_goal_outlives_it(script: list
     result = rig.run()
     ended = [goal for server in (rig.move, rig.turn) for goal in server.goals]
     canceled = {*rig.move.canceled, *rig.turn.canceled}
-    said = {"end", "die"} & {name for _, name in script}
-    assert said or set(ended) == canceled, "every goal was canceled"
+    reported = {"end", "die"} & {name for _, name in script}
+    assert reported or set(ended) == canceled, "every goal was canceled"
     assert rig.runner.chart.open_goals == 0
     assert result.outcome in MODES and seen[-1].mode == result.outcome
     assert [step.seq for step in rig.book.steps] == sorted({step.seq for step in rig.book.steps})

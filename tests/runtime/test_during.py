@@ -33,13 +33,13 @@ class Ear(NamedTuple):
 @pytest.fixture
 def ear() -> Iterator[Ear]:
     robot = Robot.model_validate({"name": "one", "events": {"stuck": STUCK}, "actions": {"drive": DRIVE}})
-    connector, heard = LocalConnector(), list[str]()
+    connector, received = LocalConnector(), list[str]()
     connector.start()
     senses = RobotListener(
-        robot, connector, post=lambda event: heard.append(event.name), later=lambda at, do: None, now=lambda: 0.0
+        robot, connector, post=lambda event: received.append(event.name), later=lambda at, do: None, now=lambda: 0.0
     )
     senses.open()
-    yield Ear(senses, connector, heard)
+    yield Ear(senses, connector, received)
     senses.close()
     connector.stop()
 

@@ -18,9 +18,9 @@ PATIENT = 1e6
 
 
 @given(st.lists(st.floats(0, 1e9, allow_nan=False), max_size=30))
-def test_time_never_goes_back_whatever_a_simulation_says(told: list[float]) -> None:
+def test_time_never_goes_back_whatever_a_simulation_says(results: list[float]) -> None:
     clock, before = HeardClock(PATIENT), 0.0
-    for each in told:
+    for each in results:
         clock.hear(each)
         assert before <= clock.now()
         before = clock.now()
@@ -28,19 +28,19 @@ def test_time_never_goes_back_whatever_a_simulation_says(told: list[float]) -> N
 
 @given(st.floats(0, 1e6), st.lists(st.floats(0.001, 59.0), min_size=1, max_size=20))
 def test_it_goes_as_far_as_the_simulation_goes_from_wherever_that_stood(start: float, steps: list[float]) -> None:
-    clock, told = HeardClock(PATIENT), start
-    clock.hear(told)
+    clock, reported = HeardClock(PATIENT), start
+    clock.hear(reported)
     assert clock.now() == 0.0, "the run begins now, however long the simulation has run"
     for step in steps:
-        told += step
-        clock.hear(told)
-    assert clock.now() == pytest.approx(told - start, abs=1e-6)
+        reported += step
+        clock.hear(reported)
+    assert clock.now() == pytest.approx(reported - start, abs=1e-6)
 
 
 def test_a_simulation_that_begins_anew_or_leaps_takes_no_time_with_it() -> None:
     clock = HeardClock(PATIENT)
-    for told in (100.0, 101.0, 0.05, 0.55, 5000.0, 5000.5):
-        clock.hear(told)
+    for reported in (100.0, 101.0, 0.05, 0.55, 5000.0, 5000.5):
+        clock.hear(reported)
     assert clock.now() == pytest.approx(1.0 + 0.5 + 0.5)
 
 
@@ -73,11 +73,11 @@ def test_a_wait_ends_when_something_comes() -> None:
     assert taken is not None and taken.name == "e"
 
 
-@pytest.mark.parametrize("told", [None, 12.0])
-def test_a_simulation_that_falls_silent_or_was_never_there_stops_nobody(told: float | None) -> None:
+@pytest.mark.parametrize("reported", [None, 12.0])
+def test_a_simulation_that_falls_silent_or_was_never_there_stops_nobody(reported: float | None) -> None:
     clock = HeardClock(silence_s=0.01)
-    if told is not None:
-        clock.hear(told)
+    if reported is not None:
+        clock.hear(reported)
     clock.wait(Mailbox(), 0.05, paced=False)
     assert 0.05 <= clock.now() < 30
 

@@ -55,8 +55,8 @@ def test_who_wants_every_step_sees_every_step() -> None:
     assert len(ignored) == 11
 
 
-@pytest.mark.parametrize("said", ["[/red]", "[link=file:///etc/passwd]here[/link]", "[bold", "\x1b[2J"])
-def test_what_a_robot_says_is_shown_as_it_was_said_and_never_as_markup(said: str) -> None:
+@pytest.mark.parametrize("message", ["[/red]", "[link=file:///etc/passwd]here[/link]", "[bold", "\x1b[2J"])
+def test_what_a_robot_says_is_shown_as_it_was_said_and_never_as_markup(message: str) -> None:
     mission = Mission.model_validate(
         {
             "name": "m", "blackboard": {"said": {"type": "string", "source": "robot"}}, "initial": "a",
@@ -66,7 +66,7 @@ def test_what_a_robot_says_is_shown_as_it_was_said_and_never_as_markup(said: str
     out, chart = io.StringIO(), Chart(mission)
     screen = Screen(mission, out)
     screen.watch(chart)
-    chart.write("said", said, 0.0)
+    chart.write("said", message, 0.0)
     foot = Console(file=out, width=200)
     foot.print(screen._foot(0.0))
-    assert said.replace("\x1b", " ").strip() in out.getvalue()
+    assert message.replace("\x1b", " ").strip() in out.getvalue()

@@ -76,7 +76,7 @@ class SlowServices(LocalConnector):
         return self._plan.cancels is not None and not self._plan.refuses
 
     def call(
-        self, service: str, type_name: str, request: Any, *, answered: Callable[[Reply], None],
+        self, service: str, type_name: str, request: Any, *, on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:  # fmt: skip
         plan = self._plan
@@ -86,7 +86,7 @@ class SlowServices(LocalConnector):
         def take_effect() -> None:
             if is_fine and service in ("/drive", "/halt"):
                 self.is_driving = service == "/drive"
-            answered(Reply("succeeded", {"success": is_fine, "message": "" if is_fine else "no"}))
+            on_reply(Reply("succeeded", {"success": is_fine, "message": "" if is_fine else "no"}))
 
         if after is not None:
             self.agenda.call_later(after, take_effect)

@@ -65,7 +65,7 @@ def test_an_action_succeeds_only_as_its_server_and_the_facts_say() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "why"),
+    ("message", "why"),
     [
         ("failed", "'lost' was reached"),
         ("lost", "'lost' was reached"),
@@ -73,10 +73,14 @@ def test_an_action_succeeds_only_as_its_server_and_the_facts_say() -> None:
         ("rejected", "moving: rejected"),
     ],
 )
-def test_an_action_that_does_not_succeed_is_no_success(said: str, why: str) -> None:
+def test_an_action_that_does_not_succeed_is_no_success(message: str, why: str) -> None:
     rig = Rig(MOVING)
     rig.stage.play(
-        {1.0: lambda: rig.post("go"), 1.5: lambda: rig.publish("/there", data=True), 2.0: lambda: rig.move.report(said)}
+        {
+            1.0: lambda: rig.post("go"),
+            1.5: lambda: rig.publish("/there", data=True),
+            2.0: lambda: rig.move.report(message),
+        }
     )
     result = rig.run()
     assert (result.outcome, result.why) == ("failed", why)
@@ -241,7 +245,7 @@ def test_a_profile_that_lacks_a_name_is_refused_before_the_start() -> None:
 
 
 def test_a_polled_service_is_an_event_when_its_guard_becomes_true() -> None:
-    said = ["DRIVING"]
+    reported = ["DRIVING"]
     rig = Rig(
         {
             "waiting": {
@@ -258,12 +262,12 @@ def test_a_polled_service_is_an_event_when_its_guard_becomes_true() -> None:
         ),
     )
     asked: list[float] = []
-    rig.connector.serve("/state", "t", lambda _: (asked.append(rig.stage.at), {"message": said[0]})[1])
+    rig.connector.serve("/state", "t", lambda _: (asked.append(rig.stage.at), {"message": reported[0]})[1])
     rig.stage.play(
         {
-            1.1: lambda: said.__setitem__(0, "WAITING"),
-            2.1: lambda: said.__setitem__(0, "DRIVING"),
-            3.1: lambda: said.__setitem__(0, "WAITING"),
+            1.1: lambda: reported.__setitem__(0, "WAITING"),
+            2.1: lambda: reported.__setitem__(0, "DRIVING"),
+            3.1: lambda: reported.__setitem__(0, "WAITING"),
             4.1: lambda: rig.post("again"),
         }
     )
@@ -361,8 +365,8 @@ def test_a_feedback_changes_nothing() -> None:
         }
     )
     rig.run()
-    (told,) = [step for step in rig.book.steps if step.event.kind == "feedback"]
-    assert told.ignored and told.event.data == {"left_m": 3.0}
+    (reported,) = [step for step in rig.book.steps if step.event.kind == "feedback"]
+    assert reported.ignored and reported.event.data == {"left_m": 3.0}
 
 
 def test_goals_that_share_a_resource_do_not_overlap() -> None:
@@ -400,11 +404,14 @@ def test_goals_that_share_a_resource_do_not_overlap() -> None:
 def test_a_reading_is_as_old_as_its_connector_dates_it(own: Any, connector: float, stamp: float) -> None:
     """Its own stamp is of its sender's clock, which its connector alone can read."""
     rig = Rig(CALLING)
-    hears: list[Any] = []
+    listeners: list[Any] = []
     subscribe = rig.connector.subscribe
-    rig.connector.subscribe = lambda topic, kind, hear: (hears.append((topic, hear)), subscribe(topic, kind, hear))[1]
+    rig.connector.subscribe = lambda topic, kind, on_message: (
+        listeners.append((topic, on_message)),
+        subscribe(topic, kind, on_message),
+    )[1]
     data = {"percentage": 0.5, **({} if own is None else {"header": {"stamp": own}})}
-    heard = Message("/battery", data, connector)
-    rig.stage.play({3.0: lambda: dict(hears)["/battery"](heard), 4.0: lambda: rig.post("go")})
+    received = Message("/battery", data, connector)
+    rig.stage.play({3.0: lambda: dict(listeners)["/battery"](received), 4.0: lambda: rig.post("go")})
     rig.run()
     assert rig.runner.chart.view.board["battery"].at == stamp

@@ -107,9 +107,9 @@ def traced(seed: int, share: float) -> Trace:
     )  # fmt: skip
     world.post = runner.post
     result = runner.run()
-    told = [(step.event, active) for step, active in steps if step.event.kind != "tick" and step.outcome is None]
+    results = [(step.event, active) for step, active in steps if step.event.kind != "tick" and step.outcome is None]
     moves = tuple(move for step, _ in steps for move in step.moves)
-    return Trace(tuple(told), moves, (result.outcome, result.why), dict(runner.chart.view.board))
+    return Trace(tuple(results), moves, (result.outcome, result.why), dict(runner.chart.view.board))
 
 
 def agree(seed: int) -> None:

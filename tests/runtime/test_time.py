@@ -372,6 +372,6 @@ def test_simulated_time_does_not_move_past_a_waiting_event() -> None:
 
 def test_a_server_double_is_a_server() -> None:
     server = ManualServer("accepted", "succeeded")
-    said: list[str] = []
-    server.accept("a", {}, lambda report: said.append(report.said))
-    assert said == ["accepted", "succeeded"]
+    lines: list[str] = []
+    server.accept("a", {}, lambda report: lines.append(report.status))
+    assert lines == ["accepted", "succeeded"]

@@ -72,8 +72,8 @@ class Place:
         assert done.returncode == 0, done.stderr
         assert "Traceback" not in done.stderr, done.stderr
         assert SECRET not in done.stdout + done.stderr
-        said = json.loads(done.stdout.splitlines()[-1])
-        return Done(said["ended"], [(kind, what) for kind, what in said["heard"]])
+        printed = json.loads(done.stdout.splitlines()[-1])
+        return Done(printed["ended"], [(kind, what) for kind, what in printed["heard"]])
 
     def assert_harmless(self, done: Done) -> None:
         roots = (*OWN, os.path.realpath(self.given), os.path.realpath(self.out))
@@ -204,9 +204,9 @@ def test_a_page_that_a_file_beside_a_journal_names_elsewhere_is_not_asked(
     place: Place, monkeypatch: pytest.MonkeyPatch, host: str
 ) -> None:
     journal = written_run(place.given)
-    beside = Path(f"{journal}.watch")
-    beside.write_text(json.dumps({"url": f"http://{host}:8765/#token=x", "pid": os.getpid()}))
-    beside.chmod(0o600)
+    neighbours = Path(f"{journal}.watch")
+    neighbours.write_text(json.dumps({"url": f"http://{host}:8765/#token=x", "pid": os.getpid()}))
+    neighbours.chmod(0o600)
     asked: list[Any] = []
     monkeypatch.setattr(socket, "create_connection", lambda *given, **_: asked.append(given))
     monkeypatch.setattr(socket, "getaddrinfo", lambda *given, **_: asked.append(given))

@@ -173,8 +173,8 @@ def robot(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> 
 
 def assert_tight(left: Mapping[str, bytes | str]) -> None:
     found = {}
-    for name, said in left.items():
-        data = said.encode() if isinstance(said, str) else said
+    for name, reported in left.items():
+        data = reported.encode() if isinstance(reported, str) else reported
         found |= {
             (name, each): data[max(0, at - 200) : at + 60] for each in CANARIES if (at := data.find(each.encode())) >= 0
         }
@@ -233,9 +233,9 @@ def test_nothing_that_a_node_says_on_the_graph_holds_a_secret(
     finally:
         node.conclude()
         node.stop()
-    said = "\n".join(robot.heard)
-    assert "status" in said and "diagnostics" in said and "[hidden]" in said
-    assert_tight({"node": said, "log": log_of(caplog)})
+    reported = "\n".join(robot.heard)
+    assert "status" in reported and "diagnostics" in reported and "[hidden]" in reported
+    assert_tight({"node": reported, "log": log_of(caplog)})
 
 
 def test_a_run_that_cannot_be_begun_by_a_node_says_why_without_secrets(
@@ -250,11 +250,11 @@ def test_a_run_that_cannot_be_begun_by_a_node_says_why_without_secrets(
     client = Client(robot, node.name.path)
     try:
         client.activate()
-        told = repr((client.call("start"), client.command(command="start")))
+        reported = repr((client.call("start"), client.command(command="start")))
     finally:
         node.stop()
-    assert "[hidden]" in told
-    assert_tight({"replies": told, "node": "\n".join(robot.heard), "log": log_of(caplog)})
+    assert "[hidden]" in reported
+    assert_tight({"replies": reported, "node": "\n".join(robot.heard), "log": log_of(caplog)})
 
 
 def test_nothing_that_the_live_page_is_sent_holds_a_secret(
@@ -263,17 +263,17 @@ def test_nothing_that_the_live_page_is_sent_holds_a_secret(
     page = LivePage(Place(port=0))
     setting = RunConfig(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
     watch = Watch(page, setting, operator=False)
-    heard: dict[str, bytes] = {}
+    received: dict[str, bytes] = {}
 
     def ask(path: str, data: bytes | None = None) -> None:
         headers = {"x-mission-token": page.token, "content-type": "application/json"}
         request = urllib.request.Request(f"{page.address}{path}", data=data, headers=headers)
         try:
             with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=60) as reply:
-                heard[path] = reply.read()
+                received[path] = reply.read()
         except urllib.error.HTTPError as refused:
             with refused:
-                heard[path] = refused.read()
+                received[path] = refused.read()
 
     def look(runner: Any) -> Any:
         viewer = threading.Thread(target=ask, args=("events",))
@@ -290,8 +290,8 @@ def test_nothing_that_the_live_page_is_sent_holds_a_secret(
             watch.run(prepared, look)
     finally:
         page.stop()
-    assert b"[hidden]" in heard["events"] and b"over" in heard["mission"]
-    assert_tight({**heard, "log": log_of(caplog), **files(tmp_path)})
+    assert b"[hidden]" in received["events"] and b"over" in received["mission"]
+    assert_tight({**received, "log": log_of(caplog), **files(tmp_path)})
 
 
 def test_no_command_prints_a_secret_whatever_goes_wrong(
@@ -320,9 +320,9 @@ def test_no_command_prints_a_secret_whatever_goes_wrong(
     ):  # fmt: skip
         with suppress(SystemExit):
             assert main(words) == (0 if words[0] == "prove" and words[1] == "mission.json" else 2), words
-        said = capsys.readouterr()
-        assert said.out or said.err
-        assert_tight({" ".join(words): said.out + said.err})
+        printed = capsys.readouterr()
+        assert printed.out or printed.err
+        assert_tight({" ".join(words): printed.out + printed.err})
 
 
 @example("\r", "canary-key-4b1d", "")
@@ -341,10 +341,10 @@ def test_words_on_a_terminal_command_it_nothing_and_tell_no_secret(
             sys.stdout.write(before + "\x1b]0;title\x07\x9b2J\u202e" + secret + after)
             sys.stderr.writelines([before, secret + after])
         patched.undo()
-    for said in (out.getvalue(), err.getvalue()):
-        assert "canary" not in said
-        assert all(letter in "\t\n" or not (ord(letter) < 32 or 127 <= ord(letter) < 160) for letter in said)
-        assert not set("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069") & set(said)
+    for reported in (out.getvalue(), err.getvalue()):
+        assert "canary" not in reported
+        assert all(letter in "\t\n" or not (ord(letter) < 32 or 127 <= ord(letter) < 160) for letter in reported)
+        assert not set("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069") & set(reported)
 
 
 def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -74,7 +74,7 @@ ANSWERS: dict[str, tuple[Listed, int, str]] = {
 def test_an_audit_says_what_came_of_it(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    answer, status, said = ANSWERS[name]
+    answer, status, reported = ANSWERS[name]
     monkeypatch.setattr("subprocess.run", lambda *_, **__: answer)
     assert audit()._known(tmp_path) == status
-    assert said in capsys.readouterr().out
+    assert reported in capsys.readouterr().out

@@ -43,13 +43,13 @@ def test_a_schema_that_leads_elsewhere_or_on_and_on_is_a_fault_and_nothing_fits_
 
 def test_judging_by_a_schema_opens_no_file_and_no_connection() -> None:
     misfits(SPEED, {"speed": 1})  # loads what is needed
-    heard: list[str] = []
+    received: list[str] = []
     sys.addaudithook(
-        lambda name, _: heard.append(name) if name in ("open", "urllib.Request", "socket.connect") else None
+        lambda name, _: received.append(name) if name in ("open", "urllib.Request", "socket.connect") else None
     )
     for schema in HOSTILE.values():
         misfits(schema, {"a": 1})
-    assert heard == []
+    assert received == []
 
 
 def test_a_pattern_that_takes_for_ever_elsewhere_is_matched_at_once() -> None:

@@ -24,17 +24,17 @@ KEYS = st.one_of(
 
 @given(KEYS, st.sampled_from(["{}", "key {}.", '"{}"', "({})", "https://x/?key={}&a=1", "{}, {}"]))
 def test_a_key_by_its_shape_is_hidden_wherever_it_stands(key: str, frame: str) -> None:
-    said = Redaction().text(frame.replace("{}", key))
-    assert key not in said
-    assert "[hidden]" in said
+    reported = Redaction().text(frame.replace("{}", key))
+    assert key not in reported
+    assert "[hidden]" in reported
 
 
 @given(letters)
 def test_a_known_secret_is_hidden_in_every_part_of_a_value(secret: str) -> None:
     value = {"a": [secret, {"b" + secret: f"x{secret}y"}], "n": 1, "t": True, "none": None}
-    said = Redaction([secret]).json(value)
-    assert secret not in json.dumps(said)
-    assert (said["n"], said["t"], said["none"]) == (1, True, None)
+    reported = Redaction([secret]).json(value)
+    assert secret not in json.dumps(reported)
+    assert (reported["n"], reported["t"], reported["none"]) == (1, True, None)
 
 
 @pytest.mark.parametrize("header", ["Authorization: Bearer ", "basic ", "api_key=", "API-Key: "])
@@ -61,8 +61,8 @@ def test_a_secret_is_known_by_how_its_variable_is_called(name: str, monkeypatch:
 
 
 def test_a_password_in_an_address_is_hidden_and_the_address_stays() -> None:
-    said = Redaction().text("no way to http://robot:pa55-word@proxy:3128/ from http://127.0.0.1:80/a:b@c")
-    assert said == "no way to http://[hidden]@proxy:3128/ from http://127.0.0.1:80/a:b@c"
+    reported = Redaction().text("no way to http://robot:pa55-word@proxy:3128/ from http://127.0.0.1:80/a:b@c")
+    assert reported == "no way to http://[hidden]@proxy:3128/ from http://127.0.0.1:80/a:b@c"
 
 
 @pytest.mark.parametrize(

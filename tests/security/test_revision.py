@@ -31,8 +31,8 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return made
 
 
-def git(place: Path, *words: str, told: bytes = b"") -> str:
-    done = subprocess.run(["git", "-C", str(place), *words], input=told, capture_output=True, check=True)
+def git(place: Path, *words: str, reported: bytes = b"") -> str:
+    done = subprocess.run(["git", "-C", str(place), *words], input=reported, capture_output=True, check=True)
     return done.stdout.decode().strip()
 
 
@@ -60,10 +60,10 @@ def test_a_tree_with_a_way_out_writes_nothing_outside(
     inner = git(place, "hash-object", "-w", "lamp.json")
     outer = {**LAMP.written(), "initial": "x", "states": {"x": {"mission": "../evil.json"}}}
     (place / "lamp.json").write_text(json.dumps(outer))
-    tree = bytes.fromhex(git(place, "mktree", told=f"100644 blob {inner}\tevil.json\n".encode()))
+    tree = bytes.fromhex(git(place, "mktree", reported=f"100644 blob {inner}\tevil.json\n".encode()))
     file = bytes.fromhex(git(place, "hash-object", "-w", "lamp.json"))
     raw = b"40000 ..\0" + tree + b"100644 lamp.json\0" + file
-    whole = git(place, "hash-object", "-w", "-t", "tree", "--literally", "--stdin", told=raw)
+    whole = git(place, "hash-object", "-w", "-t", "tree", "--literally", "--stdin", reported=raw)
     git(place, "update-ref", "refs/heads/evil", git(place, "commit-tree", whole, "-m", "evil"))
     assert "../evil.json" in git(place, "ls-tree", "-r", "evil")
     assert main(["diff", "--git", "evil", str(place / "lamp.json")]) == 2

@@ -36,10 +36,10 @@ class Holding(DoubleModel):
     script: list[Any]
 
     def says(self, messages: list[Any]) -> Any:
-        said = self.script.pop(0) if self.script else "no more"
-        if isinstance(said, Exception):
-            raise said
-        return said
+        reported = self.script.pop(0) if self.script else "no more"
+        if isinstance(reported, Exception):
+            raise reported
+        return reported
 
 
 ASKING = Mission.model_validate(
@@ -76,20 +76,20 @@ def texts(path: Path) -> Iterator[bytes]:
         yield from found.attachments.values()
 
 
-@pytest.mark.parametrize("said", SAID.values(), ids=SAID)
+@pytest.mark.parametrize("reported", SAID.values(), ids=SAID)
 def test_no_key_is_in_anything_that_a_run_leaves_behind(
-    said: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    reported: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setenv("SOMEBODYS_API_KEY", BY_NAME)
     caplog.set_level(logging.DEBUG)
     shown = io.StringIO()
     lines = Lines(ASKING, shown, verbose=True)
     journal, recording = tmp_path / "run.journal", tmp_path / "run.mcap"
-    model = Holding(script=said * 6)
+    model = Holding(script=reported * 6)
     result = run(ASKING, model=model, journal=journal, record=recording, on_step=lines.step, on_status=lines.status)
     lines.close()
     steps = steps_of(journal)
-    assert len(model.script) < len(said * 6), "the model was heard"
+    assert len(model.script) < len(reported * 6), "the model was heard"
     draw_review(ASKING, tmp_path / "page.html", [journal])
     for form in ("dot", "mmd", "md"):
         draw(ASKING, tmp_path / f"picture.{form}", steps=steps)

@@ -72,8 +72,8 @@ def assert_whole(left: Mapping[str, bytes | str], *secrets: str) -> None:
     """No piece of any secret is in what is left."""
     wanted = {piece.encode() for secret in secrets for piece in pieces(secret)}
     found = {}
-    for name, said in left.items():
-        data = said.encode("utf-8", "replace") if isinstance(said, str) else said
+    for name, reported in left.items():
+        data = reported.encode("utf-8", "replace") if isinstance(reported, str) else reported
         at = next((at for piece in wanted if (at := data.find(piece)) >= 0), -1)
         if at >= 0:
             found[name] = data[max(0, at - 80) : at + 80]
@@ -138,10 +138,10 @@ class Loose(DoubleModel):
     def says(self, messages: list[Any]) -> Any:
         if not self._deeds:
             self._deeds.extend(deeds(f"{self.key.get_secret_value()}", self.theirs))
-        said = self._deeds.pop(0) if len(self._deeds) > 1 else self._deeds[0]
-        if isinstance(said, BaseException):
-            raise said
-        return said
+        reported = self._deeds.pop(0) if len(self._deeds) > 1 else self._deeds[0]
+        if isinstance(reported, BaseException):
+            raise reported
+        return reported
 
 
 def deeds(own: str, theirs: str) -> Iterator[Any]:
@@ -169,10 +169,10 @@ class Broken:
         self.says = iter([secret, {"failed": secret}, {"option": secret}, {secret: secret}, {"absent": secret}])
 
     def ask(self, question: Any, answer: Any) -> None:
-        said = next(self.says, None)
-        if said is None:
+        reported = next(self.says, None)
+        if reported is None:
             raise RuntimeError("nothing more")
-        answer(said)
+        answer(reported)
 
     def withdraw(self, number: int) -> None:
         """Nothing is under way."""
@@ -198,8 +198,8 @@ class Loud(LocalConnector):
         super().publish(topic, type_name, message)
 
     def accept(self, goal_id: str, goal: Any, report: Any) -> None:
-        for said in (self.secret, f'{{"a": {self.secret}', json.dumps({"a": self.secret}), json.dumps([self.secret])):
-            self.publish("/text", STRING, {"data": said})
+        for status in (self.secret, f'{{"a": {self.secret}', json.dumps({"a": self.secret}), json.dumps([self.secret])):
+            self.publish("/text", STRING, {"data": status})
         self.publish("/heard", STRING, {"data": self.secret})
         report(Report(goal_id, "accepted", {}))
         report(Report(goal_id, "failed", {"words": [self.secret, {self.secret: 1}]}, self.secret))
@@ -271,9 +271,9 @@ def test_no_piece_is_left_wherever_a_text_is_cut(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SOMEBODYS_API_KEY", secret)
         text = "word " * before + frame.replace("{}", secret)
-        said = [by(what, max(2, length)) for what in (text, {"a": text}, [json.dumps(text)], RuntimeError(text))]
-    assert_whole({str(number): each for number, each in enumerate(said)}, secret)
-    assert all(len(each) <= max(2, length) for each in said if by in (cut, cut_repr, first_line))
+        reported = [by(what, max(2, length)) for what in (text, {"a": text}, [json.dumps(text)], RuntimeError(text))]
+    assert_whole({str(number): each for number, each in enumerate(reported)}, secret)
+    assert all(len(each) <= max(2, length) for each in reported if by in (cut, cut_repr, first_line))
 
 
 @given(st.text(max_size=300), st.integers(1, 400))

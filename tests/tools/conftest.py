@@ -33,11 +33,11 @@ class Tried(NamedTuple):
         return Toolbox(self.connector, Allowed(**{"write": ("*",), **words}), now=self.now)
 
 
-class Saying:
+class Replying:
     """Publishes again and again, as sensors do, while it is entered."""
 
-    def __init__(self, connector: Connector, topic: str, type_name: str, say: Callable[[], Data]) -> None:
-        self._publish = lambda: connector.publish(topic, type_name, say())
+    def __init__(self, connector: Connector, topic: str, type_name: str, on_result: Callable[[], Data]) -> None:
+        self._publish = lambda: connector.publish(topic, type_name, on_result())
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work)
 
@@ -45,7 +45,7 @@ class Saying:
         while not self._ended.wait(0.02):
             self._publish()
 
-    def __enter__(self) -> Saying:
+    def __enter__(self) -> Replying:
         self._thread.start()
         return self
 

@@ -30,26 +30,26 @@ class Noting(LocalConnector):
         super().__init__()
         self.touched: set[tuple[str, str]] = set()
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         self.touched.add((topic, "read"))
-        return super().subscribe(topic, type_name, hear)
+        return super().subscribe(topic, type_name, on_message)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         self.touched.add((topic, "write"))
         super().publish(topic, type_name, message)
 
     def call(
-        self, service: str, type_name: str, request: Data, *, answered: Callable[[Reply], None],
+        self, service: str, type_name: str, request: Data, *, on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:  # fmt: skip
         self.touched.add((service, "write"))
-        super().call(service, type_name, request, answered=answered, timeout_s=timeout_s)
+        super().call(service, type_name, request, on_reply=on_reply, timeout_s=timeout_s)
 
     def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         self.touched.add((action, "write"))
-        super().send_goal(action, type_name, goal, goal_id=goal_id, report=report)
+        super().send_goal(action, type_name, goal, goal_id=goal_id, on_report=on_report)
 
 
 def expected(rules: Allowed, name: str, deed: str) -> bool:
@@ -111,9 +111,9 @@ def test_no_tool_touches_a_name_that_is_not_allowed_whatever_is_asked(
     connector.stop()
     refused = {each for each in connector.touched if not expected(rules, *each)}
     assert not refused, f"{refused} under {rules}"
-    for (name, _), said in zip(asked, listed, strict=True):
+    for (name, _), reported in zip(asked, listed, strict=True):
         if name.startswith("list_"):
-            assert all(f'"{hidden}"' not in said for hidden in NAMES if not expected(rules, hidden, "read"))
+            assert all(f'"{hidden}"' not in reported for hidden in NAMES if not expected(rules, hidden, "read"))
 
 
 def test_what_is_allowed_is_touched() -> None:
@@ -134,7 +134,7 @@ def test_the_way_to_the_robot_judges_each_name_itself() -> None:
         lambda: reach.call("/x", "t", {}, 0.0),
         lambda: reach.send_goal("/x", "t", {}, "g", print),
         lambda: reach.subscribe("/y", "t", print, 0.0),
-        lambda: reach.hear({"/y": "t"}, 0.0, bool),
+        lambda: reach.receive({"/y": "t"}, 0.0, bool),
         lambda: reach.type_of("topics", "/y", "t", 0.0),
     ]
     for attempt in attempts:
@@ -150,7 +150,7 @@ def test_nothing_may_be_written_where_nobody_says_so() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("cmd_vel", "'cmd_vel' is no whole name; one begins with a slash"),
         ("~/cmd_vel", "is no whole name"),
@@ -164,10 +164,10 @@ def test_nothing_may_be_written_where_nobody_says_so() -> None:
         ("/cmd_vel/_action/send_goal", "must never be touched"),
     ],
 )
-def test_a_name_in_disguise_is_refused(name: str, said: str) -> None:
+def test_a_name_in_disguise_is_refused(name: str, message: str) -> None:
     why = Allowed(write=("*",), never=("/cmd_vel",)).refusal(name, "write")
     assert why.startswith("refused: ")
-    assert said in why
+    assert message in why
 
 
 def test_a_refusal_says_what_is_allowed() -> None:

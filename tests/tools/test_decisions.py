@@ -26,7 +26,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.testing import QUESTION, ReplyCallback, ScriptedModel, ToolFloodModel, answer_fault, call
 from rai_missions.tools import Toolbox
-from tests.tools.conftest import PATIENCE_S, Saying, Tried
+from tests.tools.conftest import PATIENCE_S, Replying, Tried
 
 ASKING: dict[str, Any] = {
     "name": "asking",
@@ -86,13 +86,13 @@ def test_what_a_model_looked_up_in_a_run_stands_in_its_journal(tmp_path: Path) -
     connector, path = Counting(), tmp_path / "run.journal"
     setting = RunConfig(mission("receive_message"), robot(), model=model, connector=connector, journal=path)
     with (
-        Saying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": "left is free"}),
+        Replying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": "left is free"}),
         prepare(setting) as run,
     ):
         result = run.runner.run()
     assert result.outcome == "aborted", result.why
-    (said,) = heard(model)
-    assert '<facts>\n"left is free"\n</facts>' in said.content
+    (reported,) = heard(model)
+    assert '<facts>\n"left is free"\n</facts>' in reported.content
     (answer,) = [step.event.data for step in read(path).steps() if step.event.kind == "proposal"]
     (note,) = answer["looked"]
     assert (note["tool"], "left is free" in note["said"]) == ("receive_message", True)
@@ -109,7 +109,7 @@ def test_what_a_robot_says_widens_nothing(tmp_path: Path) -> None:
     )
     connector = Counting()
     setting = RunConfig(mission("receive_message"), robot(), model=model, connector=connector)
-    with Saying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": ORDER}), prepare(setting) as run:
+    with Replying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": ORDER}), prepare(setting) as run:
         result = run.runner.run()
     assert (result.outcome, connector.written) == ("failed", 0), "'fly' is no option: the fallback"
     first, second, third, fourth = [str(message.content) for message in heard(model)]
@@ -125,16 +125,16 @@ def test_a_flood_of_calls_stops_at_the_budget(budget: int, at_once: int) -> None
     connector.start()
     box = Toolbox(connector, now=time.monotonic)
     model = ToolFloodModel(tool="list_topics", at_once=at_once)
-    agent, told = DecisionAgent(model, tools=box.read_only), ReplyCallback()
-    agent.ask(QUESTION._replace(tools=("list_topics",), budget=Limits(calls=budget)), told)
-    said = told.wait(PATIENCE_S)
+    agent, results = DecisionAgent(model, tools=box.read_only), ReplyCallback()
+    agent.ask(QUESTION._replace(tools=("list_topics",), budget=Limits(calls=budget)), results)
+    reported = results.wait(PATIENCE_S)
     agent.stop()
     box.stop()
     connector.stop()
-    assert answer_fault(said) == ""
-    assert "failed" in said
-    assert said["usage"]["calls"] <= budget
-    assert len(said.get("looked", ())) + len(model.heard) == said["usage"]["calls"]
+    assert answer_fault(reported) == ""
+    assert "failed" in reported
+    assert reported["usage"]["calls"] <= budget
+    assert len(reported.get("looked", ())) + len(model.heard) == reported["usage"]["calls"]
 
 
 def test_a_tool_that_acts_is_refused_where_an_agent_is_made(local: Tried) -> None:
@@ -143,16 +143,16 @@ def test_a_tool_that_acts_is_refused_where_an_agent_is_made(local: Tried) -> Non
 
 
 @pytest.mark.parametrize(
-    ("tool", "said"),
+    ("tool", "message"),
     [
         ("call_service", "/states/asks/decision/tools: the tool 'call_service' acts, and a decision may only look"),
         ("recieve_message", "no tool 'recieve_message'; did you mean 'receive_message'?"),
     ],
 )
-def test_a_decision_that_names_no_tool_that_looks_is_refused_before_the_start(tool: str, said: str) -> None:
+def test_a_decision_that_names_no_tool_that_looks_is_refused_before_the_start(tool: str, message: str) -> None:
     with pytest.raises(DefinitionError) as fault:
         prepare(RunConfig(mission(tool), robot(), model=ScriptedModel([])))
-    assert said in str(fault.value)
+    assert message in str(fault.value)
 
 
 def test_without_tools_in_the_profile_there_are_none_and_it_is_said(caplog: pytest.LogCaptureFixture) -> None:
@@ -173,12 +173,12 @@ def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local
         ]
     )
     box = local.box()
-    agent, told = DecisionAgent(model, tools=box.read_only, images=images), ReplyCallback()
-    with Saying(local.connector, "/camera", "", lambda: {"data": picture}):
-        agent.ask(QUESTION._replace(tools=("get_image",), until=QUESTION.at + PATIENCE_S), told)
-        said = told.wait(PATIENCE_S)
+    agent, results = DecisionAgent(model, tools=box.read_only, images=images), ReplyCallback()
+    with Replying(local.connector, "/camera", "", lambda: {"data": picture}):
+        agent.ask(QUESTION._replace(tools=("get_image",), until=QUESTION.at + PATIENCE_S), results)
+        reported = results.wait(PATIENCE_S)
     agent.stop()
-    assert said["option"] == "abort"
+    assert reported["option"] == "abort"
     messages = model.heard[-1][0]
     kinds = [
         block.get("type")
@@ -188,4 +188,4 @@ def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local
     ]
     assert ("image" in kinds) == (images == "yes")
     assert "newest picture of /camera" in str(heard(model)[0].content)
-    assert "base64" not in json.dumps(said)
+    assert "base64" not in json.dumps(reported)

@@ -11,15 +11,21 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Message, Report
-from rai_missions.connectors.contract import ENDS, Heard, PatientServer
+from rai_missions.connectors.contract import ENDS, Inbox, PatientServer
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import MissionError
 from rai_missions.tools import Toolbox
 from rai_missions.tools.goals import Goal
-from tests.tools.conftest import PATIENCE_S, Saying, Tried
+from tests.tools.conftest import PATIENCE_S, Replying, Tried
 
 STRING, TRIGGER, FIBONACCI = "std_msgs/msg/String", "std_srvs/srv/Trigger", "test_msgs/action/Fibonacci"
-TOLD = {"rejected": "rejected", "succeeded": "succeeded", "failed": "aborted", "canceled": "canceled", "lost": "lost"}
+REPORTED = {
+    "rejected": "rejected",
+    "succeeded": "succeeded",
+    "failed": "aborted",
+    "canceled": "canceled",
+    "lost": "lost",
+}
 MOVES = ("accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "cancel")
 
 
@@ -32,27 +38,27 @@ def needs(tried: Tried, mode: Any) -> None:
 
 
 def test_the_newest_message_comes_with_its_age_and_its_field(tried: Tried) -> None:
-    with Saying(tried.connector, "/tools/said", STRING, lambda: {"data": "x"}):
+    with Replying(tried.connector, "/tools/said", STRING, lambda: {"data": "x"}):
         look = tried.box().looking
-        said = look.receive_message("/tools/said", type_name=STRING, timeout_s=PATIENCE_S, max_age_s=20.0)
+        reported = look.receive_message("/tools/said", type_name=STRING, timeout_s=PATIENCE_S, max_age_s=20.0)
         part = look.receive_message("/tools/said", field="data", timeout_s=PATIENCE_S)
-    assert (said.data["message"]["data"], part.data["message"]) == ("x", "x")
-    assert 0 <= said.data["age_s"] <= 20
+    assert (reported.data["message"]["data"], part.data["message"]) == ("x", "x")
+    assert 0 <= reported.data["age_s"] <= 20
     assert part.data["type"] == STRING, "found out from the robot, or from who listened before"
 
 
 def test_what_nobody_says_is_unknown_and_not_an_error(tried: Tried) -> None:
-    said = tried.box().looking.receive_message("/tools/silent", type_name=STRING, timeout_s=0.05)
-    assert said.data["message"] is None
-    assert said.words.startswith("Nothing was heard on /tools/silent within 0.05 s.")
-    assert said.words.endswith("What is so now is unknown.")
+    reported = tried.box().looking.receive_message("/tools/silent", type_name=STRING, timeout_s=0.05)
+    assert reported.data["message"] is None
+    assert reported.words.startswith("Nothing was heard on /tools/silent within 0.05 s.")
+    assert reported.words.endswith("What is so now is unknown.")
 
 
 def test_what_is_published_is_heard(tried: Tried) -> None:
-    heard: Heard[Message] = Heard(PATIENCE_S)
-    close = tried.connector.subscribe("/tools/heard", STRING, heard)
+    received: Inbox[Message] = Inbox(PATIENCE_S)
+    close = tried.connector.subscribe("/tools/heard", STRING, received)
     tried.box().acting.publish_message("/tools/heard", {"data": "hello"}, timeout_s=PATIENCE_S)
-    (message,) = heard.wait(bool, "it was published")
+    (message,) = received.wait(bool, "it was published")
     assert message.data["data"] == "hello"
     close()
 
@@ -75,18 +81,18 @@ def test_what_is_there_is_listed_with_its_type(tried: Tried) -> None:
 
 def test_a_call_says_what_was_answered(tried: Tried) -> None:
     close = tried.connector.serve("/tools/flash", TRIGGER, lambda _: {"success": True, "message": "done"})
-    said = tried.box().acting.call_service("/tools/flash", type_name=TRIGGER, timeout_s=PATIENCE_S)
+    reported = tried.box().acting.call_service("/tools/flash", type_name=TRIGGER, timeout_s=PATIENCE_S)
     close()
-    assert said.words == "The service /tools/flash answered."
-    assert (said.data["done"], said.data["reply"]) == (True, {"success": True, "message": "done"})
+    assert reported.words == "The service /tools/flash answered."
+    assert (reported.data["done"], reported.data["reply"]) == (True, {"success": True, "message": "done"})
 
 
 def test_a_call_that_was_refused_is_told_as_not_done(tried: Tried) -> None:
     close = tried.connector.serve("/tools/horn", TRIGGER, lambda _: {"success": False, "message": "no horn"})
-    said = tried.box().acting.call_service("/tools/horn", type_name=TRIGGER, timeout_s=PATIENCE_S)
+    reported = tried.box().acting.call_service("/tools/horn", type_name=TRIGGER, timeout_s=PATIENCE_S)
     close()
-    assert "did NOT do it" in said.words
-    assert (said.data["done"], said.data["reply"]["message"]) == (False, "no horn")
+    assert "did NOT do it" in reported.words
+    assert (reported.data["done"], reported.data["reply"]["message"]) == (False, "no horn")
 
 
 def test_a_service_that_raises_has_failed(tried: Tried) -> None:
@@ -94,16 +100,16 @@ def test_a_service_that_raises_has_failed(tried: Tried) -> None:
         raise ValueError("no lamp")
 
     close = tried.connector.serve("/tools/lamp", TRIGGER, answer)
-    said = tried.box().acting.call_service("/tools/lamp", type_name=TRIGGER, timeout_s=PATIENCE_S)
+    reported = tried.box().acting.call_service("/tools/lamp", type_name=TRIGGER, timeout_s=PATIENCE_S)
     close()
-    assert said.data["done"] is False
-    assert "no lamp" in said.text()
+    assert reported.data["done"] is False
+    assert "no lamp" in reported.text()
 
 
 def test_a_service_that_is_not_there_has_done_nothing(tried: Tried) -> None:
-    said = tried.box().acting.call_service("/tools/nobody", type_name=TRIGGER, timeout_s=1.0)
-    assert said.data["outcome"] in ("unavailable", "timed_out")
-    assert said.data["done"] is False
+    reported = tried.box().acting.call_service("/tools/nobody", type_name=TRIGGER, timeout_s=1.0)
+    assert reported.data["outcome"] in ("unavailable", "timed_out")
+    assert reported.data["done"] is False
 
 
 # ── Actions ─────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -119,16 +125,16 @@ class Server(PatientServer):
     def accept(self, goal_id: str, goal: Any, report: Any) -> None:
         super().accept(goal_id, goal, report)
         if self._first:
-            self.say(goal_id, self._first)
+            self.send(goal_id, self._first)
 
 
 def started(tried: Tried, box: Toolbox, server: Server, name: str) -> str:
     """A goal that the server has been asked for; its id."""
-    said = box.acting.start_action(
+    reported = box.acting.start_action(
         name, {"order": 1}, type_name=FIBONACCI, timeout_s=0.0 if not server._first else PATIENCE_S
     )
     server.asked.wait(bool, "a goal was sent")
-    return str(said.data["goal_id"])
+    return str(reported.data["goal_id"])
 
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -143,17 +149,17 @@ def test_the_outcome_that_is_told_is_the_servers(tried: Tried, moves: list[str],
             if move == "cancel":
                 tried.connector.cancel_goal(goal_id)
             else:
-                server.say(goal_id, move)
-        said = box.acting.watch_action(goal_id, timeout_s=PATIENCE_S)
+                server.send(goal_id, move)
+        reported = box.acting.watch_action(goal_id, timeout_s=PATIENCE_S)
     finally:
         close()
     end = next(move for move in (*moves, "succeeded") if move in ENDS)
     # ROS has no word for a goal that is rejected after all, or canceled though nobody asked: such a one is aborted.
     is_ros = not isinstance(tried.connector, LocalConnector)
-    expected = {TOLD[end]} | ({"aborted"} if is_ros and end in ("canceled", "rejected") else set())
-    assert said.data["is_over"]
-    assert said.data["state"] in expected, f"{said.words} after {moves}"
-    assert said.words.count("SUCCEEDED") == (said.data["state"] == "succeeded")
+    expected = {REPORTED[end]} | ({"aborted"} if is_ros and end in ("canceled", "rejected") else set())
+    assert reported.data["is_over"]
+    assert reported.data["state"] in expected, f"{reported.words} after {moves}"
+    assert reported.words.count("SUCCEEDED") == (reported.data["state"] == "succeeded")
 
 
 @pytest.mark.parametrize("end", ["succeeded", "failed", "canceled"])
@@ -166,23 +172,23 @@ def test_every_end_has_words_of_its_own(tried: Tried, end: str) -> None:
     if end == "canceled":
         box.acting.cancel_action(goal_id, timeout_s=0.0)
         server.asked.wait(lambda asked: ("cancel", goal_id) in asked, "the cancel came")
-    server.say(goal_id, end, {"sequence": [1, 2]})
-    said = box.acting.watch_action(goal_id, timeout_s=PATIENCE_S)
+    server.send(goal_id, end, {"sequence": [1, 2]})
+    reported = box.acting.watch_action(goal_id, timeout_s=PATIENCE_S)
     close()
     word = {"succeeded": "has SUCCEEDED", "failed": "was ABORTED", "canceled": "was CANCELED"}[end]
-    assert word in said.words
-    assert ("SUCCEEDED" in said.words) == (end == "succeeded")
-    assert list(said.data["result"].get("sequence", [1, 2])) == [1, 2]
+    assert word in reported.words
+    assert ("SUCCEEDED" in reported.words) == (end == "succeeded")
+    assert list(reported.data["result"].get("sequence", [1, 2])) == [1, 2]
 
 
 def test_a_goal_that_is_rejected_never_ran(tried: Tried) -> None:
     needs(tried, "actions")
     server, box = Server("rejected"), tried.box()
     close = tried.connector.offer("/tools/rejects", FIBONACCI, server)
-    said = box.acting.start_action("/tools/rejects", {"order": 1}, type_name=FIBONACCI, timeout_s=PATIENCE_S)
+    reported = box.acting.start_action("/tools/rejects", {"order": 1}, type_name=FIBONACCI, timeout_s=PATIENCE_S)
     close()
-    assert "was REJECTED by the server and never ran" in said.words
-    assert (said.data["state"], said.data["is_over"]) == ("rejected", True)
+    assert "was REJECTED by the server and never ran" in reported.words
+    assert (reported.data["state"], reported.data["is_over"]) == ("rejected", True)
 
 
 def test_feedback_is_told_and_the_goal_is_not_over(tried: Tried) -> None:
@@ -190,18 +196,18 @@ def test_feedback_is_told_and_the_goal_is_not_over(tried: Tried) -> None:
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/feeds", FIBONACCI, server)
     goal_id = started(tried, box, server, "/tools/feeds")
-    server.say(goal_id, "feedback", {"sequence": [4]})
+    server.send(goal_id, "feedback", {"sequence": [4]})
     tick = threading.Event()
     for _ in range(int(PATIENCE_S / 0.02)):
         if box.acting.watch_action(goal_id).data["feedbacks"]:
             break
         tick.wait(0.02)
-    said = box.acting.watch_action(goal_id)
-    server.say(goal_id, "succeeded")
+    reported = box.acting.watch_action(goal_id)
+    server.send(goal_id, "succeeded")
     box.acting.watch_action(goal_id, timeout_s=PATIENCE_S)
     close()
-    assert (said.data["state"], list(said.data["feedback"]["sequence"])) == ("running", [4])
-    assert '"newest feedback"' in said.text()
+    assert (reported.data["state"], list(reported.data["feedback"]["sequence"])) == ("running", [4])
+    assert '"newest feedback"' in reported.text()
 
 
 def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_told_as_such(tried: Tried) -> None:
@@ -212,10 +218,10 @@ def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_told_as_such
     waiting = box.acting.cancel_action(goal_id, timeout_s=0.0)
     assert "it was asked to cancel and has not confirmed" in waiting.words
     server.asked.wait(lambda asked: ("cancel", goal_id) in asked, "the cancel came")
-    server.say(goal_id, "succeeded")
-    said = box.acting.cancel_action(goal_id, timeout_s=PATIENCE_S)
+    server.send(goal_id, "succeeded")
+    reported = box.acting.cancel_action(goal_id, timeout_s=PATIENCE_S)
     close()
-    assert "has SUCCEEDED" in said.words, "what ended before the cancel was not canceled"
+    assert "has SUCCEEDED" in reported.words, "what ended before the cancel was not canceled"
 
 
 def test_stop_cancels_what_still_runs_and_names_what_nobody_confirmed(tried: Tried) -> None:
@@ -223,7 +229,7 @@ def test_stop_cancels_what_still_runs_and_names_what_nobody_confirmed(tried: Tri
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/stopped", FIBONACCI, server)
     first, second = (started(tried, box, server, "/tools/stopped") for _ in range(2))
-    server.say(first, "succeeded")
+    server.send(first, "succeeded")
     box.acting.watch_action(first, timeout_s=PATIENCE_S)
     left = box.stop(0.2)
     assert [(each.goal_id, each.state, each.cancel) for each in left] == [(second, "running", "asked")]
@@ -231,20 +237,20 @@ def test_stop_cancels_what_still_runs_and_names_what_nobody_confirmed(tried: Tri
     assert ("cancel", first) not in server.asked.all
     with pytest.raises(MissionError, match="the tools were stopped"):
         box.acting.start_action("/tools/stopped", type_name=FIBONACCI)
-    server.say(second, "canceled")
+    server.send(second, "canceled")
     close()
 
 
 @given(st.lists(st.sampled_from([move for move in MOVES if move != "cancel"])))
-def test_after_its_end_nothing_changes_how_a_goal_stands(said: list[Any]) -> None:
+def test_after_its_end_nothing_changes_how_a_goal_stands(status: list[Any]) -> None:
     """Even if a connector went on telling."""
     goal = Goal("g", "/a")
-    for each in said:
-        goal.hear(Report("other", each, {}))
-        goal.hear(Report("g", each, {"n": each}))
-    ends = [each for each in said if each in ENDS]
-    expected = TOLD[ends[0]] if ends else "running" if said else "sent"
-    assert goal.standing.state == expected
-    assert goal.standing.is_over == bool(ends)
+    for each in status:
+        goal.receive(Report("other", each, {}))
+        goal.receive(Report("g", each, {"n": each}))
+    ends = [each for each in status if each in ENDS]
+    expected = REPORTED[ends[0]] if ends else "running" if status else "sent"
+    assert goal.state_now.state == expected
+    assert goal.state_now.is_over == bool(ends)
     if ends:
-        assert goal.standing.result == {"n": ends[0]}
+        assert goal.state_now.result == {"n": ends[0]}

@@ -20,7 +20,7 @@ from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools.detections import detections_of
 from rai_missions.tools.ranging import Camera, camera_of, cloud_points, depth_points, ranged
 from rai_missions.tools.transforms import Transform
-from tests.tools.conftest import PATIENCE_S, Saying, Tried
+from tests.tools.conftest import PATIENCE_S, Replying, Tried
 from tests.tools.test_transforms import stamped, turn
 
 Box = tuple[int, int, int, int]
@@ -183,7 +183,7 @@ GOOD = depth_image(Scene((0, 0, 9, 9), 1.0), "16UC1")
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"encoding": "rgb8"}, "a depth image is in 16UC1, mono16, 32FC1, not in 'rgb8'"),
         ({"data": b"short"}, "needs more than its 5 bytes"),
@@ -192,21 +192,21 @@ GOOD = depth_image(Scene((0, 0, 9, 9), 1.0), "16UC1")
         ({"data": "text"}, "stands where bytes belong"),
     ],
 )
-def test_what_is_no_depth_image_is_told(change: dict[str, Any], said: str) -> None:
-    with pytest.raises(ConnectorError, match=said):
+def test_what_is_no_depth_image_is_told(change: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConnectorError, match=message):
         depth_points({**GOOD, **change}, CAMERA, (0, 0, 9, 9))
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"fields": []}, "a point cloud without numbers x, y and z"),
         ({"data": b"short"}, "a point cloud needs more than its 5 bytes"),
         ({"width": 10**9}, "a point cloud of 1000000000 × 1 points"),
     ],
 )
-def test_what_is_no_cloud_is_told(change: dict[str, Any], said: str) -> None:
-    with pytest.raises(ConnectorError, match=said):
+def test_what_is_no_cloud_is_told(change: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConnectorError, match=message):
         cloud_points({**cloud([(0, 0, 1)], 1, 1), **change}, CAMERA, (0, 0, 64, 48))
     with pytest.raises(ConnectorError, match="say its camera_info topic"):
         cloud_points(cloud([(0, 0, 1)], 1, 1), None, (0, 0, 64, 48))
@@ -262,9 +262,9 @@ SEEN = {
 }
 
 
-def saying(tried: Tried, topic: str, message: Any, at: float, frame: str = "camera") -> Saying:
+def saying(tried: Tried, topic: str, message: Any, at: float, frame: str = "camera") -> Replying:
     header = {"stamp": at, "frame_id": frame}
-    return Saying(tried.connector, topic, "", lambda: {"header": header, **message})
+    return Replying(tried.connector, topic, "", lambda: {"header": header, **message})
 
 
 def test_the_tool_tells_each_object_and_what_is_unknown(local: Tried) -> None:
@@ -275,9 +275,9 @@ def test_the_tool_tells_each_object_and_what_is_unknown(local: Tried) -> None:
     ):  # fmt: skip
         ask = box.measuring.get_distance_to_objects
         wanted = {"depth_topic": "/depth", "camera_info_topic": "/info", "timeout_s": PATIENCE_S, "max_age_s": None}
-        said = ask("/seen", **wanted)
+        reported = ask("/seen", **wanted)
         dogs = ask("/seen", names=["dog"], **wanted)
-    person, dog = said.data["objects"]
+    person, dog = reported.data["objects"]
     assert (person["name"], person["distance_m"]) == ("person", pytest.approx(4.0, rel=0.05))
     assert (dog["distance_m"], dog["why"]) == (None, "only 0 valid measurements; 10 are needed")
     assert [each["name"] for each in dogs.data["objects"]] == ["dog"]
@@ -292,11 +292,11 @@ def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: Tried) 
         saying(local, "/seen", SEEN, now), saying(local, "/info", INFO, now),
         saying(local, "/cloud", cloud(points, len(points), 1), now, "lidar"), saying(local, "/tf_static", static, now),
     ):  # fmt: skip
-        said = box.measuring.get_distance_to_objects(
+        reported = box.measuring.get_distance_to_objects(
             "/seen", cloud_topic="/cloud", camera_info_topic="/info", timeout_s=PATIENCE_S, max_age_s=None
         )
     box.stop()
-    assert said.data["objects"][0]["distance_m"] == pytest.approx(4.0, rel=0.05)
+    assert reported.data["objects"][0]["distance_m"] == pytest.approx(4.0, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -309,11 +309,11 @@ def test_what_does_not_fit_in_time_is_unknown(local: Tried, late_s: float, old_s
         saying(local, "/seen", SEEN, now - old_s), saying(local, "/info", INFO, now),
         saying(local, "/depth", depth_image(SCENE, "16UC1"), now - old_s - late_s),
     ):  # fmt: skip
-        said = local.box().measuring.get_distance_to_objects(
+        reported = local.box().measuring.get_distance_to_objects(
             "/seen", depth_topic="/depth", camera_info_topic="/info", timeout_s=0.5, max_age_s=2.0 if old_s else None
         )
-    assert said.data["objects"] == []
-    assert re.search(why, said.words), said.words
+    assert reported.data["objects"] == []
+    assert re.search(why, reported.words), reported.words
 
 
 def test_distances_are_measured_over_any_connector(tried: Tried) -> None:
@@ -334,11 +334,11 @@ def test_distances_are_measured_over_any_connector(tried: Tried) -> None:
     }  # fmt: skip
     with contextlib.ExitStack() as sayings:
         for topic, body in bodies.items():
-            sayings.enter_context(Saying(tried.connector, topic, kinds[topic], lambda body=body: body))  # type: ignore[misc]
-        said = tried.box().measuring.get_distance_to_objects(
+            sayings.enter_context(Replying(tried.connector, topic, kinds[topic], lambda body=body: body))  # type: ignore[misc]
+        reported = tried.box().measuring.get_distance_to_objects(
             **look, timeout_s=PATIENCE_S, max_age_s=None, max_apart_s=60.0
         )
-    assert said.data["objects"][0]["distance_m"] == pytest.approx(4.0, rel=0.05)
+    assert reported.data["objects"][0]["distance_m"] == pytest.approx(4.0, rel=0.05)
 
 
 def test_what_is_missing_is_named(local: Tried) -> None:

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools import Toolbox
 from rai_missions.tools.transforms import Frames, Quaternion, Transform, Vector, product
-from tests.tools.conftest import PATIENCE_S, Saying, Tried
+from tests.tools.conftest import PATIENCE_S, Replying, Tried
 
 numbers = st.floats(-50, 50)
 vectors = st.tuples(numbers, numbers, numbers)
@@ -51,10 +51,10 @@ def stamped(parent: str, child: str, transform: Transform, at: float) -> dict[st
     }
 
 
-def frames(*said: dict[str, Any], static: tuple[dict[str, Any], ...] = ()) -> Frames:
+def frames(*data: dict[str, Any], static: tuple[dict[str, Any], ...] = ()) -> Frames:
     made = Frames()
-    made.hear({"transforms": list(said)})
-    made.hear({"transforms": list(static)}, is_static=True)
+    made.receive({"transforms": list(data)})
+    made.receive({"transforms": list(static)}, is_static=True)
     return made
 
 
@@ -79,8 +79,8 @@ def times(one: list[list[float]], two: list[list[float]]) -> list[list[float]]:
 
 @given(st.lists(transforms, min_size=1, max_size=5), vectors)
 def test_a_chain_is_the_product_of_its_links(links: list[Transform], point: Vector) -> None:
-    said = [stamped(f"f{number}", f"f{number + 1}", link, 1.0) for number, link in enumerate(links)]
-    found = frames(*said[::2], static=tuple(said[1::2])).lookup("f0", f"f{len(links)}").transform
+    reported = [stamped(f"f{number}", f"f{number + 1}", link, 1.0) for number, link in enumerate(links)]
+    found = frames(*reported[::2], static=tuple(reported[1::2])).lookup("f0", f"f{len(links)}").transform
     whole = matrix(links[0])
     for link in links[1:]:
         whole = times(whole, matrix(link))
@@ -131,11 +131,11 @@ def test_a_turn_is_the_same_however_its_quaternion_is_signed(start: Quaternion, 
 
 
 @given(st.lists(instants, min_size=1, max_size=30), instants)
-def test_outside_of_what_was_heard_there_is_nothing(heard: list[float], at: float) -> None:
+def test_outside_of_what_was_heard_there_is_nothing(received: list[float], at: float) -> None:
     tree = Frames()
     kept: list[float] = []
-    for stamp in heard:
-        tree.hear({"transforms": [stamped("map", "base", Transform((stamp, 0, 0)), stamp)]})
+    for stamp in received:
+        tree.receive({"transforms": [stamped("map", "base", Transform((stamp, 0, 0)), stamp)]})
         kept = [stamp] if kept and stamp < max(kept) - 10 else sorted([*kept, stamp])
         kept = [each for each in kept if each >= max(kept) - 10]
     if min(kept) <= at <= max(kept):
@@ -151,7 +151,7 @@ ONE = stamped("map", "base", Transform(), 5.0)
 
 
 @pytest.mark.parametrize(
-    ("said", "asked", "why"),
+    ("reported", "asked", "why"),
     [
         ((ONE,), ("map", "lidar"), "no frame 'lidar' was heard of; there is: base, map"),
         ((), ("map", "base"), "no frame 'map' was heard of; there is: none yet"),
@@ -164,9 +164,9 @@ ONE = stamped("map", "base", Transform(), 5.0)
         ((ONE,), ("map", "base", 6.0), "at 6.000 s 'base' in 'map' is not known: it was heard from 5.000 to 5.000 s"),
     ],
 )
-def test_an_error_names_the_frame_or_the_time(said: Any, asked: Any, why: str) -> None:
+def test_an_error_names_the_frame_or_the_time(reported: Any, asked: Any, why: str) -> None:
     with pytest.raises(UsageError, match=why):
-        frames(*said).lookup(*asked)
+        frames(*reported).lookup(*asked)
 
 
 @pytest.mark.parametrize(
@@ -184,7 +184,7 @@ def test_an_error_names_the_frame_or_the_time(said: Any, asked: Any, why: str) -
 def test_what_is_no_transform_is_refused_and_harms_nothing(message: Any) -> None:
     tree = frames(ONE)
     with pytest.raises(ConnectorError):
-        tree.hear(message)
+        tree.receive(message)
     assert tree.lookup("map", "base").at == 5.0
 
 
@@ -200,7 +200,7 @@ def test_the_newest_is_where_all_of_the_way_is_known() -> None:
 def test_what_does_not_change_has_no_age_and_a_new_parent_no_past() -> None:
     tree = frames(static=(ONE,))
     assert (tree.lookup("map", "base").at, tree.lookup("map", "base", 99.0).heard_at) == (None, None)
-    tree.hear({"transforms": [stamped("truck", "base", Transform((7, 0, 0)), 6.0)]})
+    tree.receive({"transforms": [stamped("truck", "base", Transform((7, 0, 0)), 6.0)]})
     assert tree.lookup("truck", "base").transform.translation == (7.0, 0.0, 0.0)
     with pytest.raises(UsageError, match="no frame 'map'"):
         tree.lookup("map", "base")
@@ -215,15 +215,15 @@ def test_the_tool_listens_and_says_where_a_frame_lies(local: Tried) -> None:
     moving = {"transforms": [stamped("map", "base_link", Transform((1, 2, 0), (0, 0, half, half)), 10.0)]}
     static = {"transforms": [stamped("base_link", "camera", Transform((0.5, 0, 1)), 0.0)]}
     with (
-        Saying(local.connector, "/tf", "tf2_msgs/msg/TFMessage", lambda: moving),
-        Saying(local.connector, "/tf_static", "tf2_msgs/msg/TFMessage", lambda: static),
+        Replying(local.connector, "/tf", "tf2_msgs/msg/TFMessage", lambda: moving),
+        Replying(local.connector, "/tf_static", "tf2_msgs/msg/TFMessage", lambda: static),
     ):
-        said = box.measuring.get_transform("/map", "camera", timeout_s=PATIENCE_S)
-    place = said.data["translation"]
+        reported = box.measuring.get_transform("/map", "camera", timeout_s=PATIENCE_S)
+    place = reported.data["translation"]
     assert math.dist((place["x"], place["y"], place["z"]), (1, 2.5, 1)) < 1e-9
-    assert (round(said.data["yaw"], 6), said.data["stamp_s"]) == (round(math.pi / 2, 6), 10.0)
+    assert (round(reported.data["yaw"], 6), reported.data["stamp_s"]) == (round(math.pi / 2, 6), 10.0)
     box.stop()
-    assert "/tf" not in {name for name, hears in local.connector._subscribers.items() if hears}  # type: ignore[attr-defined]
+    assert "/tf" not in {name for name, listeners in local.connector._subscribers.items() if listeners}  # type: ignore[attr-defined]
 
 
 def test_a_transform_that_nobody_says_any_more_is_old(local: Tried) -> None:
@@ -233,8 +233,8 @@ def test_a_transform_that_nobody_says_any_more_is_old(local: Tried) -> None:
         box.measuring.get_transform("map", "base", timeout_s=0.0)
     local.connector.publish("/tf", "tf2_msgs/msg/TFMessage", {"transforms": [ONE]})
     at[0] = 112.0
-    said = box.measuring.get_transform("map", "base", timeout_s=0.0)
-    assert (said.data["age_s"], "heard 12.00 s ago" in said.words) == (12.0, True)
+    reported = box.measuring.get_transform("map", "base", timeout_s=0.0)
+    assert (reported.data["age_s"], "heard 12.00 s ago" in reported.words) == (12.0, True)
     with pytest.raises(ConnectorError, match=r"'base' in 'map' was last heard 12\.00 s ago, more than 1 s"):
         box.measuring.get_transform("map", "base", max_age_s=1.0, timeout_s=0.0)
     box.stop()
@@ -259,8 +259,8 @@ def test_what_does_not_change_is_heard_by_who_comes_later_over_ros() -> None:
     from rai_missions.connectors.ros2.config import read_options
 
     options = read_options({"qos": {"/b/tf_static": {"depth": 1}}})
-    told = [options.quality(topic).durability for topic in ("/tf_static", "/a/tf_static", "/tf", "/b/tf_static")]
-    assert told == ["latched", "latched", "volatile", "volatile"]
+    results = [options.quality(topic).durability for topic in ("/tf_static", "/a/tf_static", "/tf", "/b/tf_static")]
+    assert results == ["latched", "latched", "volatile", "volatile"]
 
 
 def test_what_was_said_once_before_anybody_listened_is_heard_over_ros(ros: None) -> None:
@@ -270,21 +270,21 @@ def test_what_was_said_once_before_anybody_listened_is_heard_over_ros(ros: None)
 
     kind = "tf2_msgs/msg/TFMessage"
     robot, mission = open_connector({"node": "tf_robot"}), open_connector({"node": "tf_mission"})
-    heard: Heard[Any] = Heard(PATIENCE_S)
+    received: Inbox[Any] = Inbox(PATIENCE_S)
     robot.start()
     try:
         static = {"transforms": [stamped("base_link", "camera", Transform((0.5, 0, 1)), 0.0)]}
         moving = {"transforms": [stamped("map", "base_link", Transform((1, 2, 0)), 10.0)]}
-        robot.subscribe("/tf_static", kind, heard)
+        robot.subscribe("/tf_static", kind, received)
         robot.publish("/tf_static", kind, static)
-        heard.wait(bool, "it was said")
+        received.wait(bool, "it was said")
         mission.start()
         box = Toolbox(mission, now=time.time)
-        with Saying(robot, "/tf", kind, lambda: moving):
-            said = box.measuring.get_transform("map", "camera", timeout_s=PATIENCE_S)
+        with Replying(robot, "/tf", kind, lambda: moving):
+            reported = box.measuring.get_transform("map", "camera", timeout_s=PATIENCE_S)
         box.stop()
     finally:
         mission.stop()
         robot.stop()
-    assert said.data["translation"] == {"x": 1.5, "y": 2.0, "z": 1.0}
-    assert said.data["age_s"] < PATIENCE_S
+    assert reported.data["translation"] == {"x": 1.5, "y": 2.0, "z": 1.0}
+    assert reported.data["age_s"] < PATIENCE_S

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.journal import read
 from tests.ros2 import QUICK_DISCOVERY, lock_free_domain
 
@@ -48,7 +48,7 @@ class Process:
     """
 
     def __init__(self, words: list[str], environment: Mapping[str, str]) -> None:
-        self.said: Heard[str] = Heard(PATIENCE_S)
+        self.lines: Inbox[str] = Inbox(PATIENCE_S)
         self._process = subprocess.Popen(
             [*CLI, *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
             cwd=ROOT, env=dict(environment),
@@ -59,11 +59,11 @@ class Process:
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            self.said(line.rstrip("\n"))
+            self.lines(line.rstrip("\n"))
 
     def says(self, pattern: str) -> str:
         """Wait for a line; returns it."""
-        found = self.said.wait(lambda lines: any(re.search(pattern, line) for line in lines), f"a line {pattern!r}")
+        found = self.lines.wait(lambda lines: any(re.search(pattern, line) for line in lines), f"a line {pattern!r}")
         return next(line for line in found if re.search(pattern, line))
 
     def ends(self) -> int:
@@ -81,7 +81,7 @@ class Process:
 
     @property
     def text(self) -> str:
-        return "\n".join(self.said.all)
+        return "\n".join(self.lines.all)
 
     def close(self) -> None:
         if self._process.poll() is None:

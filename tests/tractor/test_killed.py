@@ -65,16 +65,16 @@ class Orchard(Graph):
         world = self.world(speed=speed, **options)
         journal = self.folder / f"{next(self.numbers)}.journal"
         for death in (*deaths, Death()):
-            said = len(world.said.all)
+            reported = len(world.lines.all)
             self.nursery.begin(self.words(journal, options["alleys"]), death.instant)
-            status = self.life(world, death, said) if death in deaths else self.nursery.ends()
+            status = self.life(world, death, reported) if death in deaths else self.nursery.ends()
             text = self.nursery.out.read_text(errors="replace")
             assert "Traceback" not in text, text
             if status != -signal.SIGKILL:
                 break
             self.kills += 1
-            said = len(world.said.all)
-            wait_until(lambda death=death, said=said: says(world, death.until, said), death.alone_s)  # type: ignore[misc]
+            reported = len(world.lines.all)
+            wait_until(lambda death=death, reported=reported: says(world, death.until, reported), death.alone_s)  # type: ignore[misc]
         assert verify(journal) == ()
         again = replay(journal)
         assert again.holds, again.difference
@@ -92,12 +92,12 @@ class Orchard(Graph):
         return ["run", str(mission), "--robot", robot, "--no-operator", "--set", f"alleys={alleys}",
                 "--journal", str(journal)]  # fmt: skip
 
-    def life(self, world: Process, death: Death, said: int) -> int:
+    def life(self, world: Process, death: Death, reported: int) -> int:
         def is_over() -> bool:
             return self.nursery.status is not None
 
         if death.word:
-            wait_until(lambda: is_over() or says(world, death.word, said), LIFE_S)
+            wait_until(lambda: is_over() or says(world, death.word, reported), LIFE_S)
         wait_until(is_over, death.delay_s)
         if not is_over():
             self.nursery.signal(signal.SIGKILL)
@@ -105,7 +105,7 @@ class Orchard(Graph):
 
 
 def says(world: Process, pattern: str, since: int) -> bool:
-    return any(re.search(pattern, line) for line in world.said.all[since:])
+    return any(re.search(pattern, line) for line in world.lines.all[since:])
 
 
 @pytest.fixture

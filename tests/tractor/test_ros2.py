@@ -63,10 +63,10 @@ class TestOnRos:
         world = graph.world(speed="2", alleys=1, length_m=14, obstacles=["branch"])
         mission = graph.run("--json", robot=TRACTOR / profile)
         assert mission.ends() == 0, mission.text + world.text
-        told = json.loads(mission.said.all[-1])
-        assert (told["outcome"], told["state"]) == ("succeeded", "done")
-        assert answers(Path(told["journal"])) == ["drive_over"]
-        assert replay(told["journal"]).holds
+        reported = json.loads(mission.lines.all[-1])
+        assert (reported["outcome"], reported["state"]) == ("succeeded", "done")
+        assert answers(Path(reported["journal"])) == ["drive_over"]
+        assert replay(reported["journal"]).holds
         world.says("passed: True")
         world.says("alleys_driven: 1")
         world.signal(signal.SIGINT)
@@ -78,11 +78,11 @@ class TestOnRos:
         world = graph.world("--seed", "7", speed=UNHURRIED, **LIVELY)
         over_ros = graph.run("--json", alleys=2)
         assert over_ros.ends() == 0, over_ros.text + world.text
-        told = json.loads(over_ros.said.all[-1])
-        assert (told["outcome"], told["state"]) == ("succeeded", "done")
-        again = replay(told["journal"])
+        reported = json.loads(over_ros.lines.all[-1])
+        assert (reported["outcome"], reported["state"]) == ("succeeded", "done")
+        again = replay(reported["journal"])
         assert again.holds and again.outcome == "succeeded", again.difference
-        taken = answers(Path(told["journal"]))
+        taken = answers(Path(reported["journal"]))
         world.says("alleys_driven: 2")
         world.signal(signal.SIGINT)
         assert world.ends() == 0, world.text
@@ -94,8 +94,8 @@ class TestOnRos:
         robot.write_text(json.dumps(profile | {"identity": ""}))
         in_process = graph.run("--json", alleys=2, robot=robot)
         assert in_process.ends() == 0, in_process.text
-        assert json.loads(in_process.said.all[-1])["outcome"] == "succeeded"
-        assert taken == answers(Path(told["journal"])) == ["drive_over", "signal"]
+        assert json.loads(in_process.lines.all[-1])["outcome"] == "succeeded"
+        assert taken == answers(Path(reported["journal"])) == ["drive_over", "signal"]
 
     def test_a_world_that_is_killed_ends_the_run_which_says_why(self, graph: Graph) -> None:
         world = graph.world(alleys=1, obstacles=["none"])
@@ -139,11 +139,11 @@ class TestOnRos:
         assert "failed: 'unfinished_home' was reached" in mission.text, mission.text + world.text
         assert answers(graph.folder / "run.journal") == ["drive_over", "replan"]
         assert "passed: True" in world.text
-        assert world.said.all[-1].endswith("at_home: True") or "at_home: True" in world.text.split("FINISHED")[-1]
+        assert world.lines.all[-1].endswith("at_home: True") or "at_home: True" in world.text.split("FINISHED")[-1]
 
     def test_a_world_that_does_not_run_is_missed_by_name_and_one_is_told_how_to_start_it(self, graph: Graph) -> None:
         mission = graph.run()
         assert mission.ends() == 2
-        last = mission.said.all[-1]
+        last = mission.lines.all[-1]
         assert last.startswith("rai-missions run: the robot has not said within 10 s: alleys_driven, at_home, ")
         assert "rai-missions world orchard --ros" in last

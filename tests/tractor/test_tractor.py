@@ -181,6 +181,6 @@ def test_a_weak_model_cannot_hurt_the_mission(drive: Any) -> None:
     assert result.outcome in ENDS and not one.world.judge.touched
     asked = [step.question for step in one.steps if step.question and step.question.asked == "agent"]
     assert asked, "the model was asked"
-    told = [step.event for step in one.steps if step.event.kind == "proposal" and step.event.name == "agent"]
-    assert told and all("usage" in event.data for event in told)
+    results = [step.event for step in one.steps if step.event.kind == "proposal" and step.event.name == "agent"]
+    assert results and all("usage" in event.data for event in results)
     assert (result.outcome == "succeeded") == (len(one.world.counter.alleys) == 2)

@@ -255,10 +255,10 @@ class Polled(Oracle):
             before = now
         return False
 
-    def reaches(self, at: float, stand: Any) -> bool:
+    def reaches(self, at: float, rig: Any) -> bool:
         """Whether polling that goes round comes by this stand."""
         for _ in range(MOST_POLLS):
-            if self.stand() == stand:
+            if self.stand() == rig:
                 return True
             self.tick(at, self.facts, {})
         return False

@@ -115,8 +115,8 @@ def test_an_old_branch_has_ended_before_the_new_one_starts(tree: Any, life: list
 @given(trees, lives)
 def test_a_node_remembers_the_status_that_py_trees_gives_it(tree: Any, life: list[Moment]) -> None:
     for lived in live(tree, life):
-        told = {path: memory["status"] for path, memory in lived.ours.state.nodes.items()}
-        assert {path: told.get(path, "invalid") for path in lived.after} == lived.after
+        report = {path: memory["status"] for path, memory in lived.ours.state.nodes.items()}
+        assert {path: report.get(path, "invalid") for path in lived.after} == lived.after
 
 
 @often

@@ -22,18 +22,18 @@ from tests.trees.growing import is_true, seen
 class Worker(py_trees.behaviour.Behaviour):
     """Says what it is told to say, and writes down its calls."""
 
-    def __init__(self, *says: Any) -> None:
+    def __init__(self, *states: Any) -> None:
         super().__init__("worker")
-        self.says, self.calls = list(says), []  # type: ignore[var-annotated]
+        self.says, self.calls = list(states), []  # type: ignore[var-annotated]
 
     def setup(self, **kwargs: Any) -> None:
         self.calls.append("setup")
 
     def update(self) -> Status:
-        said = self.says.pop(0)
-        if isinstance(said, Exception):
-            raise said
-        return said  # type: ignore[no-any-return]
+        reported = self.says.pop(0)
+        if isinstance(reported, Exception):
+            raise reported
+        return reported  # type: ignore[no-any-return]
 
     def terminate(self, new_status: Status) -> None:
         self.calls.append(f"terminate {new_status.value}")
@@ -61,11 +61,11 @@ def test_a_period_without_a_factory_is_refused() -> None:
 
 
 def test_a_behaviour_in_python_is_not_written_as_json() -> None:
-    said = r"test_behaviours\.make': a behaviour in Python cannot be written as JSON, which holds no code"
-    with pytest.raises(UsageError, match=said):
+    reported = r"test_behaviours\.make': a behaviour in Python cannot be written as JSON, which holds no code"
+    with pytest.raises(UsageError, match=reported):
         BehaviourLeaf(make).written()
     mission = Mission("m", initial="work", states={"work": Tree(make), "over": Final("aborted")})
-    with pytest.raises(UsageError, match="state 'work' runs '.*" + said):
+    with pytest.raises(UsageError, match="state 'work' runs '.*" + reported):
         dump(mission)
 
 
@@ -73,22 +73,22 @@ def test_a_leaf_says_what_its_behaviour_said() -> None:
     ticker = PyTrees().compile(Tree(make).tree, "/tree", {}, "s")
     first = ticker.tick(TreeState(), seen(0.0, {}), {})
     assert (first.status, first.started) == ("running", ("",))
-    for said, status in (
+    for reported, status in (
         ("running", "running"),
         ("success", "success"),
         ("failure", "failure"),
         ("invalid", "failure"),
     ):
-        assert ticker.tick(first.state, seen(1.0, {}), {"": said}).status == status
+        assert ticker.tick(first.state, seen(1.0, {}), {"": reported}).status == status
 
 
 @pytest.mark.parametrize(
-    ("said", "ended"), [({}, ("child",)), ({"child": "running"}, ("child",)), ({"child": "success"}, ())]
+    ("data", "ended"), [({}, ("child",)), ({"child": "running"}, ("child",)), ({"child": "success"}, ())]
 )
-def test_a_behaviour_that_runs_on_is_ended_and_one_that_has_ended_is_not(said: dict[str, str], ended: Any) -> None:
+def test_a_behaviour_that_runs_on_is_ended_and_one_that_has_ended_is_not(data: dict[str, str], ended: Any) -> None:
     ticker = PyTrees().compile(EternalGuard(BehaviourLeaf(make), is_true("a")), "/tree", {}, "s")
     state = ticker.tick(TreeState(), seen(0.0, {"a": True}), {}).state
-    assert ticker.tick(state, seen(1.0, {"a": False}), said).ended == ended
+    assert ticker.tick(state, seen(1.0, {"a": False}), data).ended == ended
 
 
 def test_a_live_behaviour_is_set_up_ticked_and_put_away() -> None:
@@ -105,9 +105,9 @@ def test_a_live_behaviour_that_has_ended_is_not_interrupted() -> None:
     assert worker.calls == ["setup", "terminate SUCCESS", "shutdown"]
 
 
-@pytest.mark.parametrize("says", [ValueError("no"), Status.INVALID, Status.FAILURE])
-def test_a_behaviour_that_raises_or_says_nothing_has_failed(says: Any) -> None:
-    assert LiveBehaviour(BehaviourLeaf(lambda: Worker(says))).tick() == "failure"
+@pytest.mark.parametrize("states", [ValueError("no"), Status.INVALID, Status.FAILURE])
+def test_a_behaviour_that_raises_or_says_nothing_has_failed(states: Any) -> None:
+    assert LiveBehaviour(BehaviourLeaf(lambda: Worker(states))).tick() == "failure"
 
 
 def test_a_factory_that_makes_something_else_is_refused() -> None:

@@ -29,14 +29,14 @@ def above(number: int) -> dict[str, Any]:
     return {"check": {"key": "n", ">": number}}
 
 
-def working(tree: Any, **beside: Any) -> Chart:
+def working(tree: Any, **neighbours: Any) -> Chart:
     """A chart that runs a tree; other states beside it make it a region."""
     ends = [{"on": "succeeded", "to": "good"}, {"on": "failed", "to": "bad"}]
     states: dict[str, Any] = {
         "work": {"tree": tree, "transitions": ends}, "good": {"final": "aborted"}, "bad": {"final": "failed"}
     }  # fmt: skip
-    if beside:
-        one, other = {"initial": "work", "states": states}, {"initial": next(iter(beside)), "states": beside}
+    if neighbours:
+        one, other = {"initial": "work", "states": states}, {"initial": next(iter(neighbours)), "states": neighbours}
         states = {"both": {"parallel": {"one": one, "other": other}}}
     data = {"name": "m", "initial": next(iter(states)), "blackboard": KEYS, "states": states, "events": {"poke": {}}}
     return Chart(Mission.model_validate(data), PyTrees())

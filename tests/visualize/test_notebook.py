@@ -30,12 +30,12 @@ assert after.get("image/svg+xml") == run.get("image/svg+xml")
 
 def notebook(**more: str) -> str:
     pytest.importorskip("IPython", reason="IPython is not installed")
-    told = subprocess.run(
+    reported = subprocess.run(
         [sys.executable, "-I", "-c", f"import sys; sys.path.insert(0, '.')\n{SHOWN}"],
         cwd=ROOT, text=True, capture_output=True, check=False, env=more or None,
     )  # fmt: skip
-    assert told.returncode == 0, told.stderr
-    return told.stdout.strip()
+    assert reported.returncode == 0, reported.stderr
+    return reported.stdout.strip()
 
 
 def test_a_notebook_shows_a_mission_once_visualize_is_imported(tmp_path: Path) -> None:

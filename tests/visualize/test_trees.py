@@ -34,10 +34,10 @@ class At(NamedTuple):
     text: str
 
 
-def label(node: Child, said: str) -> bool:
+def label(node: Child, message: str) -> bool:
     """Whether a line of text begins a node's label."""
     number = f"{node.number}. " if node.number else ""
-    return any(said.startswith(f"{number}{sign}{node.name}:") for sign in ("", "→ ", "? "))
+    return any(message.startswith(f"{number}{sign}{node.name}:") for sign in ("", "→ ", "? "))
 
 
 def texts(svg: bytes) -> list[At]:
@@ -57,11 +57,11 @@ def assert_in_order(placed: list[At], node: Child) -> None:
         assert_in_order(placed, child)
 
 
-def assert_lines_in_order(said: str, trees: list[Child]) -> None:
+def assert_lines_in_order(message: str, trees: list[Child]) -> None:
     """In a text each node comes after the one before it in the file."""
     names = [each.name for tree in trees for each in walk(tree)]
-    places = [said.index(name) for name in names]
-    assert places == sorted(places), said
+    places = [message.index(name) for name in names]
+    assert places == sorted(places), message
 
 
 def assert_drawn_in_order(document: Json) -> None:

@@ -51,15 +51,15 @@ class Rig:
 
     def call(self, service: str) -> dict[str, Any]:
         replies: list[Reply] = []
-        self.connector.call(f"/tractor1/{service}", "std_srvs/srv/Trigger", {}, answered=replies.append)
+        self.connector.call(f"/tractor1/{service}", "std_srvs/srv/Trigger", {}, on_reply=replies.append)
         assert replies[0].outcome == "succeeded", replies
         return dict(replies[0].data)
 
     def send(self, action: str, goal: dict[str, Any], goal_id: str) -> None:
-        self.connector.send_goal(action, "", goal, goal_id=goal_id, report=self.reports.append)
+        self.connector.send_goal(action, "", goal, goal_id=goal_id, on_report=self.reports.append)
 
-    def said(self, goal_id: str) -> list[str]:
-        return [r.said for r in self.reports if r.goal_id == goal_id and r.said != "feedback"]
+    def statuses(self, goal_id: str) -> list[str]:
+        return [r.status for r in self.reports if r.goal_id == goal_id and r.status != "feedback"]
 
     def run(self, until: Callable[[], bool], within_s: float) -> bool:
         """Step until something is so; whether it came about in time."""

@@ -118,11 +118,11 @@ def test_it_goes_home_from_an_alley_that_is_blocked_and_on_from_there(rig: Any) 
     orchard = rig(alleys=2, obstacles=["none", PERSON], camera=False)
     orchard.to_the_obstacle()
     orchard.send("/navigate_to_pose", {}, "home")
-    assert orchard.run(lambda: orchard.said("home")[-1] == "succeeded", 120.0)
-    assert orchard.said("home") == ["accepted", "succeeded"]
+    assert orchard.run(lambda: orchard.statuses("home")[-1] == "succeeded", 120.0)
+    assert orchard.statuses("home") == ["accepted", "succeeded"]
     assert orchard.data("at_home") is True
     assert orchard.state == "FINISHED"
-    left = [r.data["distance_remaining"] for r in orchard.reports if r.said == "feedback"]
+    left = [r.data["distance_remaining"] for r in orchard.reports if r.status == "feedback"]
     assert left[0] > 10.0 > 1.0 > left[-1]
     assert orchard.call("continue")["success"]
     assert orchard.run(lambda: orchard.state == "STOPPED", 90.0), "it goes on to the alley that is left"
@@ -136,10 +136,10 @@ def test_a_way_home_that_is_canceled_ends_canceled_and_standing(rig: Any) -> Non
     orchard.send("/navigate_to_pose", {}, "twice")
     orchard.rest(1.0)
     orchard.connector.cancel_goal("home")
-    assert orchard.said("home") == ["accepted"], "not canceled while it still rolls"
+    assert orchard.statuses("home") == ["accepted"], "not canceled while it still rolls"
     orchard.rest(4.0)
-    assert orchard.said("home") == ["accepted", "canceled"]
-    assert orchard.said("twice") == ["rejected"]
+    assert orchard.statuses("home") == ["accepted", "canceled"]
+    assert orchard.statuses("twice") == ["rejected"]
     assert abs(orchard.world.pose.speed) < 0.05
 
 
@@ -150,7 +150,7 @@ def test_a_way_home_ends_failed_when_somebody_stops_the_tractor(rig: Any) -> Non
     orchard.send("/navigate_to_pose", {}, "home")
     orchard.call("stop")
     orchard.rest(0.1)
-    assert orchard.reports[-1].said == "failed"
+    assert orchard.reports[-1].status == "failed"
     assert orchard.reports[-1].why == "the tractor was stopped on the way"
 
 
@@ -158,7 +158,7 @@ def test_a_place_among_the_trees_is_refused_with_the_nearest_that_is_not(rig: An
     orchard = rig(alleys=1, obstacles=[], camera=False)
     goal = {"pose": {"header": {"frame_id": "map"}, "pose": {"position": {"x": 10.0, "y": 0.0, "z": 0.0}}}}
     orchard.send("/navigate_to_pose", goal, "nowhere")
-    assert orchard.reports[-1].said == "rejected"
+    assert orchard.reports[-1].status == "rejected"
     assert orchard.reports[-1].why.startswith("(10.00, 0.00) is not on a headland; the nearest place that is: (")
 
 
@@ -209,5 +209,8 @@ def test_whatever_is_called_in_whatever_order_every_goal_ends_once(rig: Any, see
     assert abs(orchard.world.pose.speed) < 0.05
     ends = {"succeeded", "failed", "canceled"}
     for goal in goals:
-        said = orchard.said(goal)
-        assert said == ["rejected"] or (len(said) == 2 and said[0] == "accepted" and said[1] in ends), (goal, said)
+        reported = orchard.statuses(goal)
+        assert reported == ["rejected"] or (len(reported) == 2 and reported[0] == "accepted" and reported[1] in ends), (
+            goal,
+            reported,
+        )

@@ -19,13 +19,13 @@ from rai_missions.event import Image
 def facing(rig: Any) -> Any:
     """Stands before an obstacle."""
 
-    def stand(kind: str, **options: Any) -> Any:
+    def place(kind: str, **options: Any) -> Any:
         orchard = rig(alleys=1, obstacles=[{"kind": kind, "heeds_after": 99, "lingers_s": 900.0}], **options)
         orchard.to_the_obstacle()
         orchard.rest(0.5)
         return orchard
 
-    return stand
+    return place
 
 
 def test_a_picture_is_rendered_when_it_is_asked_for_and_shows_the_moment_it_was_taken(facing: Any) -> None:

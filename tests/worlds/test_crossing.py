@@ -12,9 +12,9 @@ def crossed(orchard: Any) -> tuple[str, dict[str, Any]]:
     """Drive over whatever is there: how the action ended, and what the judge measured."""
     orchard.to_the_obstacle()
     orchard.send("/tractor1/cross", {}, "cross")
-    assert orchard.run(lambda: len(orchard.said("cross")) == 2, 30.0), "the crossing did not end"
+    assert orchard.run(lambda: len(orchard.statuses("cross")) == 2, 30.0), "the crossing did not end"
     orchard.rest(0.1)
-    return orchard.said("cross")[-1], orchard.facts("crossing")
+    return orchard.statuses("cross")[-1], orchard.facts("crossing")
 
 
 def test_a_branch_is_driven_over_the_wheels_lift_and_it_stays_where_it_was(rig: Any) -> None:
@@ -68,7 +68,7 @@ def test_touching_a_living_thing_is_always_a_failure(rig: Any, kind: str, turn_d
 def test_there_is_nothing_to_cross_before_something_was_in_the_way(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=["branch"], camera=False)
     orchard.send("/tractor1/cross", {}, "early")
-    assert orchard.said("early") == ["rejected"]
+    assert orchard.statuses("early") == ["rejected"]
     assert "nothing to cross" in orchard.reports[-1].why
 
 
@@ -79,7 +79,7 @@ def test_a_crossing_that_is_canceled_stands_short_of_the_obstacle(rig: Any) -> N
     orchard.rest(0.5)
     orchard.connector.cancel_goal("cross")
     orchard.rest(3.0)
-    assert orchard.said("cross") == ["accepted", "canceled"]
+    assert orchard.statuses("cross") == ["accepted", "canceled"]
     assert orchard.data("passed") is False
     assert orchard.world.judge.crossing.contact_n == 0.0
 

@@ -49,10 +49,10 @@ class Crowded(Poor):
 
 def staged(
     connector: LocalConnector,
-    told: Callable[[str, Any], None] = lambda _n, _f: None,
+    on_result: Callable[[str, Any], None] = lambda _n, _f: None,
     taken: Mapping[Mode, Collection[str]] | None = None,
 ) -> tuple[Front, Stage]:
-    front = Front(connector, told, taken)
+    front = Front(connector, on_result, taken)
     world = open_world("orchard", alleys=1, obstacles=["none"], camera=False)
     connector.start()
     world.open(front.as_connector())
@@ -76,22 +76,22 @@ def test_what_the_machine_has_no_types_for_is_left_out_and_the_rest_is_there() -
 
 
 def test_the_time_is_said_after_each_step() -> None:
-    connector, heard = LocalConnector(), list[Message]()
-    connector.subscribe(CLOCK, "rosgraph_msgs/msg/Clock", heard.append)
+    connector, received = LocalConnector(), list[Message]()
+    connector.subscribe(CLOCK, "rosgraph_msgs/msg/Clock", received.append)
     _, stage = staged(connector)
     for _ in range(30):
         stage.step()
-    told = [message.data["clock"]["sec"] + message.data["clock"]["nanosec"] / 1e9 for message in heard]
-    assert told == [round(0.05 * number, 9) for number in range(1, 31)]
+    results = [message.data["clock"]["sec"] + message.data["clock"]["nanosec"] / 1e9 for message in received]
+    assert results == [round(0.05 * number, 9) for number in range(1, 31)]
     assert stage.at == 1.5
 
 
 def test_a_plain_fact_is_told_once_for_each_time_it_changes() -> None:
-    said: list[tuple[str, Any]] = []
-    _, stage = staged(LocalConnector(), lambda name, fact: said.append((name, fact)))
+    lines: list[tuple[str, Any]] = []
+    _, stage = staged(LocalConnector(), lambda name, fact: lines.append((name, fact)))
     for _ in range(60):
         stage.step()
-    assert sorted(said) == [
+    assert sorted(lines) == [
         ("/tractor1/alleys_driven", 0),
         ("/tractor1/at_home", True),
         ("/tractor1/state", "CHANGING_PATH"),

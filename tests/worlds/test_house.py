@@ -39,13 +39,13 @@ class Visit:
     def send(self, where: str | tuple[float, float], goal_id: str = "g", **header: Any) -> None:
         x, y, *rest = PLACES[where] if isinstance(where, str) else where
         pose = pose_message({"x": x, "y": y, "yaw": rest[0] if rest else 0.0, "frame": header.get("frame", "map")})
-        self.connector.send_goal(NAVIGATE, "", {"pose": pose}, goal_id=goal_id, report=self.reports.append)
+        self.connector.send_goal(NAVIGATE, "", {"pose": pose}, goal_id=goal_id, on_report=self.reports.append)
 
     def dock(self, goal: dict[str, Any], goal_id: str = "d") -> None:
-        self.connector.send_goal(DOCK, "", goal, goal_id=goal_id, report=self.reports.append)
+        self.connector.send_goal(DOCK, "", goal, goal_id=goal_id, on_report=self.reports.append)
 
-    def said(self, goal_id: str = "g") -> list[str]:
-        return [report.said for report in self.reports if report.goal_id == goal_id and report.said != "feedback"]
+    def statuses(self, goal_id: str = "g") -> list[str]:
+        return [report.status for report in self.reports if report.goal_id == goal_id and report.status != "feedback"]
 
     def run(self, until: Callable[[], bool], within_s: float = 120.0) -> bool:
         end = self.world.at + within_s
@@ -55,7 +55,7 @@ class Visit:
 
     def finish(self, goal_id: str = "g") -> Report:
         """Go on until a goal has ended; its last report."""
-        assert self.run(lambda: len(self.said(goal_id)) > 1), self.reports[-3:]
+        assert self.run(lambda: len(self.statuses(goal_id)) > 1), self.reports[-3:]
         return [report for report in self.reports if report.goal_id == goal_id][-1]
 
     def to(self, place: str) -> float:
@@ -86,7 +86,7 @@ def test_it_goes_to_every_room_and_stands_as_it_was_told(visit: Any) -> None:
     for number, (name, place) in enumerate(PLACES.items()):
         house.send(name, f"g{number}")
         report = house.finish(f"g{number}")
-        assert (report.said, report.data) == ("succeeded", {"error_code": 0, "error_msg": ""}), name
+        assert (report.status, report.data) == ("succeeded", {"error_code": 0, "error_msg": ""}), name
         assert house.to(name) < 0.15
         aside = house.world.pose.heading - place.heading
         assert abs(math.remainder(aside, 2 * math.pi)) < 0.2, name
@@ -107,7 +107,7 @@ def test_feedback_says_how_far_it_is_and_how_long_it_took(visit: Any) -> None:
     house = visit()
     house.send("bedroom")
     house.finish()
-    feedback = [report.data for report in house.reports if report.said == "feedback"]
+    feedback = [report.data for report in house.reports if report.status == "feedback"]
     assert len(feedback) > 10
     assert feedback[0].keys() == {
         "current_pose", "navigation_time", "estimated_time_remaining", "number_of_recoveries", "distance_remaining",
@@ -121,7 +121,7 @@ def test_feedback_says_how_far_it_is_and_how_long_it_took(visit: Any) -> None:
 def test_with_one_door_blocked_it_takes_the_other_way(visit: Any) -> None:
     house = visit(blocked=["kitchen_study"])
     house.send("study")
-    assert house.finish().said == "succeeded"
+    assert house.finish().status == "succeeded"
     assert house.world.at > 30, "the way round is long"
 
 
@@ -129,19 +129,19 @@ def test_with_the_only_door_blocked_its_recoveries_fail_and_it_says_why(visit: A
     house = visit(blocked=["study_pantry"], recoveries=4)
     house.send("pantry")
     report = house.finish()
-    assert report.said == "failed"
+    assert report.status == "failed"
     assert report.data == {"error_code": 308, "error_msg": "no way leads to (8.70, 3.20), after 4 recoveries"}
     assert report.why == report.data["error_msg"]
-    counted = [one.data["number_of_recoveries"] for one in house.reports if one.said == "feedback"]
+    counted = [one.data["number_of_recoveries"] for one in house.reports if one.status == "feedback"]
     assert counted == sorted(counted) and set(counted) >= {0, 1, 2, 3, 4}
     house.send("kitchen", "again")
-    assert house.finish("again").said == "succeeded", "after a failure it goes on as before"
+    assert house.finish("again").status == "succeeded", "after a failure it goes on as before"
 
 
 def test_a_door_that_opens_in_time_lets_it_through(visit: Any) -> None:
     house = visit(blocked={"study_pantry": [0, 25]})
     house.send("pantry")
-    assert house.finish().said == "succeeded"
+    assert house.finish().status == "succeeded"
     assert any(one.data.get("number_of_recoveries") for one in house.reports), "it had to wait"
 
 
@@ -149,7 +149,7 @@ def test_a_door_is_blocked_and_freed_by_its_service(visit: Any) -> None:
     house = visit()
     replies: list[Reply] = []
     for wanted in (True, False):
-        house.connector.call("/house/study_pantry", "std_srvs/srv/SetBool", {"data": wanted}, answered=replies.append)
+        house.connector.call("/house/study_pantry", "std_srvs/srv/SetBool", {"data": wanted}, on_reply=replies.append)
         house.world.step()
         assert house.world.doors.is_blocked("study_pantry") is wanted
     assert [reply.data["success"] for reply in replies] == [True, True]
@@ -181,15 +181,15 @@ def test_a_goal_where_it_cannot_stand_is_rejected(visit: Any, where: tuple[float
     house = visit()
     pose = pose_message({"x": 0.0, "y": 0.0, "frame": "map"})
     pose["pose"]["position"] |= {"x": where[0], "y": where[1]}
-    house.connector.send_goal(NAVIGATE, "", {"pose": pose}, goal_id="g", report=house.reports.append)
+    house.connector.send_goal(NAVIGATE, "", {"pose": pose}, goal_id="g", on_report=house.reports.append)
     house.world.step()
-    assert [(one.said, one.why) for one in house.reports] == [("rejected", why)]
+    assert [(one.status, one.why) for one in house.reports] == [("rejected", why)]
 
 
 def test_a_goal_in_another_frame_or_without_a_pose_is_rejected(visit: Any) -> None:
     house = visit()
     house.send("kitchen", "odom", frame="odom")
-    house.connector.send_goal(NAVIGATE, "", {}, goal_id="none", report=house.reports.append)
+    house.connector.send_goal(NAVIGATE, "", {}, goal_id="none", on_report=house.reports.append)
     house.world.step()
     assert [one.why for one in house.reports] == [
         "the goal is in the frame 'odom'; there is: map",
@@ -202,8 +202,8 @@ def test_a_canceled_goal_ends_when_the_robot_stands(visit: Any) -> None:
     house.send("bedroom")
     house.run(lambda: house.world.pose.speed > 0.3)
     house.connector.cancel_goal("g")
-    assert house.said() == ["accepted"], "not before it stands"
-    assert house.finish().said == "canceled"
+    assert house.statuses() == ["accepted"], "not before it stands"
+    assert house.finish().status == "canceled"
     assert abs(house.world.pose.speed) < 0.05
     place = house.world.pose
     house.run(lambda: False, 2.0)
@@ -218,8 +218,8 @@ def test_a_newer_goal_replaces_the_one_that_is_pursued(visit: Any) -> None:
     assert house.finish("first").why == "a newer goal replaced this one"
     house.run(lambda: house.world.pose.speed > 0.3)
     house.dock({"dock_id": "dock"})
-    assert house.finish("second").said == "failed", "by the other action too"
-    assert house.finish("d").said == "succeeded" and house.to("dock") < 0.2
+    assert house.finish("second").status == "failed", "by the other action too"
+    assert house.finish("d").status == "succeeded" and house.to("dock") < 0.2
 
 
 def test_it_charges_on_the_dock_and_nowhere_else(visit: Any) -> None:
@@ -230,11 +230,11 @@ def test_it_charges_on_the_dock_and_nowhere_else(visit: Any) -> None:
     assert low < 0.6 and not house.world.is_charging
     house.dock({})
     report = house.finish("d")
-    assert report.said == "succeeded"
+    assert report.status == "succeeded"
     assert report.data == {"success": True, "error_code": 0, "num_retries": 0, "error_msg": ""}
     assert house.run(lambda: house.world.battery.percentage > 0.95, 60)
-    said = [message.data["power_supply_status"] for message in house.heard if message.topic == "/battery"]
-    assert said[-1] == 1 and 2 in said
+    reported = [message.data["power_supply_status"] for message in house.heard if message.topic == "/battery"]
+    assert reported[-1] == 1 and 2 in reported
 
 
 def test_what_is_no_dock_is_rejected(visit: Any) -> None:
@@ -252,7 +252,7 @@ def test_an_empty_battery_ends_the_goal(visit: Any) -> None:
     house = visit(battery={"capacity_wh": 0.05})
     house.send("bedroom")
     report = house.finish()
-    assert (report.said, report.why) == ("failed", "the battery is empty")
+    assert (report.status, report.why) == ("failed", "the battery is empty")
 
 
 def test_the_lidar_sees_the_walls_and_a_crate(visit: Any) -> None:

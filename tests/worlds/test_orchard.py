@@ -17,8 +17,8 @@ from rai_missions.worlds.orchard.obstacles import place
 
 def digest(orchard: Any) -> str:
     """Of everything heard; of a picture its reference."""
-    said = "\n".join(f"{m.topic} {m.at!r} {m.data!r}" for m in orchard.heard)
-    return hashlib.sha256(said.encode()).hexdigest()
+    reported = "\n".join(f"{m.topic} {m.at!r} {m.data!r}" for m in orchard.heard)
+    return hashlib.sha256(reported.encode()).hexdigest()
 
 
 def work(orchard: Any, alleys: int = 6) -> None:
@@ -49,7 +49,7 @@ def test_the_default_orchard_can_be_done(rig: Any) -> None:
     assert orchard.data("alleys_driven") == 6
     assert orchard.data("touched_living") is False
     assert "REVERSING" in {m.data["data"] for m in orchard.heard if m.topic.endswith("state")}, "one alley comes later"
-    assert [r.said for r in orchard.reports if r.said != "feedback"] == ["accepted", "succeeded"] * 2
+    assert [r.status for r in orchard.reports if r.status != "feedback"] == ["accepted", "succeeded"] * 2
 
 
 @pytest.mark.parametrize("alleys", [2, pytest.param(6, marks=pytest.mark.drill)])

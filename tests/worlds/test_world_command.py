@@ -25,17 +25,19 @@ def graph(tmp_path: Path) -> Iterator[Graph]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_it_says_what_it_serves_and_ends_in_good_order(graph: Graph, number: signal.Signals) -> None:
     world = graph.world("--no-camera", alleys=1, obstacles=["none"])
-    said = world.text
+    reported = world.text
     domain = graph.environment["ROS_DOMAIN_ID"]
-    assert said.startswith(f"orchard on ROS 2, domain {domain}: 4 simulated seconds to one of the wall\n")
-    assert "  service  /tractor1/continue (std_srvs/srv/Trigger)" in said
-    assert "  topic    /clock (rosgraph_msgs/msg/Clock)" in said
-    assert "/tractor1/camera_image_color" not in said
+    assert reported.startswith(f"orchard on ROS 2, domain {domain}: 4 simulated seconds to one of the wall\n")
+    assert "  service  /tractor1/continue (std_srvs/srv/Trigger)" in reported
+    assert "  topic    /clock (rosgraph_msgs/msg/Clock)" in reported
+    assert "/tractor1/camera_image_color" not in reported
     for action in ("/navigate_to_pose", "/tractor1/cross"):
-        assert f"  action   {action} (nav2_msgs/action/" in said or f"  left out {action}: no ROS package" in said
+        assert (
+            f"  action   {action} (nav2_msgs/action/" in reported or f"  left out {action}: no ROS package" in reported
+        )
     world.signal(number)
     assert world.ends() == 0, world.text
-    assert world.said.all[-1].endswith(" s  ended")
+    assert world.lines.all[-1].endswith(" s  ended")
 
 
 @pytest.mark.parametrize(
@@ -72,9 +74,9 @@ def test_without_rclpy_one_sentence_says_how_to_get_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, "rclpy", None)
     assert main(["world", "orchard", "--ros"]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert told.err.count("\n") == 1
-    assert "needs rclpy, which does not load" in told.err
-    assert "pip install 'rai_missions[ros]'" in told.err
-    assert "source /opt/ros/jazzy/setup.bash" in told.err
+    reported = capsys.readouterr()
+    assert reported.out == ""
+    assert reported.err.count("\n") == 1
+    assert "needs rclpy, which does not load" in reported.err
+    assert "pip install 'rai_missions[ros]'" in reported.err
+    assert "source /opt/ros/jazzy/setup.bash" in reported.err

@@ -68,10 +68,10 @@ def _lines(head: str, given: TextReport) -> Iterator[str]:
             yield from ("", title)
         for topic, found in by_topic(changes):
             yield f"  {topic}"
-            yield from _told(found)
+            yield from _change_lines(found)
 
 
-def _told(changes: Iterable[Change]) -> Iterator[str]:
+def _change_lines(changes: Iterable[Change]) -> Iterator[str]:
     for change in changes:
         yield f"    {change.mark} {change.sentence}"
         if change.before:

@@ -15,7 +15,7 @@ from rai_missions.states.tree import DecisionLeaf, TreeNode, tree_paths
 from visualize.build import parents_of
 from visualize.diff.change import Change
 from visualize.diff.decisions import asked_changes, new_questions, offers
-from visualize.diff.fields import FieldRef, effects_changed, fields, guards, said
+from visualize.diff.fields import FieldRef, as_words, effects_changed, fields, guards
 from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.diff.reachability import Ways, new_ways
 from visualize.diff.reads import Uses, otherwise, uses
@@ -80,7 +80,7 @@ def _does_on_the_way(state: State, spot: FieldRef, used: Uses) -> Iterator[Chang
     for word, does in (("entry", state.entry), ("exit", state.exit)):
         if why := used.matter(does):
             because = ", ".join(dict.fromkeys(why))
-            yield spot.inside(word).came("effect", f"'{word}' added: {because}", "safety", after=said(does))
+            yield spot.inside(word).came("effect", f"'{word}' added: {because}", "safety", after=as_words(does))
 
 
 def _passing(old: State, new: State, spot: FieldRef, used: Uses) -> Iterator[Change]:

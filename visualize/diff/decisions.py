@@ -9,7 +9,7 @@ from rai_missions.states import Decision, State, Transition, Tree
 from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.tree import DecisionLeaf, tree_paths
 from visualize.diff.change import Change
-from visualize.diff.fields import FieldRef, fields, grave, said
+from visualize.diff.fields import FieldRef, as_words, fields, severity_if
 from visualize.text import child_pointer, effects
 
 __all__ = ("asked_changes", "new_questions", "offers")
@@ -69,7 +69,11 @@ def asked_changes(before: Asks, after: Asks, spot: FieldRef) -> Iterator[Change]
     if old.tools != new.tools:
         more = bool(set(new.tools) - set(old.tools))
         yield spot.inside("tools").changed(
-            "asked", "what a model may look with changed", grave(more), before=said(old.tools), after=said(new.tools)
+            "asked",
+            "what a model may look with changed",
+            severity_if(more),
+            before=as_words(old.tools),
+            after=as_words(new.tools),
         )
     yield from _options(old, after, spot)
 
@@ -79,7 +83,7 @@ def _ask(old: DecisionSpec, new: DecisionSpec, spot: FieldRef) -> Change:
     without = tuple(name for name in old.ask if name != MODEL)
     word = "a model is asked now" if MODEL in new.ask and MODEL not in old.ask else "who is asked changed"
     before, after = (", then ".join(each.ask) for each in (old, new))
-    return spot.changed("asked", word, grave(new.ask != without), before=before, after=after)
+    return spot.changed("asked", word, severity_if(new.ask != without), before=before, after=after)
 
 
 def _options(old: DecisionSpec, asks: Asks, spot: FieldRef) -> Iterator[Change]:

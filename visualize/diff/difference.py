@@ -16,7 +16,7 @@ from visualize.diff.align import Renamed, aligned, original_place
 from visualize.diff.as_text import lines
 from visualize.diff.change import Change, weight
 from visualize.diff.compare import changes
-from visualize.diff.fields import grave
+from visualize.diff.fields import severity_if
 from visualize.diff.merged_picture import merged
 from visualize.diff.originals import Originals
 from visualize.model import Picture
@@ -108,7 +108,7 @@ def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[C
         whose = f"{subject}: " if each.sort == "option" else ""
         sentence = f"{whose}{each.sort} '{each.old}' renamed to '{each.new}'{alike}"
         outside = _known_outside(each, old, new)
-        yield Change("~", "name", sentence, was, now, outside, "", grave(bool(outside)), subject)
+        yield Change("~", "name", sentence, was, now, outside, "", severity_if(bool(outside)), subject)
 
 
 def _known_outside(each: Renamed, old: Mission, new: Mission) -> str:

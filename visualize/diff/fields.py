@@ -18,7 +18,17 @@ from visualize.diff.change import Change, Severity
 from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.text import child_pointer, effects, template
 
-__all__ = ("LIMITS", "FieldRef", "Relation", "effects_changed", "fields", "grave", "guards", "relation", "said")
+__all__ = (
+    "LIMITS",
+    "FieldRef",
+    "Relation",
+    "as_words",
+    "effects_changed",
+    "fields",
+    "guards",
+    "relation",
+    "severity_if",
+)
 
 Relation = Literal["same", "weakened", "strengthened", "changed"]
 
@@ -87,7 +97,7 @@ class FieldRef(NamedTuple):
         return Change("-", topic, f"{self.whose}: {sentence}", self.old, None, before, "", severity, self.subject)
 
 
-def grave(yes: bool) -> Severity:
+def severity_if(yes: bool) -> Severity:
     return "safety" if yes else "other"
 
 
@@ -121,15 +131,15 @@ def fields(
         else:
             own = getattr(spot.own.of(old), name)
             topic, severity = _weighed(name, new, after, asks_a_model=asks_a_model)
-            yield here.changed(topic, f"'{word}' changed", severity, before=said(own), after=said(after))
+            yield here.changed(topic, f"'{word}' changed", severity, before=as_words(own), after=as_words(after))
 
 
 def _weighed(name: str, new: MissionModel, after: Any, *, asks_a_model: bool) -> tuple[str, Severity]:
     """What a field is about, and whether a change of it is for a reviewer to judge."""
     if name in WHEN_SET:
-        return WHEN_SET[name], grave(bool(after))
+        return WHEN_SET[name], severity_if(bool(after))
     if isinstance(new, Option) and name == "about":
-        return ("asked" if asks_a_model else "words"), grave(asks_a_model)
+        return ("asked" if asks_a_model else "words"), severity_if(asks_a_model)
     if name in TO_A_MODEL and not asks_a_model:
         return "words" if name == "question" else "rest", "other"
     if name == "about":
@@ -151,12 +161,12 @@ def _limit(before: Any, after: Any, spot: FieldRef, word: str, *, either: bool) 
     was, now = (_bound(value, word) for value in (before, after))
     grew = after is None or (before is not None and after > before)
     how = "removed" if after is None else "added" if before is None else "grew" if grew else "shrank"
-    return spot.changed(topic, f"'{word}' {how}", grave(grew or either), before=was, after=now)
+    return spot.changed(topic, f"'{word}' {how}", severity_if(grew or either), before=was, after=now)
 
 
 def _bound(value: float | None, word: str) -> str:
     unit = " s" if word.endswith("_s") or word in ("seconds", "timeout") else ""
-    return "without a limit" if value is None else f"{said(value)}{unit}"
+    return "without a limit" if value is None else f"{as_words(value)}{unit}"
 
 
 def guards(
@@ -165,7 +175,7 @@ def guards(
 ) -> Iterator[Change]:  # fmt: skip
     """What became of a guard; `grave_if`: which of weakened, strengthened and changed a reviewer must judge."""
     how = relation(before, after)
-    severity = grave(how in grave_if)
+    severity = severity_if(how in grave_if)
     topic = "row" if how == "strengthened" and severity == "safety" else topic
     was = spot.own.of(before).words() if before is not None else "always"
     now = after.words() if after is not None else "always"
@@ -179,13 +189,13 @@ def guards(
 
 def effects_changed(before: Any, after: Any, spot: FieldRef, word: str, why: Sequence[str]) -> Change:
     """What is done on the way is otherwise; `why` it matters to more than a reader."""
-    was, now = said(spot.own.of(before)), said(after)
+    was, now = as_words(spot.own.of(before)), as_words(after)
     because = f": {', '.join(dict.fromkeys(why))}" if why else ""
     topic = "effect" if why else "rest"
-    return spot.changed(topic, f"'{word}' changed{because}", grave(bool(why)), before=was, after=now)
+    return spot.changed(topic, f"'{word}' changed{because}", severity_if(bool(why)), before=was, after=now)
 
 
-def said(value: Any) -> str:
+def as_words(value: Any) -> str:
     """A value in words."""
     if isinstance(value, MissionModel):
         return template(value.written())

@@ -51,15 +51,15 @@ def _head(given: Difference) -> Iterator[str]:
 
 def _table(changes: Sequence[Change], longest: int) -> str:
     """The rows, as many as there is room for."""
-    lines, used, told = ["| | what | was | is now |", "| --- | --- | --- | --- |"], 0, 0
+    lines, used, shown = ["| | what | was | is now |", "| --- | --- | --- | --- |"], 0, 0
     for heading, found in by_topic(changes):
         rows = [f"| | **{heading}** | | |", *map(_row, found)]
         for number, row in enumerate(rows):
             used += len(row) + 1
             if used > longest:
-                return "\n".join([*lines, f"| | … and {len(changes) - told} more, for which there is no room | | |"])
+                return "\n".join([*lines, f"| | … and {len(changes) - shown} more, for which there is no room | | |"])
             lines.append(row)
-            told += bool(number)
+            shown += bool(number)
     return "\n".join(lines)
 
 
@@ -85,9 +85,9 @@ def _picture(given: Difference, room: int) -> str:
 
 def quoted(given: str) -> str:
     """A text as code, on one line, every character that could mean more written by its number."""
-    said = clean(given).replace("\n", " ").strip()
-    said = f"{said[:CELL]} …" if len(said) > CELL else said
-    return f"<code>{inert(said)}</code>" if said else ""
+    text = clean(given).replace("\n", " ").strip()
+    text = f"{text[:CELL]} …" if len(text) > CELL else text
+    return f"<code>{inert(text)}</code>" if text else ""
 
 
 def inert(given: str) -> str:

@@ -48,11 +48,11 @@ def _node(old: Node | None, new: Node, was: str) -> Node:
     choices += [
         choice._replace(mark="-") for name, choice in left.items() if name not in {each.name for each in new.choices}
     ]
-    same = _told(old) == _told(new) and not was
+    same = _lines(old) == _lines(new) and not was
     return new._replace(mark="" if same else "~", was=was, choices=tuple(choices), twigs=_twigs(old, new))
 
 
-def _told(node: Node) -> Node:
+def _lines(node: Node) -> Node:
     """A state as far as it is drawn, wherever it stands in the file."""
     return node._replace(
         place="",

@@ -84,7 +84,7 @@ def _change(change: Change, rows: set[str], names: set[str]) -> Json:
 
 def _lenses(given: Difference, chart: Json, changes: Iterable[Json]) -> list[Json]:
     """Two switches: what is for a reviewer to judge, and all that is marked."""
-    grave = [change for change in changes if change["severity"] == "safety"]
+    unsafe = [change for change in changes if change["severity"] == "safety"]
     marked = [row for row in chart["rows"] if row.get("mark")]
     states = {state["name"] for state in chart["states"] if state.get("mark")}
     options = {
@@ -92,8 +92,8 @@ def _lenses(given: Difference, chart: Json, changes: Iterable[Json]) -> list[Jso
     }
     ends = {name for row in marked for name in (row.get("source"), row.get("target")) if name}
     return [
-        lens("safety", "What is safety-relevant?", "s", states=_ends(grave, chart), rows=_named(grave, "row"),
-             options=_named(grave, "option")),
+        lens("safety", "What is safety-relevant?", "s", states=_ends(unsafe, chart), rows=_named(unsafe, "row"),
+             options=_named(unsafe, "option")),
         lens("changed", "What changed?", "d", states=states | ends | _named(changes, "state"),
              rows={row["place"] for row in marked}, options=options),
     ]  # fmt: skip

@@ -48,10 +48,10 @@ class Ways:
             if around and around != name and self.roads.states[around].word == "parallel":
                 yield from (region for region in self.roads.states[around].children() if region not in chain)
             for _, row in self.roads.rows[around]:
-                if self._heard(name, around, row):
+                if self._is_waited_for(name, around, row):
                     yield from row.to
 
-    def _heard(self, name: str, around: str, row: Transition) -> bool:
+    def _is_waited_for(self, name: str, around: str, row: Transition) -> bool:
         """Whether a row may fire while a state is active: that one which holds it succeeded, its ends say."""
         holds = bool(around) and bool(self.roads.states[around].children())
         if not holds or row.of is not None or set(row.on) != {"succeeded"}:

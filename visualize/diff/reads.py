@@ -24,7 +24,7 @@ class Uses(NamedTuple):
     """What is read and heard in either of two missions."""
 
     keys: frozenset[str]
-    heard: frozenset[str]
+    received: frozenset[str]
     """Events and outcomes that rows name."""
     timers: Mapping[str, frozenset[str]]
     """What `drop` calls a delayed event by → the events that it may be."""
@@ -38,8 +38,8 @@ class Uses(NamedTuple):
             return f"'{effect.set}' is read" if effect.set in self.keys else ""
         if isinstance(effect, Raise | Drop):
             events = self.timers.get(effect.drop, frozenset()) if isinstance(effect, Drop) else {effect.event}
-            heard = events if ANY_EVENT in self.heard else self.heard.intersection(events)
-            return f"rows hear '{min(heard)}'" if heard else ""
+            received = events if ANY_EVENT in self.received else self.received.intersection(events)
+            return f"rows hear '{min(received)}'" if received else ""
         if isinstance(effect, Call | Publish):
             return "it is told to the robot"
         return ""
@@ -56,16 +56,16 @@ def otherwise(old: Iterable[Effect], new: Iterable[Effect]) -> list[Effect]:
 
 def uses(*missions: Mission) -> Uses:
     """What these missions read and hear."""
-    keys, heard = set[str](), set[str]()
+    keys, received = set[str](), set[str]()
     timers: dict[str, frozenset[str]] = {}
     for mission in missions:
         for item in _all(mission):
             keys.update(_read(item))
             if isinstance(item, Transition):
-                heard.update(item.on)
+                received.update(item.on)
             if isinstance(item, Raise) and item.id is not None:
                 timers[item.id] = timers.get(item.id, frozenset()) | {item.event}
-    return Uses(frozenset(keys), frozenset(heard), timers)
+    return Uses(frozenset(keys), frozenset(received), timers)
 
 
 def _all(thing: MissionModel) -> Iterator[MissionModel]:

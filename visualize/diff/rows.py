@@ -16,7 +16,7 @@ from rai_missions.states import Decision, Transition
 from rai_missions.states.state import ANY_EVENT
 from visualize.diff.align import paired
 from visualize.diff.change import Change, Severity
-from visualize.diff.fields import FieldRef, effects_changed, grave, guards, said
+from visualize.diff.fields import FieldRef, as_words, effects_changed, guards, severity_if
 from visualize.diff.reachability import Ways
 from visualize.diff.reads import Uses, otherwise
 from visualize.text import effects, trigger
@@ -71,15 +71,15 @@ def _added(rows: Rows, index: int, *, shadows: bool) -> Change:
         return spot.came("success", f"a new row to '{', '.join(row.to)}'", "safety", after=_row(row))
     why = rows.used.matter(row.do)
     answers = bool(row.on) and rows.come.issuperset(row.on)
-    goes_on = bool(row.to) and not answers
-    severity = grave(bool(why) or ((shadows or goes_on) and not rows.after.gives_up(row.to)))
-    said_ = "row added, tried before one that it may keep from firing" if shadows else "row added"
-    return spot.came("row" if severity == "safety" else "rest", said_, severity, after=_row(row))
+    continues = bool(row.to) and not answers
+    severity = severity_if(bool(why) or ((shadows or continues) and not rows.after.gives_up(row.to)))
+    text = "row added, tried before one that it may keep from firing" if shadows else "row added"
+    return spot.came("row" if severity == "safety" else "rest", text, severity, after=_row(row))
 
 
 def _removed(rows: Rows, index: int) -> Change:
     row = rows.old[index]
-    severity = grave(rows.before.gives_up(row.to) or not row.on or not rows.gone.issuperset(row.on))
+    severity = severity_if(rows.before.gives_up(row.to) or not row.on or not rows.gone.issuperset(row.on))
     spot = rows.spot.inside("transitions", str(index))
     return spot.went(
         "row" if severity == "safety" else "rest", "row removed", severity, before=_row(rows.spot.own.of(row))
@@ -98,7 +98,7 @@ def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
         if was != now and not (field == "on" and set(was) == set(now)):
             topic, severity = _weighed(rows, field, old, new)
             own, here = getattr(spot.own.of(old), field), spot.inside(field)
-            yield here.changed(topic, f"'{field}' changed", severity, before=said(own), after=said(now))
+            yield here.changed(topic, f"'{field}' changed", severity, before=as_words(own), after=as_words(now))
     if old.when != new.when:
         widened, narrowed = ("weakened", "changed"), ("strengthened", "changed")
         shields = rows.before.gives_up(old.to)
@@ -127,11 +127,11 @@ def _weighed(rows: Rows, field: str, old: Transition, new: Transition) -> tuple[
         return "success", "safety"
     gave_up, gives_up = rows.before.gives_up(old.to), rows.after.gives_up(new.to)
     if field == "to":
-        return "row", grave(gave_up or not gives_up)
+        return "row", severity_if(gave_up or not gives_up)
     if field == "after_s" and gave_up and old.after_s is not None and new.after_s is not None:
-        return "limit", grave(new.after_s > old.after_s)
+        return "limit", severity_if(new.after_s > old.after_s)
     more = field == "on" and set(old.on) <= set(new.on)
-    return "row", grave(not (gives_up and gave_up and more))
+    return "row", severity_if(not (gives_up and gave_up and more))
 
 
 def _meet(one: Transition, other: Transition) -> bool:

@@ -63,7 +63,7 @@ class ReplyCallback(Protocol):
 class CommandSink(Protocol):
     """Takes the operator's orders."""
 
-    def submit(self, text: str, told: ReplyCallback) -> None:
+    def submit(self, text: str, on_reply: ReplyCallback) -> None:
         """Take an order, as JSON; never waits."""
 
 
@@ -179,11 +179,11 @@ class Pages:
             if not receipt.done():
                 receipt.set_result((success, why))
 
-        def told(success: bool, why: str) -> None:
+        def on_result(success: bool, why: str) -> None:
             with suppress(RuntimeError):  # the server has ended
                 loop.call_soon_threadsafe(settle, success, why)
 
-        desk.submit(text, told)
+        desk.submit(text, on_result)
         try:
             success, why = await asyncio.wait_for(receipt, PATIENCE_S)
         except TimeoutError:

@@ -44,11 +44,11 @@ def line(step: Step) -> Json | None:
     event = step.event
     if step.ignored and not (step.why and event.kind != "write"):
         return None
-    said = {name: item for name, item in event.data.items() if name != "request"}
+    data = {name: item for name, item in event.data.items() if name != "request"}
     moves = [list(move.taken) for move in step.moves]
     return without_empty(
         {
-            "kind": event.kind, "name": event.name[:LONGEST], "number": event.number, "data": bounded(said),
+            "kind": event.kind, "name": event.name[:LONGEST], "number": event.number, "data": bounded(data),
             "rows": [row for rows in moves for row in rows], "exited": list(step.exited), "entered": list(step.entered),
             "does": [bounded(effect_words(effect)) for effect in step.effects],
             "notes": [bounded(note) for note in (*step.notes, *resting_words(step))],

@@ -60,25 +60,25 @@ class RunFeed:
         self._waiting: deque[Step] = deque(maxlen=MOST_WAITING)
         self._past: deque[Step] = deque(maxlen=TAIL)
         self._wake: Callable[[], None] | None = None
-        self._is_told = False
+        self._is_notified = False
 
     def step(self, step: Step) -> None:
         """The run has made a step; on its own thread."""
         if self._wake is not None:
             self._waiting.append(step)
-            if not self._is_told:
-                self._is_told = True
+            if not self._is_notified:
+                self._is_notified = True
                 self._wake()
         if step.moves or step.effects or step.why:
             self._past.append(step)
 
     async def begin(self, wake: Callable[[], None]) -> RunScene:
         self._waiting.clear()
-        self._is_told, self._wake = False, wake
+        self._is_notified, self._wake = False, wake
         return self._whole()
 
     async def take(self, scene: RunScene) -> RunScene:
-        self._is_told = False
+        self._is_notified = False
         while True:
             try:
                 step = self._waiting.popleft()

@@ -114,7 +114,7 @@ class Hub:
         if self._pump is not None and not self._pump.done():
             await self._pass_on(board=True)
             self._pump.cancel()
-        self._tell("end", {})
+        self._send_new("end", {})
         for viewer in tuple(self._viewers):
             viewer.end()
 
@@ -157,10 +157,10 @@ class Hub:
         scene.close(self._feed.closed() if scene.questions else {})
         if scene is not self.scene:
             self.scene = scene
-            self._tell("state", scene.whole())
+            self._send_new("state", scene.whole())
             return
         if change := scene.change(board=board):
-            self._tell("change", change)
+            self._send_new("change", change)
         if board:
             self._board_at = time.monotonic() + BOARD_S
 
@@ -172,7 +172,7 @@ class Hub:
             return [message for each, message in self._ring if each > had]
         return [self._text("state", self.scene.whole(), self._number)]
 
-    def _tell(self, kind: str, what: dict[str, Any]) -> None:
+    def _send_new(self, kind: str, what: dict[str, Any]) -> None:
         self._send(self._keep(kind, what))
 
     def _keep(self, kind: str, what: dict[str, Any]) -> bytes:

@@ -53,7 +53,7 @@ class JournalFeed:
         self._scene = self._beginning()
         self._number, self._hash = -1, GENESIS
         self._size: tuple[object, ...] = ()
-        self._heard_at = time.monotonic()
+        self._received_at = time.monotonic()
         self._watch: asyncio.Task[None] | None = None
 
     def _beginning(self) -> RunScene:
@@ -83,7 +83,7 @@ class JournalFeed:
 
     def now(self) -> float:
         scene = self._scene
-        return scene.at if scene.outcome or scene.cut else scene.at + time.monotonic() - self._heard_at
+        return scene.at if scene.outcome or scene.cut else scene.at + time.monotonic() - self._received_at
 
     async def _look(self, wake: Callable[[], None]) -> None:
         for count in itertools.count(1):
@@ -105,7 +105,7 @@ class JournalFeed:
 
     def _read(self) -> bool:
         """Take up what has been written since; whether that was all."""
-        size, goes_on = self._stat(), _is_written(self.path)  # asked first: what was written before is read below
+        size, continues = self._stat(), _is_written(self.path)  # asked first: what was written before is read below
         try:
             record = Record(self.path)  # closed with the last picture that may be asked of it
             for count, raw in enumerate(record.raw(self._number)):
@@ -115,7 +115,7 @@ class JournalFeed:
         except MissionError as error:
             self._scene.fault(str(error))
         self._size = size
-        self._scene.cut_short("" if goes_on or self._scene.outcome else CUT_SHORT)
+        self._scene.cut_short("" if continues or self._scene.outcome else CUT_SHORT)
         return True
 
     def _follow(self, record: Record, raw: Raw) -> None:
@@ -125,7 +125,7 @@ class JournalFeed:
         self._number, self._hash = number, str(digest)
         if number == 0:
             return
-        self._heard_at = time.monotonic()
+        self._received_at = time.monotonic()
         try:
             row = record.row(raw)
         except DefinitionError as error:

@@ -82,13 +82,13 @@ class RunScene:
         self._ask(step)
         if step.outcome:
             self._end(step)
-        if (told := line(step)) is not None:
-            self.tail.append(told)
-            self._lines.append(told)
+        if (text := line(step)) is not None:
+            self.tail.append(text)
+            self._lines.append(text)
 
     def recall(self, steps: Iterable[Step]) -> None:
         """Put steps into the tail that are in the scene already."""
-        self.tail.extend(told for step in steps if (told := line(step)) is not None)
+        self.tail.extend(text for step in steps if (text := line(step)) is not None)
 
     def fault(self, sentence: str) -> None:
         """Say what is wrong, once."""
@@ -217,14 +217,14 @@ class RunScene:
         Args:
             board: Whether the blackboard is told of too.
         """
-        told = {name: self._field(name) for name in sorted(self._fields)}
+        fields = {name: self._field(name) for name in sorted(self._fields)}
         if self._lines:
-            told["steps"] = self._lines
+            fields["steps"] = self._lines
         if board and self._written:
-            told["board"] = {key: self._entry(key) for key in sorted(self._written)}
+            fields["board"] = {key: self._entry(key) for key in sorted(self._written)}
             self._written = set()
         self._fields, self._lines = set(), []
-        return told
+        return fields
 
     def whole(self) -> Json:
         """All of it."""

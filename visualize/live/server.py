@@ -104,22 +104,22 @@ class LivePage:
             about: What the page says of the run: `run`, `journal`, `answers`.
         """
         ready = threading.Event()
-        told: list[BaseException] = []
+        errors: list[BaseException] = []
 
         def work() -> None:
             try:
                 asyncio.run(self._serve(mission, feed, desk, about or {}, ready))
             except BaseException as error:  # noqa: BLE001 - told to whoever starts, or it ends the page alone
-                told.append(error)
+                errors.append(error)
             finally:
                 ready.set()
 
         self._thread = threading.Thread(target=work, name="live page", daemon=True)
         self._thread.start()
         ready.wait()
-        if told:
+        if errors:
             self.stop()
-            raise UsageError(f"the page cannot be served: {told[0]}")
+            raise UsageError(f"the page cannot be served: {errors[0]}")
 
     async def _serve(
         self, mission: Mission, feed: Feed, desk: CommandSink | None, about: dict[str, Any], ready: threading.Event
@@ -179,8 +179,8 @@ def _context(place: Place) -> ssl.SSLContext:
     try:
         context.load_cert_chain(place.certificate, place.key)
     except (OSError, ssl.SSLError) as error:
-        said = error.strerror or str(error)
-        raise UsageError(f"TLS cannot use {place.certificate} and {place.key}: {said}; give PEM files") from None
+        why = error.strerror or str(error)
+        raise UsageError(f"TLS cannot use {place.certificate} and {place.key}: {why}; give PEM files") from None
     return context
 
 

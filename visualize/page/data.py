@@ -61,8 +61,8 @@ def review(
     """
     gallery = Gallery()
     files = [each if isinstance(each, tuple) else (Path(each).name, each) for each in journals]
-    told = [_fitting(read_run(path, gallery, name=name), mission, name) for name, path in files]
-    return document(review_data(mission, [*told, *runs], findings, gallery), title=mission.name)
+    read = [_fitting(read_run(path, gallery, name=name), mission, name) for name, path in files]
+    return document(review_data(mission, [*read, *runs], findings, gallery), title=mission.name)
 
 
 def review_data(

@@ -25,7 +25,7 @@ def lenses(mission: Mission, picture: Picture) -> list[Json]:
     """The four questions in the order of the page's switches."""
     roads = Roads(mission)
     return [
-        _say_lens(mission, picture, roads),
+        _model_lens(mission, picture, roads),
         _operator(mission, picture),
         _stops(mission, picture, roads),
         _invariants(mission, picture, roads),
@@ -101,10 +101,10 @@ def _invariants(mission: Mission, picture: Picture, roads: Roads) -> Json:
         into = [edge for edge in picture.edges if edge.target in inside and edge.source not in inside]
         states |= inside
         rows |= {edge.place for edge in into}
-        said = [item(f"never false: {guard.words()}")]
-        said += [item(f"speaks of '{state}'", state=state) for state in sorted(named)]
-        said += [item(f"entered by {edge.source or 'every state'}: {edge.when}", row=edge.place) for edge in into]
-        sections.append((name, said))
+        items = [item(f"never false: {guard.words()}")]
+        items += [item(f"speaks of '{state}'", state=state) for state in sorted(named)]
+        items += [item(f"entered by {edge.source or 'every state'}: {edge.when}", row=edge.place) for edge in into]
+        sections.append((name, items))
     none = [("Invariants", [item("none: nothing ends this mission at once but the e-stop")])]
     return lens(
         "invariants", "What must never be false?", "i", states=states, rows=rows, sections=sections or none
@@ -174,7 +174,7 @@ def questions(mission: Mission) -> Iterator[DecisionSite]:
                     yield DecisionSite(name, f"{place}/tree/{path}".rstrip("/"), node.decision, f"{name}#{path}")
 
 
-def _say_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
+def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     """The switch that dims all that no model decides."""
     asked = asked_of(mission, "agent")
     sections, rows, direct = [], set[str](), set[str]()

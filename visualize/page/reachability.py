@@ -60,23 +60,23 @@ class Roads:
             targets: Entered from nobody knows where: the regions beside them may be anywhere they ever come to.
         """
         given = tuple(targets)
-        entered, heard, rows = set[str](), set[str](), set[str]()
-        waiting = [*given, *(door for name in given for door in self._beside(name))]
+        entered, received, rows = set[str](), set[str](), set[str]()
+        waiting = [*given, *(door for name in given for door in self._neighbours(name))]
         while waiting:
             name = waiting.pop()
             if name in entered or name not in self.states:
                 continue
             entered.add(name)
             waiting += self._with({name, *self.above(name)}, self.inside(name))
-            for around in self.hearing(name):
-                if around not in heard:
-                    heard.add(around)
+            for around in self.waiting_in(name):
+                if around not in received:
+                    received.add(around)
                     for place, row in self.rows[around]:
                         rows.add(place)
                         waiting += self._with(set(self.above(around)), row.to)
         return Reached(frozenset(entered), frozenset(rows))
 
-    def hearing(self, name: str) -> tuple[str, ...]:
+    def waiting_in(self, name: str) -> tuple[str, ...]:
         """Whose rows may fire while a state is active, the mission's own (`""`) last; none where the mission ends."""
         ends = isinstance(self.states[name], Final) and name not in self.parents
         return () if ends else (name, *self.above(name), "")
@@ -91,9 +91,9 @@ class Roads:
                 continue
             found.add(name)
             waiting += self.inside(name)
-            heard = self._raised | self._ends_at_once(name)
-            for around in self.hearing(name):
-                rows = (row for _, row in self.rows[around] if row.eventless or not heard.isdisjoint(row.on))
+            received = self._raised | self._ends_at_once(name)
+            for around in self.waiting_in(name):
+                rows = (row for _, row in self.rows[around] if row.eventless or not received.isdisjoint(row.on))
                 waiting += (target for row in rows for target in row.to)
         return frozenset(found)
 
@@ -147,7 +147,7 @@ class Roads:
                 if region not in within:
                     yield from self._others(region)
 
-    def _beside(self, name: str) -> Iterator[str]:
+    def _neighbours(self, name: str) -> Iterator[str]:
         """Wherever the regions beside a state may have been entered: by default, or by a name from outside."""
         for region in self._regions(name):
             for other in self._others(region):

@@ -53,5 +53,7 @@ class Offers:
     def withheld(self, question: Question) -> dict[str, str]:
         """The options that were not offered whose guard can be told → `false` or `unknown`."""
         offered = {offer.name for offer in question.options}
-        said = {name: test(self) for name, test in self._tests.get(question.owner, {}).items() if name not in offered}
-        return {name: "false" if value is False else "unknown" for name, value in said.items() if value is not True}
+        verdicts = {
+            name: test(self) for name, test in self._tests.get(question.owner, {}).items() if name not in offered
+        }
+        return {name: "false" if value is False else "unknown" for name, value in verdicts.items() if value is not True}

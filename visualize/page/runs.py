@@ -188,9 +188,9 @@ def _question(question: Question, index: int, gallery: Gallery) -> Json:
 
 def _answer(step: Step, index: int) -> Json:
     """What was proposed, and what the rules said of it."""
-    said = [note for note in step.notes if note.startswith((f"question {step.event.number}:", "fallback "))]
+    notes = [note for note in step.notes if note.startswith((f"question {step.event.number}:", "fallback "))]
     return {
         "answered": index,
         "proposal": plain(step.event.data),
-        "verdict": said or [step.why or "it changed nothing"],
+        "verdict": notes or [step.why or "it changed nothing"],
     }

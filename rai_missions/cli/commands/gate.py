@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from rai_missions.gate import GateAgent, GateWords, gate_words, read_gate
-from rai_missions.gate.bypass_monitor import Beside
+from rai_missions.gate.bypass_monitor import BypassMonitor
 from rai_missions.gate.config import command_topic, leases_of
 from rai_missions.gate.memory import Memory, usual_path
-from rai_missions.gate.state import COMMANDERS, Answer, Change, Deed, Halt, Pass, Refuse, Tell
+from rai_missions.gate.state import COMMANDERS, Answer, Change, Deed, Halt, Pass, Publish, Refuse
 from rai_missions.runtime.clock import WallClock
 
 __all__ = ("gate",)
@@ -40,7 +40,7 @@ def gate(given: argparse.Namespace) -> int:
         stack.enter_context(_interruptible(agent.end))
         stack.callback(connector.stop)
         connector.start()
-        beside = Beside(connector, (each.topic for each in words.commands), partial(_others, words.name))
+        beside = BypassMonitor(connector, (each.topic for each in words.commands), partial(_others, words.name))
         stack.callback(beside.stop)
         beside.run()
         if not given.quiet:
@@ -112,7 +112,7 @@ def _observer(log: TextIO | None, *, quiet: bool, clock: WallClock) -> Callable[
 
 def _row(deed: Deed) -> dict[str, Any] | None:
     """A line of the log; a status is none."""
-    if isinstance(deed, Tell):
+    if isinstance(deed, Publish):
         return None
     if isinstance(deed, Pass | Refuse):
         did = {"did": "passed"} if isinstance(deed, Pass) else {"did": "refused", "why": deed.why}

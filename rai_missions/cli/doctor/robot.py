@@ -15,7 +15,7 @@ from rai_missions.cli.doctor.finding import Finding, Tried, tried
 from rai_missions.connectors.connector import Mode
 from rai_missions.errors import suggestion
 from rai_missions.profile import Robot, misnamed
-from rai_missions.profile.message_types import Kind, heard, typed
+from rai_missions.profile.message_types import Kind, listened, typed
 from rai_missions.worlds.world import WORLDS
 
 __all__ = ("reach", "wanted")
@@ -133,7 +133,7 @@ def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
 def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
     """Fields of which the profile speaks, and the types have not."""
     asked: list[tuple[str, Kind]] = [
-        (source.type, "srv" if source.service is not None else "msg") for _, _, source in heard(None, robot)
+        (source.type, "srv" if source.service is not None else "msg") for _, _, source in listened(None, robot)
     ]
     found = tried("fields", asked, given) if asked else Tried([])
     if found.fault:

@@ -37,12 +37,12 @@ def decode(payload: bytes) -> dict[str, Any]:
         ConnectorError: It is no JSON object.
     """
     try:
-        said = json.loads(payload, object_hook=_from_json)
+        content = json.loads(payload, object_hook=_from_json)
     except (ValueError, TypeError, RecursionError) as fault:
         raise ConnectorError(f"a message is no JSON: {cut(fault, 120)}") from None
-    if not isinstance(said, dict):
+    if not isinstance(content, dict):
         raise ConnectorError(f"{cut_repr(payload, 40)} stands where a JSON object belongs")
-    return said
+    return content
 
 
 def _jsonable(value: Any) -> Any:
@@ -55,12 +55,12 @@ def _jsonable(value: Any) -> Any:
     raise TypeError(f"{cut_repr(value, 60)} is a {type(value).__name__}")
 
 
-def _from_json(said: dict[str, Any]) -> Any:
-    if said.keys() == {BYTES}:
-        return base64.b64decode(said[BYTES], validate=True)
-    if said.keys() == {IMAGE}:
-        ref, width, height, encoding, data = said[IMAGE]
+def _from_json(content: dict[str, Any]) -> Any:
+    if content.keys() == {BYTES}:
+        return base64.b64decode(content[BYTES], validate=True)
+    if content.keys() == {IMAGE}:
+        ref, width, height, encoding, data = content[IMAGE]
         if not (isinstance(ref, str) and isinstance(encoding, str) and type(width) is type(height) is int):
             raise ValueError("a picture whose size or name is none")
         return Image(ref, width, height, encoding, base64.b64decode(data, validate=True))
-    return said
+    return content

@@ -28,7 +28,7 @@ log = logger(__name__)
 
 OPTIONS = ("host", "port")
 PATIENCE_S = 5.0
-NOBODY_LISTENS = 0x10
+NO_SUBSCRIBERS = 0x10
 """MQTT 5, 3.4.2.1: no matching subscribers."""
 REMEDY = "pip install 'rai_missions[mqtt]'"
 
@@ -57,7 +57,7 @@ class MqttConnector:
         self._lock = threading.Lock()
         self._client: Any = None
         self._replies_to = ""
-        self._hears: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
+        self._listeners: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
         self._services: dict[str, tuple[str, Callable[[Data], Data]]] = {}
         self._calls: dict[bytes, _Call] = {}
         self._sent: dict[int, bytes] = {}
@@ -94,7 +94,7 @@ class MqttConnector:
             self._subscribe_again()
             is_answered.set()
 
-        client.on_connect, client.on_message, client.on_publish = connected, self._heard, self._taken
+        client.on_connect, client.on_message, client.on_publish = connected, self._arrived, self._taken
         client.on_disconnect = self._parted
         client.on_socket_open = _hurry
         try:
@@ -105,14 +105,14 @@ class MqttConnector:
             self._client = client
         client.loop_start()
         if not is_answered.wait(PATIENCE_S) or answers[0].is_failure:
-            said = answers[0] if answers else "it says nothing"
+            why = answers[0] if answers else "it says nothing"
             self.stop()
-            raise ConnectorError(f"the MQTT broker at {self._host}:{self._port} does not let us in: {said}")
+            raise ConnectorError(f"the MQTT broker at {self._host}:{self._port} does not let us in: {why}")
 
     def stop(self) -> None:
         with self._lock:
             client, self._client = self._client, None
-            self._hears.clear()
+            self._listeners.clear()
             self._services.clear()
             self._types.clear()
         if client is not None:
@@ -125,14 +125,17 @@ class MqttConnector:
         with self._lock:
             served = {service for service, _ in self._services.values()}
             known = dict(self._types)
-            there = {"topics": {*self._hears, *(name for kind, name in known if kind == "topics")}, "services": served}
+            there = {
+                "topics": {*self._listeners, *(name for kind, name in known if kind == "topics")},
+                "services": served,
+            }
             return {name: known.get((mode, name), "") for name in sorted(there.get(mode, ()))} if self._client else {}
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         key = object()
         client = self._opened()
         with self._lock:
-            self._hears[topic][key] = hear
+            self._listeners[topic][key] = on_message
             self._types["topics", topic] = type_name
         client.subscribe(topic, qos=1)
         return lambda: self._unsubscribe(topic, key)
@@ -149,21 +152,21 @@ class MqttConnector:
         type_name: str,
         request: Data,
         *,
-        answered: Callable[[Reply], None],
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
         try:
             payload = encode(request)
         except ConnectorError as fault:
-            answered(Reply("failed", {}, str(fault)))
+            on_reply(Reply("failed", {}, str(fault)))
             return
         client, key = self._client, uuid.uuid4().bytes
         if client is None:
-            answered(Reply("unavailable", {}, f"nobody serves {service}: the connector is not started"))
+            on_reply(Reply("unavailable", {}, f"nobody serves {service}: the connector is not started"))
             return
         late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
         timer = None if timeout_s is None else threading.Timer(timeout_s, lambda: self._end(key, late))
-        self._calls[key] = call = _Call(service, answered, timer)
+        self._calls[key] = call = _Call(service, on_reply, timer)
         if timer is not None:
             timer.daemon = True
             timer.start()
@@ -178,7 +181,7 @@ class MqttConnector:
             if not self._entering:
                 self._refused.clear()
         if is_refused:
-            self._end(key, _nobody(service))
+            self._end(key, _no_server(service))
 
     def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
         topic = f"{service}/request"
@@ -192,14 +195,16 @@ class MqttConnector:
         return lambda: self._close_service(topic, answer)
 
     def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         """MQTT has no actions: rejected."""
-        report(Report(goal_id, "rejected", {}, f"MQTT carries no actions, and so not {action}; compose it of services"))
+        on_report(
+            Report(goal_id, "rejected", {}, f"MQTT carries no actions, and so not {action}; compose it of services")
+        )
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         """MQTT has no actions: lost."""
-        report(Report(goal_id, "lost", {}, f"MQTT carries no actions, and so not {action}"))
+        on_report(Report(goal_id, "lost", {}, f"MQTT carries no actions, and so not {action}"))
 
     def cancel_goal(self, goal_id: str) -> None:
         """MQTT has no actions: nothing happens."""
@@ -217,29 +222,29 @@ class MqttConnector:
 
     def _subscribe_again(self) -> None:
         with self._lock:
-            topics, client = [self._replies_to, *self._hears, *self._services], self._client
+            topics, client = [self._replies_to, *self._listeners, *self._services], self._client
         if client is not None:
             client.subscribe([(topic, _quality()) for topic in topics])
 
-    def _heard(self, _client: Any, _data: Any, heard: Any) -> None:
+    def _arrived(self, _client: Any, _data: Any, message: Any) -> None:
         try:
-            data = decode(heard.payload)
-            if heard.topic == self._replies_to:
-                self._answered(heard.properties.CorrelationData, data)
-            elif heard.topic in self._services:
-                self._serve_one(heard, data)
+            data = decode(message.payload)
+            if message.topic == self._replies_to:
+                self._answered(message.properties.CorrelationData, data)
+            elif message.topic in self._services:
+                self._serve_one(message, data)
             else:
-                self._tell(heard.topic, data, is_kept=bool(heard.retain))
+                self._deliver(message.topic, data, is_kept=bool(message.retain))
         except Exception:
-            log.exception("a message on %s was not understood", heard.topic)
+            log.exception("a message on %s was not understood", message.topic)
 
-    def _tell(self, topic: str, data: Data, *, is_kept: bool) -> None:
+    def _deliver(self, topic: str, data: Data, *, is_kept: bool) -> None:
         message = Message(topic, data, *self._date(data), is_kept)
-        for key in tuple(self._hears.get(topic, ())):
-            hear = self._hears.get(topic, {}).get(key)
+        for key in tuple(self._listeners.get(topic, ())):
+            on_message = self._listeners.get(topic, {}).get(key)
             try:
-                if hear is not None:
-                    hear(message)
+                if on_message is not None:
+                    on_message(message)
             except Exception:
                 log.exception("a subscriber of %s failed", topic)
 
@@ -247,26 +252,26 @@ class MqttConnector:
         """A stamp is a time of day."""
         return dated(stamp_of(data), now=self._now(), sender_now=time.time())
 
-    def _serve_one(self, heard: Any, request: Data) -> None:
-        service, answer = self._services[heard.topic]
+    def _serve_one(self, message: Any, request: Data) -> None:
+        service, answer = self._services[message.topic]
         try:
-            said = encode({"data": answer(request)})
+            payload = encode({"data": answer(request)})
         except Exception as fault:
             log.exception("%s failed", service)
-            said = encode({"why": f"{type(fault).__name__}: {fault}"})
-        words = _properties(CorrelationData=heard.properties.CorrelationData)
-        self._client.publish(heard.properties.ResponseTopic, said, qos=1, properties=words)
+            payload = encode({"why": f"{type(fault).__name__}: {fault}"})
+        words = _properties(CorrelationData=message.properties.CorrelationData)
+        self._client.publish(message.properties.ResponseTopic, payload, qos=1, properties=words)
 
-    def _answered(self, key: bytes, said: Data) -> None:
-        is_good = isinstance(said.get("data"), Mapping)
+    def _answered(self, key: bytes, answer: Data) -> None:
+        is_good = isinstance(answer.get("data"), Mapping)
         if is_good:
-            self._end(key, Reply("succeeded", said["data"], age_s=self._date(said["data"]).age_s))
+            self._end(key, Reply("succeeded", answer["data"], age_s=self._date(answer["data"]).age_s))
         else:
-            self._end(key, Reply("failed", {}, str(said.get("why", ""))))
+            self._end(key, Reply("failed", {}, str(answer.get("why", ""))))
 
     def _taken(self, _client: Any, _data: Any, mid: int, code: Any, _properties: Any) -> None:
         """The broker has a request; it says if nobody listens to it."""
-        if code.value != NOBODY_LISTENS:
+        if code.value != NO_SUBSCRIBERS:
             return
         with self._lock:
             key = self._sent.get(mid)
@@ -274,7 +279,7 @@ class MqttConnector:
                 self._refused.add(mid)
         call = self._calls.get(key) if key is not None else None
         if key is not None and call is not None:
-            self._end(key, _nobody(call.service))
+            self._end(key, _no_server(call.service))
 
     def _parted(self, *_: Any) -> None:
         self._give_up("the MQTT broker is gone")
@@ -296,9 +301,9 @@ class MqttConnector:
 
     def _unsubscribe(self, topic: str, key: object) -> None:
         with self._lock:
-            is_last = self._hears.get(topic, {}).pop(key, None) is not None and not self._hears[topic]
+            is_last = self._listeners.get(topic, {}).pop(key, None) is not None and not self._listeners[topic]
             if is_last:
-                del self._hears[topic]
+                del self._listeners[topic]
         if is_last:
             self._forget(topic)
 
@@ -319,11 +324,11 @@ class MqttConnector:
 class _Call:
     """A request that waits for its reply."""
 
-    def __init__(self, service: str, answered: Callable[[Reply], None], timer: threading.Timer | None) -> None:
-        self.service, self.answered, self.timer, self.mid = service, answered, timer, 0
+    def __init__(self, service: str, on_reply: Callable[[Reply], None], timer: threading.Timer | None) -> None:
+        self.service, self.answered, self.timer, self.mid = service, on_reply, timer, 0
 
 
-def _nobody(service: str) -> Reply:
+def _no_server(service: str) -> Reply:
     return Reply("unavailable", {}, f"nobody serves {service}")
 
 

@@ -47,10 +47,10 @@ def fields_of(type_name: str, kind: Literal["msg", "srv"]) -> Mapping[str, Any] 
     from rai_missions.connectors.ros2.types import describe_type
 
     try:
-        told = describe_type(type_name)
+        description = describe_type(type_name)
     except ConnectorError:
         return None
-    fields: Mapping[str, Any] = told["response"] if kind == "srv" else told
+    fields: Mapping[str, Any] = description["response"] if kind == "srv" else description
     return fields
 
 

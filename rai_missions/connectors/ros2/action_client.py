@@ -17,7 +17,7 @@ from rclpy.action.client import ClientGoalHandle
 from unique_identifier_msgs.msg import UUID
 
 from rai_missions.connectors.connector import Report
-from rai_missions.connectors.ros2.endpoints import NOBODY, Peers, are_replaced
+from rai_missions.connectors.ros2.endpoints import NO_PEERS, Peers, are_replaced
 from rai_missions.connectors.ros2.goal_client import PRESS_S, QUIET_S, STEP_S, GoalClient
 from rai_missions.connectors.ros2.messages import goal_id_to_bytes, to_data
 from rai_missions.connectors.ros2.node_thread import Work, guarded
@@ -50,9 +50,9 @@ class Goal:
     """
 
     def __init__(
-        self, client: GoalClient, goal_id: str, report: Callable[[Report], None], ended: Callable[[Goal], None]
+        self, client: GoalClient, goal_id: str, on_report: Callable[[Report], None], ended: Callable[[Goal], None]
     ) -> None:
-        self._client, self.goal_id, self._report, self._ended = client, goal_id, report, ended
+        self._client, self.goal_id, self._report, self._ended = client, goal_id, on_report, ended
         self.uuid = goal_id_to_bytes(goal_id)
         self._uuid = UUID(uuid=list(self.uuid))
         self._handle: Any = None
@@ -62,7 +62,7 @@ class Goal:
         self._may_run = True
         self.is_over = self.is_settled = False
         """`is_settled`: its end is known, or its server has said what it thinks of a cancel."""
-        self.peers: Peers = NOBODY
+        self.peers: Peers = NO_PEERS
         self.sightings = Sightings()
         self.is_contested = False
         """A second server was seen while it was under way."""
@@ -137,18 +137,18 @@ class Goal:
         if self._is_sent:
             self._ask(self._handle or ClientGoalHandle(self._client.client, self._uuid, None), lambda: None)
 
-    def end(self, said: End, data: dict[str, Any] | None = None, why: str = "") -> None:
+    def end(self, how: End, data: dict[str, Any] | None = None, why: str = "") -> None:
         """It is over; the first end counts. Where there may be a second server, it counts once none is executing it."""
         if self.is_over:
             return
-        if said == "lost" and self._held is not None and not self.sightings.is_active:
+        if how == "lost" and self._held is not None and not self.sightings.is_active:
             self._conclude(*self._held)
-        elif said == "lost" or not self._is_sent or not (self.is_contested or self._client.is_shared):
-            self._conclude(said, data or {}, why)
+        elif how == "lost" or not self._is_sent or not (self.is_contested or self._client.is_shared):
+            self._conclude(how, data or {}, why)
         else:
             is_new = self._held is None
             if self._held is None or self._held[0] == "rejected":
-                self._held = (said, data or {}, why)
+                self._held = (how, data or {}, why)
             if is_new:
                 self._quiet_since = time.monotonic()
                 self._settle()
@@ -167,16 +167,16 @@ class Goal:
         if now < self._quiet_since + QUIET_S:
             self._client.runtime.later(STEP_S, self._settle)
             return
-        said, data, why = self._held
-        found = {ENDS[status] for status in self.sightings.ends if status in ENDS} | {said} - {"rejected"}
-        worst: End = next((each for each in WORST_FIRST if each in found), said)
-        self._conclude(worst, data, why or ("" if worst == said else "its servers ended it in different ways"))
+        how, data, why = self._held
+        found = {ENDS[status] for status in self.sightings.ends if status in ENDS} | {how} - {"rejected"}
+        worst: End = next((each for each in WORST_FIRST if each in found), how)
+        self._conclude(worst, data, why or ("" if worst == how else "its servers ended it in different ways"))
 
     def _claim(self) -> None:
         """One server has rejected the goal, another is executing it."""
         if self._handle is None:
             self._handle = ClientGoalHandle(self._client.client, self._uuid, None)
-            self._tell(Report(self.goal_id, "accepted", {}))
+            self._deliver(Report(self.goal_id, "accepted", {}))
             self._ask_for_result()
 
     def share(self) -> None:
@@ -195,25 +195,25 @@ class Goal:
 
     def be_over(self) -> None:
         """It was lost or stray, and is executing nowhere any more."""
-        self._tell(Report(self.goal_id, "over", {}))
+        self._deliver(Report(self.goal_id, "over", {}))
 
     def _warn(self, report: Report) -> None:
         log.warning("goal %s: %s", self.goal_id, report.why)
-        self._tell(report)
+        self._deliver(report)
 
-    def _conclude(self, said: End, data: dict[str, Any], why: str) -> None:
+    def _conclude(self, how: End, data: dict[str, Any], why: str) -> None:
         self.is_over = self.is_settled = True
         for leave in self._leaves:  # an answer that never comes must not keep others waiting
             leave()
         self._is_asking = False
         self._ended(self)
-        if said == "lost" and self._is_sent and self._may_run:
+        if how == "lost" and self._is_sent and self._may_run:
             self._client.chase(self)
         elif self._is_sent:
             self._client.look_again(self)
-        self._tell(Report(self.goal_id, said, data, why, may_run=self._may_run))
+        self._deliver(Report(self.goal_id, how, data, why, may_run=self._may_run))
 
-    def _tell(self, report: Report) -> None:
+    def _deliver(self, report: Report) -> None:
         guarded(lambda: self._report(report))
 
     def _answered(self, future: Any) -> None:
@@ -228,7 +228,7 @@ class Goal:
             self._ask_to_cancel(handle)  # nobody owns it any more
         else:
             self._handle = handle
-            self._tell(Report(self.goal_id, "accepted", {}))
+            self._deliver(Report(self.goal_id, "accepted", {}))
             for feedback in self._early:
                 self._advance(feedback)
             self._ask_for_result()
@@ -251,19 +251,19 @@ class Goal:
         if self._handle is None:
             self._early.append(feedback)
         else:
-            self._tell(Report(self.goal_id, "feedback", to_data(feedback.feedback)))
+            self._deliver(Report(self.goal_id, "feedback", to_data(feedback.feedback)))
 
     def _finished(self, future: Any) -> None:
         response = _result_of(future)
         if response is not None and self.is_over:
             self._client.caught(self)
         elif response is not None:
-            said = ENDS.get(response.status) or ENDS.get(self._handle.status)
-            if said is None:
+            how = ENDS.get(response.status) or ENDS.get(self._handle.status)
+            if how is None:
                 self._may_run = False
                 self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
             else:
-                self.end(said, to_data(response.result))
+                self.end(how, to_data(response.result))
 
     def _ask_to_cancel(self, handle: Any) -> None:
         if not self._is_asking:
@@ -294,7 +294,7 @@ class Goal:
             self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
         else:
             self._is_unwanted = self.is_contested
-            self._tell(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} goes on"))
+            self._deliver(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} goes on"))
 
     def _chased(self, response: Any, is_ending: bool) -> None:
         """What the server says of a goal that was lost. That it is ending is not yet its end."""

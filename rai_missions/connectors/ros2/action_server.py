@@ -80,10 +80,10 @@ class Served:
             return
         self._goals[goal.goal_id] = goal
         try:
-            self._server.accept(goal.goal_id, to_data(request[1].goal), lambda report: self._hear(goal, report))
+            self._server.accept(goal.goal_id, to_data(request[1].goal), lambda report: self._on_report(goal, report))
         except Exception as fault:
             log.exception("%s could not take goal %s", self._action, goal.goal_id)
-            self._hear(goal, Report(goal.goal_id, "rejected", {}, f"{type(fault).__name__}: {fault}"))
+            self._on_report(goal, Report(goal.goal_id, "rejected", {}, f"{type(fault).__name__}: {fault}"))
 
     def accepted(self, handle: Any) -> None:
         """rclpy has told the client that its goal was accepted."""
@@ -106,8 +106,8 @@ class Served:
 
     # -- what the server says --------------------------------------------------------------------------------------
 
-    def _hear(self, goal: _Goal, report: Report) -> None:
-        if report.said == "cancel_rejected":
+    def _on_report(self, goal: _Goal, report: Report) -> None:
+        if report.status == "cancel_rejected":
             goal.is_refused = True  # counts while the server is being asked; later it is too late for ROS to say so
         elif report.goal_id == goal.goal_id:
             self._runtime.post(lambda: self._report(goal, report))
@@ -115,7 +115,7 @@ class Served:
     def _report(self, goal: _Goal, report: Report) -> None:
         if goal.is_over:
             return
-        if goal.handle is None and report.said == "rejected":
+        if goal.handle is None and report.status == "rejected":
             goal.is_over = True
             log.info("%s rejects goal %s: %s", self._action, goal.goal_id, report.why)
             self._answer(goal, GoalResponse.REJECT)
@@ -123,9 +123,9 @@ class Served:
             return
         if goal.handle is None:
             self._answer(goal, GoalResponse.ACCEPT)
-        if goal.handle is not None and report.said == "feedback":
+        if goal.handle is not None and report.status == "feedback":
             goal.handle.publish_feedback(to_message(self._class.Feedback, report.data, self._action))
-        elif report.said in ENDS or report.said == "rejected":
+        elif report.status in ENDS or report.status == "rejected":
             goal.is_over = True
             self._finish(goal, report)
 
@@ -151,12 +151,12 @@ class Served:
         self._entity.conclude(goal.handle, conclude)
 
     def _close_off(self, handle: Any, report: Report) -> None:
-        if report.said == "succeeded":
+        if report.status == "succeeded":
             handle.succeed()
-        elif report.said == "canceled" and handle.is_cancel_requested:
+        elif report.status == "canceled" and handle.is_cancel_requested:
             handle.canceled()
         else:
-            if report.said == "canceled":
+            if report.status == "canceled":
                 log.warning("%s ended a goal as canceled that nobody canceled; ROS says aborted", self._action)
             handle.abort()
 

@@ -67,34 +67,36 @@ def read_options(given: Mapping[str, Any]) -> Options:
     Raises:
         UsageError: A word or a value that is not understood; the sentence says what would be right.
     """
-    said = dict(_known(given, Options, "connector"))
-    if "arguments" in said:
-        said["arguments"] = _texts(said["arguments"])
-    if "qos" in said:
-        qos = said["qos"]
-        said["qos"] = {topic: _quality(topic, each) for topic, each in _mapping(qos, "connector/qos").items()}
-    if "parameters" in said:
-        said["parameters"] = dict(_mapping(said["parameters"], "connector/parameters"))
-    domain, patience = said.get("domain_id"), said.get("discovery_s", 3.0)
+    options = dict(_known(given, Options, "connector"))
+    if "arguments" in options:
+        options["arguments"] = _texts(options["arguments"])
+    if "qos" in options:
+        qos = options["qos"]
+        options["qos"] = {topic: _quality(topic, each) for topic, each in _mapping(qos, "connector/qos").items()}
+    if "parameters" in options:
+        options["parameters"] = dict(_mapping(options["parameters"], "connector/parameters"))
+    domain, patience = options.get("domain_id"), options.get("discovery_s", 3.0)
     if domain is not None and not 0 <= domain <= 232:
         raise UsageError(f"connector/domain_id: {domain} is no ROS domain; one goes from 0 to 232")
     if not patience > 0:
         raise UsageError(f"connector/discovery_s: {patience} is no time to be found in; give seconds above 0")
-    return Options(**said)
+    return Options(**options)
 
 
 def _quality(topic: str, given: Any) -> QosProfile:
     place = f"connector/qos/{topic}"
-    said = dict(_known(_mapping(given, place), QosProfile, place))
-    if said.get("durability") == "transient_local":
-        said["durability"] = "latched"
+    quality = dict(_known(_mapping(given, place), QosProfile, place))
+    if quality.get("durability") == "transient_local":
+        quality["durability"] = "latched"
     for word, values in (("reliability", RELIABILITIES), ("durability", DURABILITIES)):
-        if word in said and said[word] not in values:
-            near = suggestion(str(said[word]), values)
-            raise UsageError(f"{place}/{word}: {shown(said[word])} is not known{near}")
-    if not 1 <= said.get("depth", 1) <= 10_000:
-        raise UsageError(f"{place}/depth: {said['depth']} is no number of messages; give 1 (the newest wins) to 10000")
-    return QosProfile(**said)
+        if word in quality and quality[word] not in values:
+            near = suggestion(str(quality[word]), values)
+            raise UsageError(f"{place}/{word}: {shown(quality[word])} is not known{near}")
+    if not 1 <= quality.get("depth", 1) <= 10_000:
+        raise UsageError(
+            f"{place}/depth: {quality['depth']} is no number of messages; give 1 (the newest wins) to 10000"
+        )
+    return QosProfile(**quality)
 
 
 def _known(given: Mapping[str, Any], kind: type, place: str) -> Mapping[str, Any]:

@@ -114,19 +114,19 @@ class Ros2Connector:
         found = session.runtime.ask(lambda: _parameters(session.runtime.node), nothing)
         return {name: value for name, value in found.items() if name not in self._options.parameters}
 
-    def subscribe(self, topic: str, type_name: str, hear: Callable[[Message], None]) -> Close:
-        return self._opened().subscribe(topic, self._type("msg", topic, type_name), hear)
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+        return self._opened().subscribe(topic, self._type("msg", topic, type_name), on_message)
 
     def definition(self, type_name: str) -> str:
         """How a message's bytes are read: .msg text with all that it depends on."""
         return definition_of(type_name)
 
     def tap(
-        self, topic: str, type_name: str, hear: Callable[[Message], None], hear_raw: Callable[[RawMessage], None]
+        self, topic: str, type_name: str, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None]
     ) -> Close:
         """Subscribe once, and hear each message as CDR and as plain data."""
         cls = self._type("msg", topic, type_name)
-        return self._opened().subscribe(topic, cls, hear, hear_raw)
+        return self._opened().subscribe(topic, cls, on_message, on_raw)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         session = self._session
@@ -156,49 +156,49 @@ class Ros2Connector:
         type_name: str,
         request: Data,
         *,
-        answered: Callable[[Reply], None],
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
         session = self._session
         if session is None:
-            answered(Reply("unavailable", {}, f"nobody serves {service}: the connector is not started"))
+            on_reply(Reply("unavailable", {}, f"nobody serves {service}: the connector is not started"))
             return
         try:
             cls = self._type("srv", service, type_name)
             message = to_message(cls.Request, request, service)
         except ConnectorError as fault:
-            answered(Reply("failed", {}, str(fault)))
+            on_reply(Reply("failed", {}, str(fault)))
             return
-        session.call(service, cls, message, answered, timeout_s)
+        session.call(service, cls, message, on_reply, timeout_s)
 
     def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, report: Callable[[Report], None]
+        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         session = self._session
         if session is None:
-            report(Report(goal_id, "rejected", {}, f"nobody serves {action}: the connector is not started"))
+            on_report(Report(goal_id, "rejected", {}, f"nobody serves {action}: the connector is not started"))
             return
         try:
             cls = self._type("action", action, type_name)
             message = to_message(cls.Goal, goal, action)
         except ConnectorError as fault:
-            report(Report(goal_id, "rejected", {}, str(fault)))
+            on_report(Report(goal_id, "rejected", {}, str(fault)))
             return
-        session.send_goal(action, cls, message, goal_id, report)
+        session.send_goal(action, cls, message, goal_id, on_report)
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         session = self._session
         if session is None:
-            report(Report(goal_id, "lost", {}, f"nobody serves {action}: the connector is not started"))
+            on_report(Report(goal_id, "lost", {}, f"nobody serves {action}: the connector is not started"))
             return
         try:
             cls = self._type("action", action, type_name)
         except ConnectorError as fault:
-            report(Report(goal_id, "lost", {}, str(fault)))
+            on_report(Report(goal_id, "lost", {}, str(fault)))
             return
-        session.find_goal(action, cls, goal_id, report)
+        session.find_goal(action, cls, goal_id, on_report)
 
-    def survey(self, action: str, type_name: str, *, within_s: float, told: Callable[[str], None]) -> None:
+    def survey(self, action: str, type_name: str, *, within_s: float, on_result: Callable[[str], None]) -> None:
         """Find out whether more than one server answers for an action, each by a reply to a request of no effect."""
         session = self._session
         try:
@@ -206,9 +206,9 @@ class Ros2Connector:
         except ConnectorError:  # its first use says so
             cls = None
         if session is None or cls is None:
-            told("")
+            on_result("")
         else:
-            session.survey(action, cls, within_s, told)
+            session.survey(action, cls, within_s, on_result)
 
     def cancel_goal(self, goal_id: str) -> None:
         session = self._session

@@ -13,12 +13,12 @@ from typing import Any
 from rclpy.node import Node
 
 __all__ = (
-    "NOBODY", "Peers", "are_gone", "are_replaced", "servers_of_action", "servers_of_service", "types_of_service",
+    "NO_PEERS", "Peers", "are_gone", "are_replaced", "servers_of_action", "servers_of_service", "types_of_service",
 )  # fmt: skip
 
 Peers = Mapping[bytes, str]
 """The identities of a server's endpoints, each with its node's name, empty while that is not known."""
-NOBODY: Peers = {}
+NO_PEERS: Peers = {}
 REQUEST = re.compile(r"^(?P<package>\w+?)(?:::|/)srv(?:::|/)(?:dds_(?:::|/))?(?P<name>\w+)_Request_?$")
 """A request's type as DDS knows it, `std_srvs::srv::dds_::Trigger_Request_`, or as ROS does."""
 

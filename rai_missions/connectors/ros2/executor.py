@@ -77,15 +77,15 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
     def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Task:
         """Have a callback or a coroutine run by the thread that spins."""
         task = Task(callback, args, kwargs, executor=self)
-        self._to_do.append(lambda: self._go_on(task))
+        self._to_do.append(lambda: self._resume(task))
         if threading.get_ident() != self._thread:
             self.nudge()
         return task
 
-    def _go_on(self, task: Task) -> None:
+    def _resume(self, task: Task) -> None:
         task()
         if not (task.done() or task.cancelled()):
-            self._to_do.append(lambda: self._go_on(task))
+            self._to_do.append(lambda: self._resume(task))
         elif task.done() and task.exception() is not None:
             raise task.exception()
 
@@ -174,7 +174,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
     def _ready(self, waitables: tuple[Waitable, ...]) -> list[Turn]:
         return [
             *(partial(self._attend, each) for each in waitables if each.is_ready(self._wait_set)),
-            *(partial(_hear, each) for each in self._found("subscription", self._subscriptions)),
+            *(partial(_take_message, each) for each in self._found("subscription", self._subscriptions)),
             *(partial(_take_answer, each) for each in self._found("client", self._clients)),
             *(partial(_answer, each) for each in self._found("service", self._services)),
         ]
@@ -193,7 +193,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
             self.create_task(work)
 
 
-def _hear(subscription: Any) -> None:
+def _take_message(subscription: Any) -> None:
     with suppress(InvalidHandle):  # destroyed by somebody whose turn came before, or by its own callback
         for _ in range(A_TURN):
             with subscription.handle:

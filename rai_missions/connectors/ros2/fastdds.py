@@ -20,7 +20,7 @@ PROMPT = Path(__file__).with_name("fastdds.xml")
 PICTURES = Path(__file__).with_name("fastdds_pictures.xml")
 """The same, with room for pictures."""
 VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
-BESIDE = "DEFAULT_FASTRTPS_PROFILES.xml"
+DEFAULT_FILE = "DEFAULT_FASTRTPS_PROFILES.xml"
 """Fast DDS takes a file of this name from the folder that it is started in."""
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _ONE_BY_ONE = threading.Lock()
@@ -34,7 +34,7 @@ def carried(*, pictures: bool) -> Iterator[None]:
         pictures: The process publishes pictures, and needs shared memory for them.
     """
     with _ONE_BY_ONE:
-        if os.environ.get(VARIABLE) or Path(BESIDE).exists():
+        if os.environ.get(VARIABLE) or Path(DEFAULT_FILE).exists():
             yield
             return
         has_transports = bool(os.environ.get(TRANSPORTS))  # the user's, which our larger one would replace

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from rai_missions.connectors.ros2.endpoints import NOBODY, are_gone, servers_of_action
+from rai_missions.connectors.ros2.endpoints import NO_PEERS, are_gone, servers_of_action
 from rai_missions.connectors.ros2.node_thread import Runtime, Work
 from rai_missions.connectors.ros2.rivals import ObservedClient
 from rai_missions.connectors.ros2.services import MANY, WATCH_S, InFlightLimit
@@ -74,10 +74,10 @@ class GoalClient:
     def _grow_impatient(self) -> None:
         self.patience_s = 0.0
 
-    def overhear(self, topic: str, cls: Any, quality: Any, hear: Callable[[Any], None]) -> Work:
+    def observe(self, topic: str, cls: Any, quality: Any, on_message: Callable[[Any], None]) -> Work:
         """Listen to what the server tells everybody: its `status` or `feedback`; returns what ends it."""
         node, name = self.runtime.node, f"{self.action}/_action/{topic}"
-        ear = node.create_subscription(cls, name, hear, quality, callback_group=self.runtime.group)
+        ear = node.create_subscription(cls, name, on_message, quality, callback_group=self.runtime.group)
         self.runtime.keep(ear, lambda: node.destroy_subscription(ear))
         return lambda: self.runtime.dispose(ear)
 
@@ -88,11 +88,11 @@ class GoalClient:
         """More than one server is on the graph; one that crashed may linger there."""
         return len(self.peers()) > 1
 
-    def survey(self, told: Callable[[str], None], within_s: float = 0.0) -> None:
+    def survey(self, on_result: Callable[[str], None], within_s: float = 0.0) -> None:
         """Say who serves the action beside another, as soon as nobody does, or after a while.
 
         Args:
-            told: Takes the sentence, on this thread; empty where at most one server answers.
+            on_result: Takes the sentence, on this thread; empty where at most one server answers.
             within_s: How long a second server may take to go.
         """
         until = time.monotonic() + within_s
@@ -101,13 +101,13 @@ class GoalClient:
             if self.is_shared:
                 self._count(lambda count: decide(count > 1))
             else:
-                told("")
+                on_result("")
 
         def decide(is_contested: bool) -> None:
             if is_contested and time.monotonic() < until:
                 self.runtime.later(STEP_S, lambda: look(True))
             else:
-                told(self.contest() if is_contested else "")
+                on_result(self.contest() if is_contested else "")
 
         opened_at = self.runtime.opened_at
         self.runtime.when(lambda: time.monotonic() >= opened_at + SETTLE_S, SETTLE_S, look)
@@ -214,7 +214,7 @@ class GoalClient:
     def _look(self) -> None:
         self._is_watched = False
         running = {goal for goal in self._running if not goal.is_over}
-        now = self.peers() if running else NOBODY
+        now = self.peers() if running else NO_PEERS
         is_there = self.client.server_is_ready()
         self._running.clear()
         if len(now) > 1:

@@ -70,8 +70,8 @@ def _rgb(packed: bytes, channels: int) -> bytes:
 
 
 def _compressed(fields: Mapping[str, Any], ref: str) -> Any:
-    said = fields["format"].lower()
-    encoding = "png" if "png" in said else "jpeg" if "jpeg" in said or "jpg" in said else ""
+    format_name = fields["format"].lower()
+    encoding = "png" if "png" in format_name else "jpeg" if "jpeg" in format_name or "jpg" in format_name else ""
     return Image(ref, 0, 0, encoding, fields["data"]) if encoding else fields["data"]
 
 

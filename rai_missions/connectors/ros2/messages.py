@@ -215,8 +215,8 @@ def name_of(cls: Hashable) -> str:
 
 @cache
 def _fields(cls: Any) -> Mapping[str, FieldType]:
-    said = cls.get_fields_and_field_types()
-    return {name: field_type(each) for name, each in said.items() if name != NO_FIELD}
+    types = cls.get_fields_and_field_types()
+    return {name: field_type(each) for name, each in types.items() if name != NO_FIELD}
 
 
 def _at(place: str, name: str) -> str:

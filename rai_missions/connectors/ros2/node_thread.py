@@ -98,12 +98,12 @@ class Runtime:
                 self._nudge()
             return True
 
-    def ask(self, question: Callable[[], T], nobody: T) -> T:
+    def ask(self, question: Callable[[], T], if_closed: T) -> T:
         """Have something found out on this thread, and wait for it; from any thread.
 
         Args:
             question: What to find out.
-            nobody: The answer of a runtime that is closed, or closes meanwhile.
+            if_closed: The answer of a runtime that is closed, or closes meanwhile.
 
         Raises:
             ConnectorError: A callback does not return, and so there is no answer.
@@ -119,7 +119,7 @@ class Runtime:
                 answer.set_exception(fault)
 
         if not self.post(find_out):
-            return nobody
+            return if_closed
         until = time.monotonic() + ANSWER_S
         while self.is_open:
             try:
@@ -127,7 +127,7 @@ class Runtime:
             except TimeoutError:
                 if time.monotonic() > until:
                     raise ConnectorError(f"{self._thread.name} gives no answer: a callback does not return") from None
-        return nobody
+        return if_closed
 
     def _nudge(self) -> None:
         """Have the thread look at what is waiting."""

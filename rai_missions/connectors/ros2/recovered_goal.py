@@ -43,23 +43,23 @@ class RecoveredGoal(Goal):
         self.peers, self._is_sent = client.peers(), True
         self._handle = ClientGoalHandle(client.client, self._uuid, None)
         self._ears = (
-            client.overhear("feedback", client.cls.Impl.FeedbackMessage, 10, self._hear_feedback),
-            client.overhear("status", GoalStatusArray, qos_profile_action_status_default, self._hear_status),
+            client.observe("feedback", client.cls.Impl.FeedbackMessage, 10, self._on_feedback),
+            client.observe("status", GoalStatusArray, qos_profile_action_status_default, self._on_status),
         )
         self._ask_for_result()
         client.watch(self)
         if self._is_unwanted:
             self._ask_to_cancel(self._handle)
 
-    def _hear_feedback(self, message: Any) -> None:
+    def _on_feedback(self, message: Any) -> None:
         if bytes(message.goal_id.uuid) == bytes(self._uuid.uuid):
             self._advance(message)
 
-    def _hear_status(self, message: Any) -> None:
+    def _on_status(self, message: Any) -> None:
         mine = [each.status for each in message.status_list if each.goal_info.goal_id == self._uuid]
         if mine and mine[0] in RUNNING and not self._is_known and not self.is_over:
             self._is_known = True
-            self._tell(Report(self.goal_id, "accepted", {}))
+            self._deliver(Report(self.goal_id, "accepted", {}))
 
     def _finished(self, future: Any) -> None:
         was_over = self.is_over
@@ -67,8 +67,8 @@ class RecoveredGoal(Goal):
         if self.is_over and not was_over:
             self._client.caught(self)  # its server has said what became of it: there is nothing to chase
 
-    def end(self, said: End, data: dict[str, Any] | None = None, why: str = "") -> None:
+    def end(self, how: End, data: dict[str, Any] | None = None, why: str = "") -> None:
         for close in self._ears:
             close()
         self._ears = ()
-        super().end(said, data, why)
+        super().end(how, data, why)

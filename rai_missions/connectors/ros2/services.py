@@ -93,9 +93,9 @@ class Client:
         self._patience_s = patience_s
         runtime.later(patience_s, self._grow_impatient)
 
-    def call(self, request: Any, answered: Callable[[Reply], None], timeout_s: float | None) -> None:
+    def call(self, request: Any, on_reply: Callable[[Reply], None], timeout_s: float | None) -> None:
         """Send a request as soon as there is a server and room."""
-        call = _Call(request, answered)
+        call = _Call(request, on_reply)
         if timeout_s is not None:
             late = Reply("timed_out", {}, f"{self._service} has not answered within {timeout_s:g} s")
             call.call_off = self._runtime.later(timeout_s, lambda: self._end(call, self._absent() or late))
@@ -108,9 +108,9 @@ class Client:
     def _absent(self) -> Reply | None:
         if self._client.service_is_ready():
             return None
-        return self._nobody()
+        return self._no_server()
 
-    def _nobody(self) -> Reply:
+    def _no_server(self) -> Reply:
         """Nobody serves it; who serves it as another type is not spoken to, and said."""
         others = ", ".join(sorted(types_of_service(self._runtime.node, self._service) - {self._type}))
         if not others:
@@ -139,7 +139,7 @@ class Client:
             self._send()
         else:
             for call in list(self._waiting):
-                self._end(call, self._nobody())
+                self._end(call, self._no_server())
 
     def _send_one(self, call: _Call) -> None:
         call.peers = self._peers()
@@ -152,9 +152,9 @@ class Client:
             return
         response = future.result()
         data, age_s = to_data(response), self._date(response).age_s
-        said = data.get("message", "")
-        if data.get("success") is False and isinstance(said, str) and said.startswith(FAILED):
-            self._end(call, Reply("failed", data, said.removeprefix(FAILED)))
+        why = data.get("message", "")
+        if data.get("success") is False and isinstance(why, str) and why.startswith(FAILED):
+            self._end(call, Reply("failed", data, why.removeprefix(FAILED)))
         else:
             self._end(call, Reply("succeeded", data, age_s=age_s))
 

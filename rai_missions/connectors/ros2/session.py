@@ -77,10 +77,10 @@ class Session:
         self,
         topic: str,
         cls: Any,
-        hear: Callable[[Message], None],
-        hear_raw: Callable[[RawMessage], None] | None = None,
+        on_message: Callable[[Message], None],
+        on_raw: Callable[[RawMessage], None] | None = None,
     ) -> Close:
-        return self._subscriptions.join(topic, cls, Listener(hear, hear_raw))
+        return self._subscriptions.join(topic, cls, Listener(on_message, on_raw))
 
     def publish(self, topic: str, cls: Any, message: Any) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish(message))
@@ -112,9 +112,9 @@ class Session:
     # -- services --------------------------------------------------------------------------------------------------
 
     def call(
-        self, service: str, cls: Any, request: Any, answered: Callable[[Reply], None], timeout_s: float | None
+        self, service: str, cls: Any, request: Any, on_reply: Callable[[Reply], None], timeout_s: float | None
     ) -> None:
-        once = _Once(answered, self._calls, self._lock)
+        once = _Once(on_reply, self._calls, self._lock)
         if not self.runtime.post(lambda: self._client(service, cls).call(request, once, timeout_s)):
             once(Reply("unavailable", {}, "ROS was shut down"))
 
@@ -162,23 +162,23 @@ class Session:
             self._goal_clients[action] = GoalClient(self.runtime, action, cls, self._options.discovery_s)
         return self._goal_clients[action]
 
-    def survey(self, action: str, cls: Any, within_s: float, told: Callable[[str], None]) -> None:
+    def survey(self, action: str, cls: Any, within_s: float, on_result: Callable[[str], None]) -> None:
         """Say who serves an action beside another; empty where at most one server answers, or ROS was shut down."""
-        if not self.runtime.post(lambda: self._goal_client(action, cls).survey(told, within_s)):
-            told("")
+        if not self.runtime.post(lambda: self._goal_client(action, cls).survey(on_result, within_s)):
+            on_result("")
 
-    def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, report: Callable[[Report], None]) -> None:
-        self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, Goal).send(goal))
+    def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
+        self._pursue(goal_id, on_report, lambda: self._goal(action, cls, goal_id, on_report, Goal).send(goal))
 
-    def find_goal(self, action: str, cls: Any, goal_id: str, report: Callable[[Report], None]) -> None:
-        self._pursue(goal_id, report, lambda: self._goal(action, cls, goal_id, report, RecoveredGoal).find())
+    def find_goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
+        self._pursue(goal_id, on_report, lambda: self._goal(action, cls, goal_id, on_report, RecoveredGoal).find())
 
-    def _pursue(self, goal_id: str, report: Callable[[Report], None], begin: Work) -> None:
+    def _pursue(self, goal_id: str, on_report: Callable[[Report], None], begin: Work) -> None:
         def lose(why: str) -> None:
             with self._lock:
                 is_here = self._goals.pop(goal_id, None) is not None
             if is_here:
-                guarded(lambda: report(Report(goal_id, "lost", {}, why)))
+                guarded(lambda: on_report(Report(goal_id, "lost", {}, why)))
 
         with self._lock:
             if goal_id in self._goals:
@@ -187,14 +187,14 @@ class Session:
         if not self.runtime.post(begin):
             lose("ROS was shut down")
 
-    def _goal(self, action: str, cls: Any, goal_id: str, report: Callable[[Report], None], kind: type[Kind]) -> Kind:
-        sent = kind(self._goal_client(action, cls), goal_id, lambda said: self._report(report, said), self._forget)
+    def _goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None], kind: type[Kind]) -> Kind:
+        sent = kind(self._goal_client(action, cls), goal_id, lambda one: self._report(on_report, one), self._forget)
         self._sent[goal_id] = sent
         return sent
 
-    def _report(self, report: Callable[[Report], None], said: Report) -> None:
+    def _report(self, on_report: Callable[[Report], None], one: Report) -> None:
         if not self._is_silent:
-            report(said)
+            on_report(one)
 
     def _forget(self, goal: Goal) -> None:
         self._sent.pop(goal.goal_id, None)
@@ -212,10 +212,10 @@ class Session:
 
     def close(self) -> None:
         """Cancel the goals, tell the clients, then close; from a callback it goes on after that has returned."""
-        said = threading.Event()
-        end = self.runtime.close if self.runtime.is_here else said.set
+        is_sent = threading.Event()
+        end = self.runtime.close if self.runtime.is_here else is_sent.set
         if self.runtime.post(lambda: self._part(end)) and not self.runtime.is_here:
-            said.wait(4 * FAREWELL_S)
+            is_sent.wait(4 * FAREWELL_S)
         if not self.runtime.is_here:
             self.runtime.close()
             self._give_up("the connector was stopped")
@@ -268,8 +268,8 @@ class Session:
 class _Once:
     """A callback of a call that is told exactly once; it stands in `unanswered` until then."""
 
-    def __init__(self, answered: Callable[[Reply], None], unanswered: set[_Once], lock: threading.Lock) -> None:
-        self._answered, self._unanswered, self._lock = answered, unanswered, lock
+    def __init__(self, on_reply: Callable[[Reply], None], unanswered: set[_Once], lock: threading.Lock) -> None:
+        self._answered, self._unanswered, self._lock = on_reply, unanswered, lock
         with lock:
             unanswered.add(self)
 

@@ -41,18 +41,20 @@ class Listener:
         hear_raw: Told its bytes, before.
     """
 
-    def __init__(self, hear: Callable[[Message], None], hear_raw: Callable[[RawMessage], None] | None = None) -> None:
-        self._hear, self._hear_raw = hear, hear_raw
-        self.is_raw = hear_raw is not None
+    def __init__(
+        self, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None] | None = None
+    ) -> None:
+        self._on_message, self._on_raw = on_message, on_raw
+        self.is_raw = on_raw is not None
         self.is_open = True
 
-    def tell(self, raw: RawMessage | None, message: Message) -> None:
+    def deliver(self, raw: RawMessage | None, message: Message) -> None:
         """Pass a message on; what this listener raises stops nobody else."""
-        hear_raw = self._hear_raw
-        if raw is not None and hear_raw is not None and self.is_open:
-            guarded(lambda: hear_raw(raw))
+        on_raw = self._on_raw
+        if raw is not None and on_raw is not None and self.is_open:
+            guarded(lambda: on_raw(raw))
         if self.is_open:
-            guarded(lambda: self._hear(message))
+            guarded(lambda: self._on_message(message))
 
 
 class Subscriptions:
@@ -107,9 +109,9 @@ class _Reader:
         self._last: deque[Any] = deque(maxlen=quality.depth if quality.durability == "latched" else 0)
         self._entities: dict[str, Any] = {}
         self._offers = ""
-        self._mixed = Mixed(runtime.later, self._heard, self._count_reliable)
+        self._mixed = Mixed(runtime.later, self._arrived, self._count_reliable)
         self._is_open = True
-        self._is_puzzled = self._is_fitted = self._is_heard = False
+        self._is_puzzled = self._is_fitted = self._has_arrived = False
         self._open("reliable")
         self._look_after(LOOKS_S)
 
@@ -117,8 +119,8 @@ class _Reader:
         """Tell one more, beginning with what ROS would tell a reader that is new."""
         self._listeners += (listener,)
         if self._last and self._publishers():
-            for heard in tuple(self._last):
-                self._tell(heard, (listener,), is_kept=True)
+            for kept in tuple(self._last):
+                self._deliver(kept, (listener,), is_kept=True)
 
     def leave(self, listener: Listener) -> bool:
         """Tell one less; whether that was the last one, and the reader is closed."""
@@ -161,7 +163,7 @@ class _Reader:
         """Say it if what is published there is of another type: ROS itself keeps silent."""
 
         def look() -> None:
-            if self._is_heard or not self._is_open:
+            if self._has_arrived or not self._is_open:
                 return
             name = name_of(self._class)
             others = sorted({each.topic_type for each in self._publishers()} - {name})
@@ -190,11 +192,11 @@ class _Reader:
                 self._topic, policy, self._topic,
             )  # fmt: skip
 
-    def _heard(self, heard: Any, info: Mapping[str, Any]) -> None:
+    def _arrived(self, message: Any, info: Mapping[str, Any]) -> None:
         """A message has come; in bytes, where somebody wants them."""
-        self._is_heard = True
-        self._last.append(heard)
-        self._tell(heard, self._listeners, is_kept=self._is_kept(info))
+        self._has_arrived = True
+        self._last.append(message)
+        self._deliver(message, self._listeners, is_kept=self._is_kept(info))
 
     def _is_kept(self, info: Mapping[str, Any]) -> bool:
         """A latched message that was published before this reader was there; a middleware may not say when it was."""
@@ -203,13 +205,13 @@ class _Reader:
             return False
         return int(info.get("source_timestamp") or 0) < self._opened_ns
 
-    def _tell(self, heard: Any, listeners: tuple[Listener, ...], *, is_kept: bool) -> None:
+    def _deliver(self, arrived: Any, listeners: tuple[Listener, ...], *, is_kept: bool) -> None:
         """Convert a message once, for whoever still listens."""
         if not any(each.is_open for each in listeners):
             return
-        message = deserialize_message(heard, self._class) if self._is_raw else heard
+        message = deserialize_message(arrived, self._class) if self._is_raw else arrived
         at, age_s = self._date(message)
-        raw = RawMessage(self._topic, name_of(self._class), heard, at, self._offered()) if self._is_raw else None
-        told = Message(self._topic, to_data(message, f"{self._topic}@{at:.3f}"), at, age_s, is_kept)
+        raw = RawMessage(self._topic, name_of(self._class), arrived, at, self._offered()) if self._is_raw else None
+        plain = Message(self._topic, to_data(message, f"{self._topic}@{at:.3f}"), at, age_s, is_kept)
         for each in listeners:
-            each.tell(raw, told)
+            each.deliver(raw, plain)

@@ -29,7 +29,7 @@ CHARGE_S = 3.0
 """How long the charger may take to notice the robot."""
 
 Later = Callable[[Callable[[], None]], None]
-Said = Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
+Status = Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
 
 
 class Wanted(NamedTuple):
@@ -74,7 +74,7 @@ class Server:
         self._replace()
         number = self.navigator.begin(wanted.place, turns=wanted.turns, at=self.at)
         self.running = Running(goal_id, report, self.at, number)
-        self._say(self.running, "accepted")
+        self._report(self.running, "accepted")
 
     def cancel(self, goal_id: str) -> None:
         running = self.running
@@ -97,18 +97,18 @@ class Server:
             self._end(running, "failed", self.navigator.why, self.navigator.error)
         elif self.navigator.outcome == "arrived":
             running.arrived_at = at if running.arrived_at is None else running.arrived_at
-            said, why, error = self.arrived(at - running.arrived_at, charging=charging)
-            if said:
-                self._end(running, said, why, error)
+            status, why, error = self.arrived(at - running.arrived_at, charging=charging)
+            if status:
+                self._end(running, status, why, error)
         elif at >= running.next_feedback:
             running.next_feedback = at + FEEDBACK_S
-            self._say(running, "feedback", self.feedback(pose, at - running.begun))
+            self._report(running, "feedback", self.feedback(pose, at - running.begun))
 
     def wanted(self, goal: Data) -> Wanted | str:
         """What a goal asks for, or why it is rejected."""
         raise NotImplementedError
 
-    def arrived(self, since_s: float, *, charging: bool) -> tuple[Said | Literal[""], str, int]:
+    def arrived(self, since_s: float, *, charging: bool) -> tuple[Status | Literal[""], str, int]:
         """How a goal ends whose robot has arrived, why, and the error's number; empty while that is open."""
         return "succeeded", "", 0
 
@@ -122,12 +122,12 @@ class Server:
         if self.running is not None:
             self._end(self.running, "failed", "a newer goal replaced this one", 0)
 
-    def _end(self, running: Running, said: Said, why: str, error: int) -> None:
+    def _end(self, running: Running, status: Status, why: str, error: int) -> None:
         self.running = None
-        self._say(running, said, self.result(error, why), why)
+        self._report(running, status, self.result(error, why), why)
 
-    def _say(self, running: Running, said: Said, data: Data | None = None, why: str = "") -> None:
-        self._later(lambda: running.report(Report(running.goal_id, said, data or {}, why)))
+    def _report(self, running: Running, status: Status, data: Data | None = None, why: str = "") -> None:
+        self._later(lambda: running.report(Report(running.goal_id, status, data or {}, why)))
 
 
 class NavigateToPose(Server):
@@ -165,7 +165,7 @@ class DockRobot(Server):
             return "docks are known by 'dock_id' here; there is: dock"
         return Wanted(PLACES["dock"]) if dock == "dock" else f"there is no dock '{dock}'; there is: dock"
 
-    def arrived(self, since_s: float, *, charging: bool) -> tuple[Said | Literal[""], str, int]:
+    def arrived(self, since_s: float, *, charging: bool) -> tuple[Status | Literal[""], str, int]:
         if charging:
             return "succeeded", "", 0
         return ("failed", "the charger does not notice the robot", NOT_CHARGED) if since_s > CHARGE_S else ("", "", 0)

@@ -110,7 +110,7 @@ class House:
             self._closes.append(connector.offer(name, type_name, Guarded(server, self._outbox)))
         for door in DOORS:
             self._closes.append(connector.serve(f"/house/{door}", "std_srvs/srv/SetBool", self._door(door)))
-        self._closes.append(connector.subscribe(*interface.CMD_VEL, self._hear_command))
+        self._closes.append(connector.subscribe(*interface.CMD_VEL, self._on_command))
 
     def step(self) -> None:
         """Go one period on: look, drive, let physics happen, and publish what happened."""
@@ -122,7 +122,7 @@ class House:
             mujoco.mj_step(self.model, self.data, self.substeps)
             self._steps += 1
             self._account()
-            self._tell()
+            self._publish()
             for server in self._servers.values():  # after the facts that their results rest on
                 server.step(self.at, self.pose, charging=self.is_charging)
         self._outbox.send()
@@ -157,7 +157,7 @@ class House:
         if self.is_charging:
             self.battery.charge(CHARGER_W, self.period_s)
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         at, pose = self.at, self.pose
         if self._steps % FAST == 1:
             self._outbox.publish("amcl_pose", interface.located(pose, at))
@@ -169,7 +169,7 @@ class House:
             picture = self.camera.picture(self.camera.moment(self.data), f"/{interface.CAMERA}@{at:.3f}")
             self._outbox.publish(interface.CAMERA, messages.image(picture, at))
 
-    def _hear_command(self, message: Message) -> None:
+    def _on_command(self, message: Message) -> None:
         twist = message.data
         speed = float((twist.get("linear") or {}).get("x", 0.0))
         turn = float((twist.get("angular") or {}).get("z", 0.0))

@@ -20,7 +20,7 @@ from rai_missions.worlds.orchard.tractor import Pose
 
 __all__ = ("Cross", "NavigateToPose")
 
-Said = Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
+Status = Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
 Later = Callable[[Callable[[], None]], None]
 """Does something once the world's step is over and its lock is free."""
 ARRIVED_M = 1.0
@@ -60,7 +60,7 @@ class OneGoal:
             self._later(lambda: report(Report(goal_id, "rejected", {}, why)))
             return
         self.running = running
-        self.say(running, "accepted")
+        self.report(running, "accepted")
 
     def cancel(self, goal_id: str) -> None:
         if self.running is not None and self.running.goal_id == goal_id:
@@ -72,18 +72,18 @@ class OneGoal:
         self.at, running = at, self.running
         if running is None:
             return
-        said, why = self.end(running, pose)
+        status, why = self.end(running, pose)
         if running.is_unwanted:
-            said, why = ("canceled", "canceled") if abs(pose.speed) < 0.05 else ("", "")
-        if said:
+            status, why = ("canceled", "canceled") if abs(pose.speed) < 0.05 else ("", "")
+        if status:
             self.running = None
-            self.say(running, said, self.result(at - running.begun, said), why)  # type: ignore[arg-type]
+            self.report(running, status, self.result(at - running.begun, status), why)  # type: ignore[arg-type]
         elif at >= running.next_feedback and not running.is_unwanted:
             running.next_feedback = at + 0.5
-            self.say(running, "feedback", self.feedback(pose, at - running.begun))
+            self.report(running, "feedback", self.feedback(pose, at - running.begun))
 
-    def say(self, running: Running, said: Said, data: Data | None = None, why: str = "") -> None:
-        self._later(lambda: running.report(Report(running.goal_id, said, data or {}, why)))
+    def report(self, running: Running, status: Status, data: Data | None = None, why: str = "") -> None:
+        self._later(lambda: running.report(Report(running.goal_id, status, data or {}, why)))
 
     def begin(self, goal: Data, running: Running) -> str:
         """Set out; why not, if not."""
@@ -96,7 +96,7 @@ class OneGoal:
     def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
         raise NotImplementedError
 
-    def result(self, taken_s: float, said: str) -> dict[str, Any]:
+    def result(self, taken_s: float, status: str) -> dict[str, Any]:
         raise NotImplementedError
 
 
@@ -143,8 +143,8 @@ class NavigateToPose(OneGoal):
             "number_of_recoveries": 0,
         }
 
-    def result(self, taken_s: float, said: str) -> dict[str, Any]:
-        return {"error_code": 0 if said == "succeeded" else 1, "error_msg": ""}
+    def result(self, taken_s: float, status: str) -> dict[str, Any]:
+        return {"error_code": 0 if status == "succeeded" else 1, "error_msg": ""}
 
 
 class Cross(OneGoal):
@@ -180,8 +180,8 @@ class Cross(OneGoal):
     def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
         return {"distance_traveled": round(math.dist(pose[:2], self._start), 2)}
 
-    def result(self, taken_s: float, said: str) -> dict[str, Any]:
-        return {"total_elapsed_time": stamp(taken_s), "error_code": 0 if said == "succeeded" else 1, "error_msg": ""}
+    def result(self, taken_s: float, status: str) -> dict[str, Any]:
+        return {"total_elapsed_time": stamp(taken_s), "error_code": 0 if status == "succeeded" else 1, "error_msg": ""}
 
 
 def _position(goal: Data) -> tuple[float, float] | None:

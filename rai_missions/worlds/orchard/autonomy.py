@@ -102,7 +102,7 @@ class Autonomy:
         self._is_parked = False
         if not self._follower.moves:
             self._plan_next()
-        self._say()
+        self._publish()
         return True
 
     def stop(self) -> None:
@@ -124,7 +124,7 @@ class Autonomy:
         self._from_east[move.alley] = move.end.column == 3
         self._accepted, self._is_parked = None, False
         self._plan_next()
-        self._say()
+        self._publish()
         return True
 
     def go_to(self, goal: Place) -> bool:
@@ -134,7 +134,7 @@ class Autonomy:
             return False
         self._follower.take(found[1])
         self._is_homing, self._is_parked, self._accepted = True, False, None
-        self._say()
+        self._publish()
         return True
 
     def step(self, pose: Pose, range_m: float | None, period_s: float) -> tuple[float, float]:
@@ -153,7 +153,7 @@ class Autonomy:
         self._note_progress(before)
         if last and not self._follower.moves:
             self._here = last[0].end
-        self._say()
+        self._publish()
         return (min(speed, CROSSING_MPS) if self.is_crossing else speed), bend
 
     def _note_progress(self, before: Move | None) -> None:
@@ -280,7 +280,7 @@ class Autonomy:
         self._follower.take([rest] if rest is not None else [])
         self._is_homing = False
 
-    def _say(self) -> None:
+    def _publish(self) -> None:
         move = self._follower.move
         if self._is_parked or move is None:
             return

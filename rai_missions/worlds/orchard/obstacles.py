@@ -86,14 +86,14 @@ def _draw(rng: random.Random, alley: int) -> Obstacle:
 
 
 def _chosen(what: str | None | Mapping[str, Any], drawn: Obstacle) -> Obstacle:
-    said = dict(what) if isinstance(what, Mapping) else {"kind": what or "none"}
+    choice = dict(what) if isinstance(what, Mapping) else {"kind": what or "none"}
     known = [field.name for field in fields(Obstacle)]
-    unknown = sorted(set(said) - set(known))
+    unknown = sorted(set(choice) - set(known))
     if unknown:
         raise UsageError(f"obstacles: no field {unknown[0]!r}; there are: {', '.join(known)}")
-    if said.get("kind") not in (*FIGURES, "none"):
-        raise UsageError(f"obstacles: no kind {said.get('kind')!r}; there are: {', '.join(FIGURES)}, none")
-    return Obstacle(**{**{field: getattr(drawn, field) for field in known}, **said})
+    if choice.get("kind") not in (*FIGURES, "none"):
+        raise UsageError(f"obstacles: no kind {choice.get('kind')!r}; there are: {', '.join(FIGURES)}, none")
+    return Obstacle(**{**{field: getattr(drawn, field) for field in known}, **choice})
 
 
 class Walker:

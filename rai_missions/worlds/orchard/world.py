@@ -34,7 +34,7 @@ from rai_missions.worlds.publish_queue import Guarded, Outbox
 
 __all__ = ("Orchard",)
 
-HEARD_M = 15.0
+AUDIBLE_M = 15.0
 """How far the horn is heard."""
 HOME_M = 1.5
 SEEN_S = 0.6
@@ -153,7 +153,7 @@ class Orchard:
             self._let_physics_happen()
             self._steps += 1
             self._account()
-            self._tell()
+            self._publish()
             for action in (self._home, self._cross):  # after the facts that their results rest on
                 action.step(self.at, self.pose)
         self._outbox.send()
@@ -217,7 +217,7 @@ class Orchard:
         if self.autonomy.is_homing:
             self.judge.leave()
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         at, pose = self.at, self.pose
         if self._steps % FAST == 1:
             self._outbox.publish("pose", messages.pose_stamped(*pose[:3], at))
@@ -234,9 +234,9 @@ class Orchard:
         if crossing is not None:
             facts["passed"] = crossing.outcome == "passed"
         for name, fact in facts.items():
-            self._outbox.tell(name, fact, {"data": fact}, anyway=self._steps % SLOW == 1)
+            self._outbox.put(name, fact, {"data": fact}, anyway=self._steps % SLOW == 1)
         if crossing is not None:
-            self._outbox.tell("crossing", (crossing.start, crossing.outcome), messages.text(crossing.facts()))
+            self._outbox.put("crossing", (crossing.start, crossing.outcome), messages.text(crossing.facts()))
 
     def _look(self, pose: Pose) -> None:
         if self.camera is None or self._detector is None:
@@ -282,7 +282,7 @@ class Orchard:
     def _flash(self) -> dict[str, Any]:
         pose = self.pose
         for walker in self._walkers.values():
-            if math.dist((walker.x, walker.y), pose[:2]) < HEARD_M:
+            if math.dist((walker.x, walker.y), pose[:2]) < AUDIBLE_M:
                 walker.signal(pose.x)
         return messages.trigger(True, "Flashing triggered.")
 

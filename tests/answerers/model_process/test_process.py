@@ -191,7 +191,7 @@ class Motor:
     def __init__(self) -> None:
         self.stopped = threading.Event()
         self.at = 0.0
-        self._report: Callable[[Report], None] = lambda said: None
+        self._report: Callable[[Report], None] = lambda reply: None
 
     def accept(self, goal_id: str, goal: Any, report: Callable[[Report], None]) -> None:
         self._report = report

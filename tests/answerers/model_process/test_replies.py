@@ -91,10 +91,10 @@ def test_what_is_too_long_or_no_object_is_refused(data: bytes) -> None:
 @given(TEXTS, st.lists(ANY_CALL, max_size=4))
 @settings(max_examples=60)
 def test_an_answer_is_read_alike_over_the_pipe_and_here(text: str, calls: list[Any]) -> None:
-    said = said_of(AIMessage.model_construct(content=text, tool_calls=calls))
-    frame = outward({"reply": 1, **reply_words(said)})[0]
+    reply = said_of(AIMessage.model_construct(content=text, tool_calls=calls))
+    frame = outward({"reply": 1, **reply_words(reply)})[0]
     (message,) = Inlet().feed(frame)
-    here = read(said, QUESTION)
+    here = read(reply, QUESTION)
     try:
         there = said_in(message)
     except Spent:

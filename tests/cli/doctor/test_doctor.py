@@ -75,7 +75,7 @@ def test_a_sourced_ros_and_wheels_are_not_to_meet() -> None:
 
 
 @pytest.mark.parametrize(
-    ("code", "said"),
+    ("code", "message"),
     [
         ("raise ImportError('librcl.so: cannot open shared object file')", "librcl.so: cannot open shared object file"),
         ("import os; os.abort()", "it crashed (SIGABRT)"),
@@ -83,11 +83,11 @@ def test_a_sourced_ros_and_wheels_are_not_to_meet() -> None:
     ],
 )
 def test_an_rclpy_that_does_not_load_ends_nobody_but_its_own_process(
-    environment: dict[str, str], tmp_path: Path, code: str, said: str
+    environment: dict[str, str], tmp_path: Path, code: str, message: str
 ) -> None:
     (only,) = ros(broken(environment, tmp_path, code), has_wheels=True)
     assert only.status == "missing"
-    assert said in only.what and only.remedy
+    assert message in only.what and only.remedy
 
 
 def test_a_probe_that_hangs_is_left(environment: dict[str, str], tmp_path: Path) -> None:
@@ -99,13 +99,17 @@ def test_a_probe_that_hangs_is_left(environment: dict[str, str], tmp_path: Path)
 def test_a_ros_that_works_is_told_with_its_middleware_and_its_reach(environment: dict[str, str]) -> None:
     found = list(ros(environment, has_wheels=True))
     assert statuses(found) == {"ok"}, found
-    told = "\n".join(map(str, found))
-    assert "middleware rmw_" in told and "nodes of this machine alone meet" in told and "loopback met after" in told
+    reported = "\n".join(map(str, found))
+    assert (
+        "middleware rmw_" in reported
+        and "nodes of this machine alone meet" in reported
+        and "loopback met after" in reported
+    )
 
 
 @with_ros
 @pytest.mark.parametrize(
-    ("variable", "value", "status", "said"),
+    ("variable", "value", "status", "message"),
     [
         ("ROS_AUTOMATIC_DISCOVERY_RANGE", "", "ok", "is not set, which is SUBNET: it multicasts to the network"),
         ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCAL", "missing", "LOCAL is not known"),
@@ -116,7 +120,7 @@ def test_a_ros_that_works_is_told_with_its_middleware_and_its_reach(environment:
     ],
 )
 def test_what_the_variables_mean_is_said(
-    environment: dict[str, str], variable: str, value: str, status: str, said: str
+    environment: dict[str, str], variable: str, value: str, status: str, message: str
 ) -> None:
     from rai_missions.cli.doctor.ros import (  # what follows starts nodes, which some of these cannot have
         _domain,
@@ -124,7 +128,7 @@ def test_what_the_variables_mean_is_said(
     )
 
     found = [each(environment | {variable: value}) for each in (_range, _domain)]
-    assert [each.status for each in found if said in str(each)] == [status], found
+    assert [each.status for each in found if message in str(each)] == [status], found
 
 
 @with_ros
@@ -165,8 +169,8 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
 def test_a_field_that_a_type_has_not_is_told(environment: dict[str, str]) -> None:
     source = {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percent"}
     found = list(reach(robot(blackboard={"battery": source}), environment))
-    (told,) = (each for each in found if each.what == "blackboard/battery/field")
-    assert told.status == "missing" and "has no field 'percent' (did you mean 'percentage'?)" in told.remedy
+    (reported,) = (each for each in found if each.what == "blackboard/battery/field")
+    assert reported.status == "missing" and "has no field 'percent' (did you mean 'percentage'?)" in reported.remedy
 
 
 @with_ros
@@ -194,16 +198,16 @@ def test_a_broker_that_is_not_there_is_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("connector", "status", "said"),
+    ("connector", "status", "message"),
     [
         ({"kind": "local", "world": "orchard"}, "ok", "is simulated with the run"),
         ({"kind": "local", "world": "orchart"}, "missing", "did you mean 'orchard'?"),
         ({"kind": "rosbridge"}, "missing", "which is not known"),
     ],
 )
-def test_a_robot_of_another_kind_is_told_by_its_profile(connector: dict[str, str], status: str, said: str) -> None:
+def test_a_robot_of_another_kind_is_told_by_its_profile(connector: dict[str, str], status: str, message: str) -> None:
     (only,) = reach(robot(connector=connector), {})
-    assert only.status == status and said in str(only)
+    assert only.status == status and message in str(only)
 
 
 def test_everything_that_a_shipped_profile_names_is_looked_for() -> None:

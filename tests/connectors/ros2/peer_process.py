@@ -17,7 +17,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 
 ROOT = Path(__file__).parents[3]
 SUCCEED, RUN, REJECT, STUBBORN, ABORT, SLOW_TO_ACCEPT = range(6)
@@ -39,8 +39,8 @@ class Peer:
 
     def __init__(self, name: str, program: Path = Path(__file__)) -> None:
         self.name = name
-        self.said: Heard[Any] = Heard(30.0)
-        self._ready: Heard[Any] = Heard(STARTS_WITHIN_S)
+        self.lines: Inbox[Any] = Inbox(30.0)
+        self._ready: Inbox[Any] = Inbox(STARTS_WITHIN_S)
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         self._process = subprocess.Popen(
             [sys.executable, "-W", "ignore", str(program), name],
@@ -52,9 +52,9 @@ class Peer:
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            self.said(said := json.loads(line))
-            if said == ["ready"]:
-                self._ready(said)
+            self.lines(reported := json.loads(line))
+            if reported == ["ready"]:
+                self._ready(reported)
 
     def signal(self, number: signal.Signals) -> None:
         self._process.send_signal(number)
@@ -85,12 +85,12 @@ class Peer:
 
 
 def say(*what: Any) -> None:
-    with SAYING:
+    with TALKING:
         sys.stdout.write(json.dumps(what) + "\n")
         sys.stdout.flush()
 
 
-SAYING = threading.Lock()
+TALKING = threading.Lock()
 
 
 def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be asked
@@ -156,14 +156,14 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         response.success, response.message = request.data, "failed: it is broken" if not request.data else ""
         return response
 
-    class Telling(ActionServer):
+    class Reporting(ActionServer):
         """Says of which goals the end is asked for, also of those that it knows nothing of."""
 
         async def _execute_cancel_request(self, request: Any) -> None:
             say("end wanted", bytes(request[1].goal_info.goal_id.uuid).hex())
             await super()._execute_cancel_request(request)
 
-    Telling(
+    Reporting(
         node,
         Fibonacci,
         f"/{name}/fibonacci",
@@ -181,7 +181,7 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         String, f"/{name}/hasty", QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
     )
     node.create_timer(0.05, lambda: hasty.publish(String(data="hasty")))
-    node.create_subscription(String, f"/{name}/ear", lambda heard: say("heard", heard.data), 10)
+    node.create_subscription(String, f"/{name}/ear", lambda received: say("heard", received.data), 10)
     executor = MultiThreadedExecutor(8)
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()

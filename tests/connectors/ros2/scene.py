@@ -12,7 +12,7 @@ import threading
 import uuid
 from typing import Any
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.engine.step import StartGoal, Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
@@ -61,8 +61,8 @@ class ServerOnCall:
         self.lives[0].__enter__()
 
     @property
-    def said(self) -> Heard[Any]:
-        return self.lives[-1].said
+    def lines(self) -> Inbox[Any]:
+        return self.lives[-1].lines
 
     def kill(self) -> None:
         self.lives[-1].kill()
@@ -87,7 +87,7 @@ class Scene:
 
     def __init__(self, connector: Any, server: ServerOnCall) -> None:
         self._server = server
-        self.steps = Heard[Step](HOLDS_S)
+        self.steps = Inbox[Step](HOLDS_S)
         self.tokens: list[int] = []
         robot = Robot.model_validate(
             {"name": "windows", "actions": {"move": {"action": f"/{server.name}/move", "type": FIBONACCI}},
@@ -134,36 +134,38 @@ class Scene:
         self._thread.join(HOLDS_S)
         assert not self._thread.is_alive(), f"the run does not end: {self.story()}"
         self.check()
-        self._server.said.wait(
-            lambda said: all(["over", token] in [each[:2] for each in said] for token in _asked(said)),
+        self._server.lines.wait(
+            lambda reported: all(["over", token] in [each[:2] for each in reported] for token in _asked(reported)),
             f"no goal runs that no state owns; {self.story()}",
         )
 
     def check(self) -> None:
         """Hold both logs to the laws."""
         for life in self._server.lives:
-            _one_after_the_other(life.said.all, self.story)
+            _one_after_the_other(life.lines.all, self.story)
         _no_result_of_another(self.steps.all, self.story)
         _no_start_before_the_end(self.steps.all, self.story)
 
     def story(self) -> str:
         """Both logs, for the reader of a failure."""
-        said = [[each for each in life.said.all if each[1:2] and each[1] in self.tokens] for life in self._server.lives]
+        reported = [
+            [each for each in life.lines.all if each[1:2] and each[1] in self.tokens] for life in self._server.lives
+        ]
         run = [
             (round(step.at, 3), step.event.kind, step.event.name, step.event.number,
              [(move.exited, move.entered) for move in step.moves], step.effects, step.notes)
             for step in self.steps.all
         ]  # fmt: skip
-        return f"\nserver: {said}\nrun: " + "\n     ".join(map(str, run))
+        return f"\nserver: {reported}\nrun: " + "\n     ".join(map(str, run))
 
     def _has_said(self, token: int, words: tuple[str, ...]) -> bool:
-        return any(each[0] in words and each[1] == token for each in self._server.said.all if len(each) > 1)
+        return any(each[0] in words and each[1] == token for each in self._server.lines.all if len(each) > 1)
 
     def _is_over(self, token: int) -> bool:
         """The run has its outcome: it started the state's goal, or could not, and is back at rest."""
         steps = list(self.steps.all)
-        told = (at for at, step in enumerate(steps) if Script.read(step.event.data.get("order", 0))[0] == token)
-        since = steps[next(told, len(steps)) :]
+        reported = (at for at, step in enumerate(steps) if Script.read(step.event.data.get("order", 0))[0] == token)
+        since = steps[next(reported, len(steps)) :]
         return "rest" in [state for step in since for move in step.moves for state in move.entered]
 
 
@@ -172,14 +174,14 @@ def _state_after(steps: list[Step]) -> str:
     return entered[-1] if entered else ""
 
 
-def _asked(said: list[Any]) -> list[int]:
-    return [each[1] for each in said if each[0] == "asked"]
+def _asked(lines: list[Any]) -> list[int]:
+    return [each[1] for each in lines if each[0] == "asked"]
 
 
-def _one_after_the_other(said: list[Any], story: Any) -> None:
+def _one_after_the_other(lines: list[Any], story: Any) -> None:
     """The server is asked for a goal only when every goal before it is over."""
     running: set[int] = set()
-    for word, *rest in said:
+    for word, *rest in lines:
         if word == "asked":
             assert not running, f"goal {rest[0]} came while {running} ran{story()}"
             running.add(rest[0])

@@ -40,10 +40,10 @@ class Script(NamedTuple):
     @classmethod
     def read(cls, order: int) -> tuple[int, Script]:
         token, rest = divmod(order, 100)
-        rest, is_said_twice = divmod(rest, 2)
+        rest, is_repeated = divmod(rest, 2)
         rest, end = divmod(rest, 4)
         accept, cancel = divmod(rest, 3)
-        return token, cls(ACCEPTS[accept], CANCELS[cancel], ENDS[end], bool(is_said_twice))
+        return token, cls(ACCEPTS[accept], CANCELS[cancel], ENDS[end], bool(is_repeated))
 
 
 class Stammering:

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Message
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
@@ -64,12 +64,12 @@ def repeated(publish: Callable[[], None], every_s: float = 0.1) -> Iterator[None
 def test_a_latched_pose_of_an_hour_ago_begins_no_mission(open_ros: Open) -> None:
     robot, other, ours = (open_ros(qos={"/pose": LATCHED}) for _ in range(3))
     robot.publish("/pose", POSE, pose(time.time() - 3600))
-    earlier: Heard[Message] = Heard()
+    earlier: Inbox[Message] = Inbox()
     other.subscribe("/pose", POSE, earlier)
     assert not earlier.wait(bool, "the pose is published")[0].kept
-    heard: Heard[Message] = Heard()
-    ours.subscribe("/pose", POSE, heard)
-    first = heard.wait(bool, "the latched pose")[0]
+    received: Inbox[Message] = Inbox()
+    ours.subscribe("/pose", POSE, received)
+    first = received.wait(bool, "the latched pose")[0]
     assert first.kept and first.age_s == pytest.approx(3600, abs=5)
     runner = Runner(mission(ready_s=1.0), robot=ROBOT, connector=ours, clock=WallClock())
     with pytest.raises(UsageError, match=r"pose was received, but 360\d\.\d s old, and may be 1 s"):
@@ -85,20 +85,20 @@ def test_a_pose_counts_from_its_stamp(
 ) -> None:
     """Behind, ahead, right, and not stamped."""
     robot, ours = open_ros(), open_ros()
-    heard: Heard[Message] = Heard()
-    ours.subscribe("/pose", POSE, heard)
+    received: Inbox[Message] = Inbox()
+    ours.subscribe("/pose", POSE, received)
 
     def publish() -> None:
         robot.publish("/pose", POSE, pose(None if stamp_in_s is None else time.time() + stamp_in_s))
 
     with repeated(publish):
-        heard.wait(bool, "the robot is found")
+        received.wait(bool, "the robot is found")
         runner = Runner(mission(ready_s=2.0 if not outcome else 20.0), robot=ROBOT, connector=ours, clock=WallClock())
         if outcome:
             assert runner.run().outcome == outcome
         else:
-            said = f"its stamps are {stamp_in_s and -stamp_in_s:.1f} s behind"
-            with pytest.raises(UsageError, match=said):
+            reported = f"its stamps are {stamp_in_s and -stamp_in_s:.1f} s behind"
+            with pytest.raises(UsageError, match=reported):
                 runner.run()
     found = runner.performer.source("pose").offset_s
     if offset_s is None or found is not None:  # a mission that begins at once has not received three readings
@@ -111,30 +111,34 @@ def test_in_simulated_time_an_age_is_of_simulated_time(open_ros: Open) -> None:
     robot = open_ros()
     ours = open_ros(now=clock.now, sim_time=True)
     ours.subscribe(
-        "/clock", CLOCK, lambda said: clock.hear(said.data["clock"]["sec"] + said.data["clock"]["nanosec"] / 1e9)
+        "/clock",
+        CLOCK,
+        lambda reported: clock.hear(reported.data["clock"]["sec"] + reported.data["clock"]["nanosec"] / 1e9),
     )
 
     def simulated() -> float:
         return 500.0 + 4 * (time.monotonic() - began)
 
-    heard: Heard[Message] = Heard()
-    ours.subscribe("/pose", POSE, heard)
+    received: Inbox[Message] = Inbox()
+    ours.subscribe("/pose", POSE, received)
 
     def tick() -> None:
         robot.publish("/clock", CLOCK, {"clock": simulated()})
         robot.publish("/pose", POSE, pose(simulated() - 60.0))
 
     with repeated(tick, 0.05):
-        last = heard.wait(lambda all_: len(all_) > 10 and (all_[-1].age_s or 0.0) > 50, "simulated time is known")[-1]
+        last = received.wait(lambda all_: len(all_) > 10 and (all_[-1].age_s or 0.0) > 50, "simulated time is known")[
+            -1
+        ]
     assert last.age_s == pytest.approx(60.0, abs=2.0)
     assert last.at == pytest.approx(clock.now() - 60.0, abs=4.0) and last.at < 0, "before the run began"
 
 
 def test_a_pose_that_is_none_is_named_with_its_value(open_ros: Open) -> None:
     robot, ours = open_ros(), open_ros()
-    heard: Heard[Message] = Heard()
-    ours.subscribe("/pose", POSE, heard)
+    received: Inbox[Message] = Inbox()
+    ours.subscribe("/pose", POSE, received)
     with repeated(lambda: robot.publish("/pose", POSE, pose(time.time(), math.nan))):
-        heard.wait(bool, "the robot is found")
+        received.wait(bool, "the robot is found")
         with pytest.raises(UsageError, match=r"pose was received and not understood: pose\.position\.x is nan"):
             Runner(mission(ready_s=1.0), robot=ROBOT, connector=ours, clock=WallClock()).run()

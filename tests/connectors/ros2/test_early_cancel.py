@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Report
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from tests.connectors.ros2.peer_process import FIBONACCI
 
 PATIENCE_S = 30
@@ -30,7 +30,7 @@ class Unheard:
         from rclpy.qos import DurabilityPolicy, QoSProfile
         from test_msgs.action import Fibonacci
 
-        self.taken, self.canceled = Heard[str](PATIENCE_S), threading.Event()
+        self.taken, self.canceled = Inbox[str](PATIENCE_S), threading.Event()
         self.name, self.cancels = f"/unheard_{uuid.uuid4().hex[:6]}", 0
         self._context = Context()
         rclpy.init(context=self._context)
@@ -87,12 +87,12 @@ def unheard(ros: None) -> Iterator[Unheard]:
 def test_a_stop_does_not_wait_for_the_word_that_its_goal_was_accepted(
     open_ros: Callable[..., Any], unheard: Unheard
 ) -> None:
-    connector, reports = open_ros(), Heard[Report](PATIENCE_S)
+    connector, reports = open_ros(), Inbox[Report](PATIENCE_S)
     goal_id = uuid.uuid4().hex
-    connector.send_goal(unheard.name, FIBONACCI, {"order": 3}, goal_id=goal_id, report=reports)
+    connector.send_goal(unheard.name, FIBONACCI, {"order": 3}, goal_id=goal_id, on_report=reports)
     unheard.taken.wait(bool, "the server has the goal")
     connector.cancel_goal(goal_id)
     connector.cancel_goal(goal_id)
-    said = reports.wait(lambda all_: all_[-1].said == "canceled", "the goal has ended")
-    assert [each.said for each in said] == ["accepted", "canceled"]
+    reported = reports.wait(lambda all_: all_[-1].status == "canceled", "the goal has ended")
+    assert [each.status for each in reported] == ["accepted", "canceled"]
     assert unheard.cancels == 2, "once before its acceptance was heard, and once after"

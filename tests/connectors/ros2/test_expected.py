@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
@@ -35,7 +35,7 @@ def test_a_run_is_known_to_every_server_that_its_profile_names_before_it_asks_on
         {"format": 1, "name": "expected", "events": ["go"], "initial": "rest",
          "states": {"rest": {"transitions": [{"on": "go", "to": "done"}]}, "done": {"final": "canceled"}}}
     )  # fmt: skip
-    connector, other, steps, clock = open_ros(), open_ros(), Heard[Step](), WallClock()
+    connector, other, steps, clock = open_ros(), open_ros(), Inbox[Step](), WallClock()
     runner = Runner(mission, robot=robot, connector=connector, clock=clock, on_step=steps)
     thread = threading.Thread(target=runner.run)
     thread.start()
@@ -65,7 +65,7 @@ def until_a_reply_is_awaited(other: Any, service: str) -> None:
 
 
 def test_what_cannot_be_asked_is_told_when_it_is_expected_and_stops_no_run(open_ros: Callable[..., Any]) -> None:
-    connector, steps = open_ros(), Heard[Step]()
+    connector, steps = open_ros(), Inbox[Step]()
     robot = Robot.model_validate({"name": "odd", "services": {"horn": {"service": "/horn", "type": "no_msgs/srv/No"}}})
     mission = Mission.model_validate(
         {"format": 1, "name": "odd", "initial": "done", "states": {"done": {"final": "canceled"}}}

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rai_missions.connectors.connector import Report
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from tests.connectors.ros2.peer_process import ABORT, FIBONACCI, RUN, SUCCEED, Peer
 
 Open = Callable[..., Any]
@@ -22,9 +22,9 @@ connector.start()
 until, action, goal_id, order = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
 done = threading.Event()
 def report(said):
-    if said.said == until:
+    if said.status == until:
         done.set()
-connector.send_goal(action, "test_msgs/action/Fibonacci", {"order": order}, goal_id=goal_id, report=report)
+connector.send_goal(action, "test_msgs/action/Fibonacci", {"order": order}, goal_id=goal_id, on_report=report)
 done.wait(60)
 print("sent", flush=True)
 threading.Event().wait()
@@ -43,36 +43,36 @@ def send_and_die(action: str, goal_id: str, order: int, until: str) -> None:
         process.wait()
 
 
-def found(connector: Any, action: str, goal_id: str) -> Heard[Report]:
-    heard: Heard[Report] = Heard(30.0)
-    connector.find_goal(action, FIBONACCI, goal_id=goal_id, report=heard)
-    return heard
+def found(connector: Any, action: str, goal_id: str) -> Inbox[Report]:
+    received: Inbox[Report] = Inbox(30.0)
+    connector.find_goal(action, FIBONACCI, goal_id=goal_id, on_report=received)
+    return received
 
 
 def test_a_goal_that_runs_is_found_and_its_end_is_told(open_ros: Open, peer: Peer) -> None:
     goal_id, action = uuid.uuid4().hex, f"/{peer.name}/fibonacci"
     send_and_die(action, goal_id, RUN, "accepted")
     connector = open_ros()
-    heard = found(connector, action, goal_id)
-    heard.wait(lambda said: [each.said for each in said][:1] == ["accepted"], "it runs")
+    received = found(connector, action, goal_id)
+    received.wait(lambda reported: [each.status for each in reported][:1] == ["accepted"], "it runs")
     connector.cancel_goal(goal_id)
-    heard.wait(lambda said: said[-1].said == "canceled", "it was canceled")
+    received.wait(lambda reported: reported[-1].status == "canceled", "it was canceled")
 
 
 def test_a_goal_that_ended_unheard_is_found_with_its_result(open_ros: Open, peer: Peer) -> None:
     for order, end in ((SUCCEED, "succeeded"), (ABORT, "failed")):
         goal_id, action = uuid.uuid4().hex, f"/{peer.name}/fibonacci"
         send_and_die(action, goal_id, order, end)
-        heard = found(open_ros(), action, goal_id)
-        heard.wait(lambda said, end=end: bool(said) and said[-1].said == end, f"it has {end}")
+        received = found(open_ros(), action, goal_id)
+        received.wait(lambda reported, end=end: bool(reported) and reported[-1].status == end, f"it has {end}")
 
 
 def test_a_goal_that_nobody_knows_is_lost(open_ros: Open, peer: Peer) -> None:
-    heard = found(open_ros(), f"/{peer.name}/fibonacci", uuid.uuid4().hex)
-    heard.wait(lambda said: [each.said for each in said] == ["lost"], "it is lost")
-    heard = found(open_ros(discovery_s=0.2), "/nobody/serves", uuid.uuid4().hex)
-    heard.wait(
-        lambda said: [(each.said, each.why) for each in said] == [("lost", "nobody serves /nobody/serves")],
+    received = found(open_ros(), f"/{peer.name}/fibonacci", uuid.uuid4().hex)
+    received.wait(lambda reported: [each.status for each in reported] == ["lost"], "it is lost")
+    received = found(open_ros(discovery_s=0.2), "/nobody/serves", uuid.uuid4().hex)
+    received.wait(
+        lambda reported: [(each.status, each.why) for each in reported] == [("lost", "nobody serves /nobody/serves")],
         "nobody is there",
     )
 
@@ -82,20 +82,22 @@ def test_goals_that_their_server_knows_nothing_of_are_sent_anew_and_nobody_asks_
 ) -> None:
     """A word on the way to end them would end those that are sent under the same ids."""
     connector, action = open_ros(), f"/{peer.name}/fibonacci"
-    sent: dict[str, Heard[Report]] = {uuid.uuid4().hex: Heard(30.0) for _ in range(4)}
+    sent: dict[str, Inbox[Report]] = {uuid.uuid4().hex: Inbox(30.0) for _ in range(4)}
 
-    def anew(goal_id: str) -> Callable[[Report], None]:
-        def lost(said: Report) -> None:
-            assert said.said == "lost"
-            connector.send_goal(action, FIBONACCI, {"order": RUN}, goal_id=goal_id, report=sent[goal_id])
+    def again(goal_id: str) -> Callable[[Report], None]:
+        def lost(report: Report) -> None:
+            assert report.status == "lost"
+            connector.send_goal(action, FIBONACCI, {"order": RUN}, goal_id=goal_id, on_report=sent[goal_id])
 
         return lost
 
     for goal_id in sent:
-        connector.find_goal(action, FIBONACCI, goal_id=goal_id, report=anew(goal_id))
-    for heard in sent.values():
-        heard.wait(lambda said: "accepted" in [each.said for each in said], "it runs")
-    for goal_id, heard in sent.items():
+        connector.find_goal(action, FIBONACCI, goal_id=goal_id, on_report=again(goal_id))
+    for received in sent.values():
+        received.wait(lambda report: "accepted" in [each.status for each in report], "it runs")
+    for goal_id, received in sent.items():
         connector.cancel_goal(goal_id)
-        heard.wait(lambda said: said[-1].said == "canceled", "it was canceled")
-    assert sorted(said[1] for said in peer.said.all if said[0] == "end wanted" and said[1] in sent) == sorted(sent)
+        received.wait(lambda report: report[-1].status == "canceled", "it was canceled")
+    assert sorted(report[1] for report in peer.lines.all if report[0] == "end wanted" and report[1] in sent) == sorted(
+        sent
+    )

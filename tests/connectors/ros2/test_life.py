@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Message, Reply, Report
-from rai_missions.connectors.contract import Heard, PatientServer
+from rai_missions.connectors.contract import Inbox, PatientServer
 from rai_missions.connectors.ros2 import open_connector
 from rai_missions.errors import ConnectorError, UsageError
 
@@ -78,11 +78,11 @@ def test_what_ros_does_not_take_is_refused_at_the_start(options: dict[str, Any])
 
 
 def test_the_profile_names_the_node_and_renames_topics(open_ros: Open) -> None:
-    heard = Heard[Message]()
+    received = Inbox[Message]()
     other = open_ros(node="ears", namespace="/robot", arguments=["-r", "/a:=/b"], parameters={"speed": 1.5})
-    other.subscribe("/a", STRING, heard)
+    other.subscribe("/a", STRING, received)
     open_ros().publish("/b", STRING, {"data": "x"})
-    assert heard.wait(bool, "the topic was renamed")[0].topic == "/a"
+    assert received.wait(bool, "the topic was renamed")[0].topic == "/a"
     node = other._session.runtime.node
     assert node.get_fully_qualified_name() == "/robot/ears"
     assert node.get_parameter("speed").value == 1.5
@@ -93,13 +93,13 @@ def check_lives(times: int) -> None:
 
     def live() -> None:
         connector.start()
-        replies, reports = Heard[Reply](), Heard[Report]()
+        replies, reports = Inbox[Reply](), Inbox[Report]()
         connector.subscribe("/life", STRING, lambda _message: None)
         connector.publish("/life", STRING, {"data": "x"})
         connector.serve("/life/call", TRIGGER, lambda _request: {})
-        connector.call("/life/nobody", TRIGGER, {}, answered=replies)
+        connector.call("/life/nobody", TRIGGER, {}, on_reply=replies)
         connector.offer("/life/do", FIBONACCI, Willing())
-        connector.send_goal("/life/do", FIBONACCI, {}, goal_id="g", report=reports)
+        connector.send_goal("/life/do", FIBONACCI, {}, goal_id="g", on_report=reports)
         connector.stop()
         assert [reply.outcome for reply in replies.all] == ["unavailable"], "each call is answered once"
 
@@ -134,9 +134,9 @@ def test_a_thousand_lives_leave_nothing_behind() -> None:
 def test_stop_cancels_a_hundred_goals_that_were_sent_at_once(open_ros: Open) -> None:
     connector, server = open_ros(), Willing()
     connector.offer("/crowd", FIBONACCI, server)
-    reports = Heard[Report]()
+    reports = Inbox[Report]()
     for index in range(100):
-        connector.send_goal("/crowd", FIBONACCI, {"order": index}, goal_id=f"g{index}", report=reports)
+        connector.send_goal("/crowd", FIBONACCI, {"order": index}, goal_id=f"g{index}", on_report=reports)
     reports.wait(lambda all_: len(all_) == 100, "every goal is accepted")
     connector.stop()
     assert {goal_id for asked, goal_id in server.asked.all if asked == "cancel"} == {f"g{i}" for i in range(100)}
@@ -146,11 +146,11 @@ def test_stop_cancels_a_hundred_goals_that_were_sent_at_once(open_ros: Open) -> 
 def test_a_stop_from_a_callback_ends_it_without_a_deadlock(open_ros: Open) -> None:
     connector, done = open_ros(), threading.Event()
 
-    def hear(_message: Message) -> None:
+    def on_message(_message: Message) -> None:
         connector.stop()
         done.set()
 
-    connector.subscribe("/stop", STRING, hear)
+    connector.subscribe("/stop", STRING, on_message)
     thread = connector._session.runtime._thread
     connector.publish("/stop", STRING, {"data": "now"})
     assert done.wait(30)
@@ -162,58 +162,58 @@ def test_a_stop_from_a_callback_ends_it_without_a_deadlock(open_ros: Open) -> No
 
 @pytest.mark.usefixtures("alone")
 def test_a_callback_that_raises_stops_nobody(open_ros: Open, caplog: pytest.LogCaptureFixture) -> None:
-    connector, heard = open_ros(), Heard[Message]()
+    connector, received = open_ros(), Inbox[Message]()
 
     def fail(_message: Message) -> None:
         raise RuntimeError("broken ear")
 
     connector.subscribe("/ears", STRING, fail)
-    connector.subscribe("/ears", STRING, heard)
+    connector.subscribe("/ears", STRING, received)
     for text in ("one", "two"):
         connector.publish("/ears", STRING, {"data": text})
-    heard.wait(lambda all_: len(all_) == 2, "the other ear hears everything")
+    received.wait(lambda all_: len(all_) == 2, "the other ear hears everything")
     assert "broken ear" in caplog.text
 
 
 @pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (1e6, 50.0 - 1e6), (-30.0, 50.0)])
 def test_a_header_stamp_is_told_on_the_runs_clock(open_ros: Open, age_s: float, at: float) -> None:
-    connector, heard = open_ros(now=lambda: 50.0), Heard[Message]()
-    connector.subscribe("/stamped", "std_msgs/msg/Header", heard)
+    connector, received = open_ros(now=lambda: 50.0), Inbox[Message]()
+    connector.subscribe("/stamped", "std_msgs/msg/Header", received)
     begin = time.time()
     connector.publish("/stamped", "std_msgs/msg/Header", {"stamp": begin - age_s})
-    message = heard.wait(bool, "it was published")[0]
+    message = received.wait(bool, "it was published")[0]
     took_s = time.time() - begin if age_s >= 0 else 0.0  # what is under way grows older
     assert at - took_s - 1e-3 <= message.at <= at + 1e-3
 
 
 @pytest.mark.usefixtures("alone")
 def test_a_message_without_a_stamp_is_from_now(open_ros: Open) -> None:
-    connector, heard = open_ros(now=lambda: 50.0), Heard[Message]()
-    connector.subscribe("/stamped", "std_msgs/msg/Header", heard)
+    connector, received = open_ros(now=lambda: 50.0), Inbox[Message]()
+    connector.subscribe("/stamped", "std_msgs/msg/Header", received)
     connector.publish("/stamped", "std_msgs/msg/Header", {"frame_id": "map"})
-    assert heard.wait(bool, "it was published")[0].at == 50.0
+    assert received.wait(bool, "it was published")[0].at == 50.0
 
 
 @pytest.mark.usefixtures("alone")
 def test_simulated_time_is_what_the_clock_says(open_ros: Open) -> None:
-    connector, heard = open_ros(sim_time=True), Heard[Message]()
-    connector.subscribe("/any", STRING, heard)
-    clock = Heard[Message]()
+    connector, received = open_ros(sim_time=True), Inbox[Message]()
+    connector.subscribe("/any", STRING, received)
+    clock = Inbox[Message]()
     connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", clock)
     connector.publish("/clock", "rosgraph_msgs/msg/Clock", {"clock": 77.5})
     clock.wait(bool, "time has come")
     deadline = time.monotonic() + 30
-    while not heard.all or heard.all[-1].at != 77.5:
-        assert time.monotonic() < deadline, heard.all
-        count = len(heard.all)
+    while not received.all or received.all[-1].at != 77.5:
+        assert time.monotonic() < deadline, received.all
+        count = len(received.all)
         connector.publish("/any", STRING, {"data": "x"})
-        heard.wait(lambda all_: len(all_) > count, "it was published")  # noqa: B023 - asked at once
+        received.wait(lambda all_: len(all_) > count, "it was published")  # noqa: B023 - asked at once
 
 
 @pytest.mark.usefixtures("alone")
 def test_what_is_wrong_is_told_as_the_contract_says(open_ros: Open) -> None:
-    connector, replies, reports = open_ros(), Heard[Reply](), Heard[Report]()
+    connector, replies, reports = open_ros(), Inbox[Reply](), Inbox[Report]()
     connector.subscribe("/t", STRING, lambda _message: None)
     connector.serve("/s", TRIGGER, lambda _request: {})
     connector.offer("/a", FIBONACCI, Willing())
@@ -223,23 +223,23 @@ def test_what_is_wrong_is_told_as_the_contract_says(open_ros: Open) -> None:
         connector.serve("/s", TRIGGER, lambda _request: {})
     with pytest.raises(UsageError, match="/a is served already"):
         connector.offer("/a", FIBONACCI, PatientServer())
-    connector.call("/s", TRIGGER, {"x": 1}, answered=replies)
+    connector.call("/s", TRIGGER, {"x": 1}, on_reply=replies)
     assert replies.all == [Reply("failed", {}, "/s/x: std_srvs/srv/Trigger_Request has no such field")]
-    connector.send_goal("/a", FIBONACCI, {"order": "x"}, goal_id="g", report=reports)
+    connector.send_goal("/a", FIBONACCI, {"order": "x"}, goal_id="g", on_report=reports)
     assert reports.all == [Report("g", "rejected", {}, "/a/order: 'x' is no whole number, as int32 asks")]
-    connector.send_goal("/a", FIBONACCI, {"order": 1}, goal_id="g", report=reports)
+    connector.send_goal("/a", FIBONACCI, {"order": 1}, goal_id="g", on_report=reports)
     with pytest.raises(UsageError, match="goal 'g' is still running"):
-        connector.send_goal("/a", FIBONACCI, {"order": 1}, goal_id="g", report=reports)
+        connector.send_goal("/a", FIBONACCI, {"order": 1}, goal_id="g", on_report=reports)
 
 
 def test_what_is_not_started_says_so() -> None:
-    connector, replies, reports = open_connector({}), Heard[Reply](), Heard[Report]()
+    connector, replies, reports = open_connector({}), Inbox[Reply](), Inbox[Report]()
     connector.publish("/t", STRING, {"data": "x"})
     connector.cancel_goal("g")
-    connector.call("/s", TRIGGER, {}, answered=replies)
-    connector.send_goal("/a", FIBONACCI, {}, goal_id="g", report=reports)
+    connector.call("/s", TRIGGER, {}, on_reply=replies)
+    connector.send_goal("/a", FIBONACCI, {}, goal_id="g", on_report=reports)
     assert [reply.outcome for reply in replies.all] == ["unavailable"]
-    assert [report.said for report in reports.all] == ["rejected"]
+    assert [report.status for report in reports.all] == ["rejected"]
     with pytest.raises(UsageError, match="not started"):
         connector.subscribe("/t", STRING, lambda _message: None)
 
@@ -272,12 +272,12 @@ def test_a_process_that_forgets_to_stop_ends_as_usual_and_leaves_no_goal(peer: A
         connector, running = open_connector({{}}), threading.Event()
         connector.start()
         connector.send_goal("/{peer.name}/fibonacci", "{FIBONACCI}", {{"order": 1}}, goal_id="{"ab" * 16}",
-                            report=lambda report: report.said == "accepted" and running.set())
+                            on_report=lambda report: report.status == "accepted" and running.set())
         assert running.wait(30)
         """
     )
     assert (done.returncode, done.stderr) == (0, "")
-    peer.said.wait(lambda said: ["canceled", "ab" * 16] in said, "its goal is canceled at the exit")
+    peer.lines.wait(lambda reported: ["canceled", "ab" * 16] in reported, "its goal is canceled at the exit")
 
 
 def test_it_lives_beside_a_program_that_spins_rclpy_itself(peer: Any) -> None:
@@ -286,7 +286,7 @@ def test_it_lives_beside_a_program_that_spins_rclpy_itself(peer: Any) -> None:
         import threading, time, rclpy
         from rclpy.executors import SingleThreadedExecutor
         from std_msgs.msg import String
-        from rai_missions.connectors.contract import Heard
+        from rai_missions.connectors.contract import Inbox
         from rai_missions.connectors.ros2 import open_connector
         rclpy.init()
         node, executor = rclpy.create_node("users_own"), SingleThreadedExecutor()
@@ -295,13 +295,13 @@ def test_it_lives_beside_a_program_that_spins_rclpy_itself(peer: Any) -> None:
         node.create_subscription(String, "/say", echo.publish, 10)
         thread = threading.Thread(target=executor.spin); thread.start()
         for _ in range(3):
-            connector, heard, replies = open_connector({{}}), Heard(30.0), Heard(30.0)
+            connector, heard, replies = open_connector({{}}), Inbox(30.0), Inbox(30.0)
             connector.start()
             connector.subscribe("/echo", "{STRING}", heard)
             while not node.count_subscribers("/echo"):
                 time.sleep(0.01)
             connector.publish("/say", "{STRING}", {{"data": "x"}})
-            connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, answered=replies)
+            connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, on_reply=replies)
             assert replies.wait(bool, "answered")[0].outcome == "succeeded"
             heard.wait(bool, "the user's node hears and speaks")
             connector.stop()
@@ -316,21 +316,21 @@ def test_an_interrupt_that_shuts_ros_down_loses_goals_and_answers_calls(peer: An
     done = program(
         f"""
         import os, signal, rclpy
-        from rai_missions.connectors.contract import Heard
+        from rai_missions.connectors.contract import Inbox
         from rai_missions.connectors.ros2 import open_connector
         rclpy.init()
-        connector, reports, replies, late = open_connector({{}}), Heard(30.0), Heard(30.0), Heard(30.0)
+        connector, reports, replies, late = open_connector({{}}), Inbox(30.0), Inbox(30.0), Inbox(30.0)
         connector.start()
-        connector.send_goal("/{peer.name}/fibonacci", "{FIBONACCI}", {{"order": 1}}, goal_id="g", report=reports)
+        connector.send_goal("/{peer.name}/fibonacci", "{FIBONACCI}", {{"order": 1}}, goal_id="g", on_report=reports)
         reports.wait(bool, "accepted")
-        connector.call("/{peer.name}/hang", "{TRIGGER}", {{}}, answered=replies)
+        connector.call("/{peer.name}/hang", "{TRIGGER}", {{}}, on_reply=replies)
         try:
             os.kill(os.getpid(), signal.SIGINT)
             replies.wait(bool, "answered")
         except KeyboardInterrupt:
             replies.wait(bool, "answered")
-        reports.wait(lambda all_: all_[-1].said == "lost", "lost")
-        connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, answered=late)
+        reports.wait(lambda all_: all_[-1].status == "lost", "lost")
+        connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, on_reply=late)
         print(replies.all[0].outcome, late.wait(bool, "answered")[0].outcome)
         connector.stop()
         """

@@ -53,8 +53,10 @@ def single(kind: FieldType) -> st.SearchStrategy[Any]:
 
 
 def messages(name: str) -> st.SearchStrategy[dict[str, Any]]:
-    told = find_type(name, "msg").get_fields_and_field_types()
-    known = {field: field_type(said) for field, said in told.items() if not field.startswith("structure_needs")}
+    results = find_type(name, "msg").get_fields_and_field_types()
+    known = {
+        field: field_type(reported) for field, reported in results.items() if not field.startswith("structure_needs")
+    }
     return st.fixed_dictionaries({field: values(kind) for field, kind in known.items()})
 
 
@@ -69,10 +71,10 @@ def messages(name: str) -> st.SearchStrategy[dict[str, Any]]:
 )  # fmt: skip
 @given(data=st.data())
 def test_what_goes_in_comes_out(name: str, data: st.DataObject) -> None:
-    said = data.draw(messages(name))
+    reported = data.draw(messages(name))
     cls = find_type(name, "msg")
-    message = to_message(cls, said)
-    assert to_data(message) == said
+    message = to_message(cls, reported)
+    assert to_data(message) == reported
     assert to_message(cls, to_data(message)) == message
 
 
@@ -110,7 +112,7 @@ def test_a_type_that_is_not_here_is_told_with_what_is(name: str, kind: Any, sent
 
 
 @pytest.mark.parametrize(
-    ("name", "said", "sentence"),
+    ("name", "reported", "sentence"),
     [
         ("std_msgs/msg/String", {"dta": "x"}, "/t/dta: std_msgs/msg/String has no such field; did you mean 'data'?"),
         ("std_msgs/msg/String", {"data": 1}, "/t/data: 1 stands where text belongs"),
@@ -133,9 +135,9 @@ def test_a_type_that_is_not_here_is_told_with_what_is(name: str, kind: Any, sent
          "/t/pose/position/w: geometry_msgs/msg/Point has no such field; there is: x, y, z"),
     ],
 )  # fmt: skip
-def test_a_value_that_does_not_fit_names_its_field(name: str, said: Any, sentence: str) -> None:
+def test_a_value_that_does_not_fit_names_its_field(name: str, reported: Any, sentence: str) -> None:
     with pytest.raises(ConnectorError) as caught:
-        to_message(find_type(name, "msg"), said, "/t")
+        to_message(find_type(name, "msg"), reported, "/t")
     assert str(caught.value) == sentence
 
 
@@ -159,8 +161,8 @@ RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 PIXELS = bytes(range(12))
 
 
-def sent(name: str, said: Any) -> dict[str, Any]:
-    return to_data(to_message(find_type(name, "msg"), said, "/camera"), "/camera@1.000")
+def sent(name: str, reported: Any) -> dict[str, Any]:
+    return to_data(to_message(find_type(name, "msg"), reported, "/camera"), "/camera@1.000")
 
 
 def test_a_picture_arrives_as_a_picture() -> None:
@@ -171,10 +173,10 @@ def test_a_picture_arrives_as_a_picture() -> None:
         "step": 6,
         "data": Image("cam", 2, 2, "rgb8", lambda: PIXELS),
     }
-    for said in (message, message["data"]):
-        heard = sent(RAW, said)
-        assert (heard["data"].ref, heard["data"].data, heard["step"]) == ("/camera@1.000", PIXELS, 6)
-        assert image_of(heard, "x") is heard["data"], "the profile takes it as it is"
+    for reported in (message, message["data"]):
+        received = sent(RAW, reported)
+        assert (received["data"].ref, received["data"].data, received["step"]) == ("/camera@1.000", PIXELS, 6)
+        assert image_of(received, "x") is received["data"], "the profile takes it as it is"
 
 
 @pytest.mark.parametrize(
@@ -208,5 +210,5 @@ def test_an_enormous_picture_is_no_slower_than_its_bytes() -> None:
 
 
 @given(st.deferred(lambda: messages("nav_msgs/msg/Odometry")))
-def test_what_is_heard_can_be_journaled(said: dict[str, Any]) -> None:
-    plain(to_data(to_message(find_type("nav_msgs/msg/Odometry", "msg"), said)))
+def test_what_is_heard_can_be_journaled(data: dict[str, Any]) -> None:
+    plain(to_data(to_message(find_type("nav_msgs/msg/Odometry", "msg"), data)))

@@ -45,28 +45,28 @@ def opened(folder: Path, options: dict[str, Any], **environment: str) -> tuple[d
 
 
 def test_a_process_with_pictures_has_shared_memory_for_several(ros: None, tmp_path: Path) -> None:
-    said, complaints = opened(tmp_path, {"pictures": True})
-    assert said["largest"] > ROOMY, "else a picture alone fills it, and a stop that comes behind is lost"
-    assert said["file"] is None, "nobody whom this process starts shall inherit it"
+    reported, complaints = opened(tmp_path, {"pictures": True})
+    assert reported["largest"] > ROOMY, "else a picture alone fills it, and a stop that comes behind is lost"
+    assert reported["file"] is None, "nobody whom this process starts shall inherit it"
     assert "XMLPARSER" not in complaints
 
 
 def test_a_process_without_pictures_takes_no_more_memory_than_ever(ros: None, tmp_path: Path) -> None:
-    said, complaints = opened(tmp_path, {})
-    assert 0 < said["largest"] < ROOMY and said["file"] is None
+    reported, complaints = opened(tmp_path, {})
+    assert 0 < reported["largest"] < ROOMY and reported["file"] is None
     assert "XMLPARSER" not in complaints
 
 
 def test_a_users_own_profile_stands(ros: None, tmp_path: Path) -> None:
     own = tmp_path / "own.xml"
     own.write_text("<profiles/>")
-    said, _ = opened(tmp_path, {"pictures": True}, **{VARIABLE: str(own)})
-    assert said["largest"] < ROOMY and said["file"] == str(own)
+    reported, _ = opened(tmp_path, {"pictures": True}, **{VARIABLE: str(own)})
+    assert reported["largest"] < ROOMY and reported["file"] == str(own)
 
 
 def test_a_users_choice_of_transports_stands(ros: None, tmp_path: Path) -> None:
-    said, _ = opened(tmp_path, {"pictures": True}, FASTDDS_BUILTIN_TRANSPORTS="SHM")
-    assert 0 < said["largest"] < ROOMY
+    reported, _ = opened(tmp_path, {"pictures": True}, FASTDDS_BUILTIN_TRANSPORTS="SHM")
+    assert 0 < reported["largest"] < ROOMY
 
 
 @pytest.mark.parametrize("is_roomy", [True, False])

@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Message
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 
 Open = Callable[..., Any]
 STRING = "std_msgs/msg/String"
 WORSE = {"/orders": {"reliability": "best_effort"}}
 
 
-def words(heard: Heard[Message]) -> list[str]:
-    return [message.data["data"] for message in heard.all]
+def words(received: Inbox[Message]) -> list[str]:
+    return [message.data["data"] for message in received.all]
 
 
 def reliabilities(node: Any, topic: str) -> list[str]:
@@ -28,16 +28,16 @@ def reliabilities(node: Any, topic: str) -> list[str]:
 
 def test_a_best_effort_publisher_degrades_nobody_else_on_its_topic(open_ros: Open) -> None:
     ours, good, worse = open_ros(), open_ros(), open_ros(qos=WORSE)
-    heard: Heard[Message] = Heard()
-    ours.subscribe("/orders", STRING, heard)
+    received: Inbox[Message] = Inbox()
+    ours.subscribe("/orders", STRING, received)
     good.publish("/orders", STRING, {"data": "first"})
-    heard.wait(lambda _all: "first" in words(heard), "the reliable one is received")
+    received.wait(lambda _all: "first" in words(received), "the reliable one is received")
     worse.publish("/orders", STRING, {"data": "worse"})
-    heard.wait(lambda _all: "worse" in words(heard), "the best-effort one is received too")
+    received.wait(lambda _all: "worse" in words(received), "the best-effort one is received too")
     for number in range(9):
         good.publish("/orders", STRING, {"data": str(number)})
-    heard.wait(lambda _all: "8" in words(heard), "all orders")
-    assert [each for each in words(heard) if each.isdecimal()] == [str(number) for number in range(9)]
+    received.wait(lambda _all: "8" in words(received), "all orders")
+    assert [each for each in words(received) if each.isdecimal()] == [str(number) for number in range(9)]
     node = ours._session.runtime.node
     found = ours._session.runtime.ask(lambda: reliabilities(node, "/orders"), [])
     assert "RELIABLE" in found, "the reliable publisher is still read reliably"
@@ -45,11 +45,11 @@ def test_a_best_effort_publisher_degrades_nobody_else_on_its_topic(open_ros: Ope
 
 def test_where_all_publish_with_best_effort_one_reader_is_enough(open_ros: Open) -> None:
     ours, worse = open_ros(), open_ros(qos=WORSE)
-    heard: Heard[Message] = Heard()
-    ours.subscribe("/orders", STRING, heard)
+    received: Inbox[Message] = Inbox()
+    ours.subscribe("/orders", STRING, received)
     worse.publish("/orders", STRING, {"data": "only"})
-    heard.wait(bool, "it is received")
-    assert words(heard) == ["only"]
+    received.wait(bool, "it is received")
+    assert words(received) == ["only"]
 
 
 delays = st.none() | st.floats(0.0, 0.04)
@@ -63,10 +63,10 @@ def test_two_readers_tell_each_message_once_and_reliable_ones_in_order(given_: l
 
     queue: list[tuple[float, int, Any]] = []
     now = [0.0]
-    told: list[int] = []
+    results: list[int] = []
     mixed = Mixed(
         lambda delay_s, work: heapq.heappush(queue, (now[0] + delay_s, 10_000 + len(queue), work)),
-        lambda message, _info: told.append(message), lambda: 1,
+        lambda message, _info: results.append(message), lambda: 1,
     )  # fmt: skip
     arrives = 0.0
     for number, (is_reliable, loose_s, delay_s) in enumerate(given_):
@@ -81,7 +81,7 @@ def test_two_readers_tell_each_message_once_and_reliable_ones_in_order(given_: l
         now[0], _, work = heapq.heappop(queue)
         work()
     reached = {number for number, (is_reliable, loose_s, _) in enumerate(given_) if is_reliable or loose_s is not None}
-    assert sorted(told) == sorted(reached), "each once"
-    reliable = [number for number in told if given_[number][0]]
+    assert sorted(results) == sorted(reached), "each once"
+    reliable = [number for number in results if given_[number][0]]
     if all(delay_s <= 0.04 for _, _, delay_s in given_):  # none was sent again
         assert reliable == sorted(reliable), "in the order in which they were published"

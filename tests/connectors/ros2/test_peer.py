@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Message, Reply, Report
-from rai_missions.connectors.contract import ENDS, Heard
+from rai_missions.connectors.contract import ENDS, Inbox
 from tests.connectors.ros2.peer_process import (
     ABORT,
     FIBONACCI,
@@ -28,28 +28,28 @@ STRING = "std_msgs/msg/String"
 Open = Callable[..., Any]
 
 
-def start(connector: Any, peer: Peer, order: int) -> tuple[str, Heard[Report]]:
-    goal_id, reports = uuid.uuid4().hex, Heard[Report]()
-    connector.send_goal(f"/{peer.name}/fibonacci", FIBONACCI, {"order": order}, goal_id=goal_id, report=reports)
+def start(connector: Any, peer: Peer, order: int) -> tuple[str, Inbox[Report]]:
+    goal_id, reports = uuid.uuid4().hex, Inbox[Report]()
+    connector.send_goal(f"/{peer.name}/fibonacci", FIBONACCI, {"order": order}, goal_id=goal_id, on_report=reports)
     return goal_id, reports
 
 
-def end_of(reports: Heard[Report]) -> list[str]:
-    told = reports.wait(lambda all_: any(report.said in ENDS for report in all_), "the goal has ended")
-    return [report.said for report in told]
+def end_of(reports: Inbox[Report]) -> list[str]:
+    reported = reports.wait(lambda all_: any(report.status in ENDS for report in all_), "the goal has ended")
+    return [report.status for report in reported]
 
 
-def wait_for(reports: Heard[Report], said: str) -> None:
-    reports.wait(lambda all_: any(report.said == said for report in all_), f"it is {said}")
+def wait_for(reports: Inbox[Report], message: str) -> None:
+    reports.wait(lambda all_: any(report.status == message for report in all_), f"it is {message}")
 
 
 @pytest.mark.parametrize(("order", "end"), [(SUCCEED, "succeeded"), (ABORT, "failed")])
 def test_a_goal_ends_as_its_server_says_and_brings_the_result(open_ros: Open, peer: Peer, order: int, end: str) -> None:
     goal_id, reports = start(open_ros(), peer, order)
-    said = end_of(reports)
-    assert (said[0], said[-1]) == ("accepted", end)
+    reported = end_of(reports)
+    assert (reported[0], reported[-1]) == ("accepted", end)
     assert reports.all[-1] == Report(goal_id, end, {"sequence": [0, 1, 1, 2]})  # type: ignore[arg-type]
-    peer.said.wait(lambda all_: ["runs", goal_id] in all_, "the server knows the goal by our id")
+    peer.lines.wait(lambda all_: ["runs", goal_id] in all_, "the server knows the goal by our id")
 
 
 def test_a_goal_that_is_not_taken_is_rejected(open_ros: Open, peer: Peer) -> None:
@@ -73,16 +73,16 @@ def test_a_goal_left_in_any_window_runs_no_more(open_ros: Open, peer: Peer, orde
     connector = open_ros()
     goal_id, reports = start(connector, peer, order)
     if window == "asked":
-        peer.said.wait(lambda said: said[-1][0] in ("asked", "runs"), "the server has the goal")
+        peer.lines.wait(lambda reported: reported[-1][0] in ("asked", "runs"), "the server has the goal")
     elif window != "at once":
         wait_for(reports, window)
     connector.cancel_goal(goal_id)
-    said = end_of(reports)
-    assert said[-1] == "canceled", said
-    if "accepted" in said:
-        peer.said.wait(lambda all_: ["canceled", goal_id] in all_, "the server has stopped")
+    reported = end_of(reports)
+    assert reported[-1] == "canceled", reported
+    if "accepted" in reported:
+        peer.lines.wait(lambda all_: ["canceled", goal_id] in all_, "the server has stopped")
     else:
-        assert ["runs", goal_id] not in peer.said.all, "it was never sent"
+        assert ["runs", goal_id] not in peer.lines.all, "it was never sent"
 
 
 def test_a_refused_cancel_is_told_and_the_end_still_comes(open_ros: Open, peer: Peer) -> None:
@@ -92,9 +92,9 @@ def test_a_refused_cancel_is_told_and_the_end_still_comes(open_ros: Open, peer: 
     connector.cancel_goal(goal_id)
     wait_for(reports, "cancel_rejected")
     connector.cancel_goal(goal_id)
-    said = end_of(reports)
-    assert said[-1] == "succeeded"
-    assert said.count("cancel_rejected") == 2, "every cancel is sent and answered"
+    reported = end_of(reports)
+    assert reported[-1] == "succeeded"
+    assert reported.count("cancel_rejected") == 2, "every cancel is sent and answered"
 
 
 def test_a_cancel_after_the_end_asks_nobody(open_ros: Open, peer: Peer) -> None:
@@ -104,8 +104,8 @@ def test_a_cancel_after_the_end_asks_nobody(open_ros: Open, peer: Peer) -> None:
     connector.cancel_goal(goal_id)
     _, again = start(connector, peer, SUCCEED)
     end_of(again)
-    assert ["cancel", goal_id] not in peer.said.all
-    assert [report.said for report in reports.all].count("succeeded") == 1
+    assert ["cancel", goal_id] not in peer.lines.all
+    assert [report.status for report in reports.all].count("succeeded") == 1
 
 
 def test_stop_cancels_what_runs_and_what_is_not_accepted_yet(open_ros: Open, peer: Peer) -> None:
@@ -113,11 +113,13 @@ def test_stop_cancels_what_runs_and_what_is_not_accepted_yet(open_ros: Open, pee
     running, reports = start(connector, peer, RUN)
     wait_for(reports, "accepted")
     slow, _ = start(connector, peer, SLOW_TO_ACCEPT)
-    peer.said.wait(lambda said: said[-1] == ["asked", SLOW_TO_ACCEPT], "the server thinks about it")
+    peer.lines.wait(lambda reported: reported[-1] == ["asked", SLOW_TO_ACCEPT], "the server thinks about it")
     connector.stop()
-    told = len(reports.all)
-    peer.said.wait(lambda said: ["canceled", running] in said and ["canceled", slow] in said, "neither goal runs on")
-    assert len(reports.all) == told, "after the stop nothing is reported"
+    results = len(reports.all)
+    peer.lines.wait(
+        lambda reported: ["canceled", running] in reported and ["canceled", slow] in reported, "neither goal runs on"
+    )
+    assert len(reports.all) == results, "after the stop nothing is reported"
 
 
 def test_fifty_goals_at_once_are_all_pursued_and_all_canceled(open_ros: Open, peer: Peer) -> None:
@@ -137,7 +139,7 @@ def test_goals_are_lost_when_their_server_is_killed(open_ros: Open, own_peer: Pe
     _, running = start(connector, own_peer, RUN)
     wait_for(running, "accepted")
     _, asked = start(connector, own_peer, SLOW_TO_ACCEPT)
-    own_peer.said.wait(lambda said: ["asked", SLOW_TO_ACCEPT] in said, "the server thinks about it")
+    own_peer.lines.wait(lambda reported: ["asked", SLOW_TO_ACCEPT] in reported, "the server thinks about it")
     own_peer.kill()
     assert end_of(running)[-1] == "lost"
     assert end_of(asked) == ["lost"]
@@ -153,7 +155,7 @@ def test_goals_are_lost_when_their_server_starts_anew_and_new_ones_reach_it(open
         assert end_of(reports)[-1] == "lost"
         goal_id, again = start(connector, reborn, SUCCEED)
         assert end_of(again)[-1] == "succeeded"
-        reborn.said.wait(lambda said: ["runs", goal_id] in said, "the new server runs the new goal")
+        reborn.lines.wait(lambda reported: ["runs", goal_id] in reported, "the new server runs the new goal")
 
 
 def test_a_server_that_answers_after_it_was_given_up_changes_nothing_and_its_goal_is_canceled(
@@ -161,39 +163,39 @@ def test_a_server_that_answers_after_it_was_given_up_changes_nothing_and_its_goa
 ) -> None:
     connector = open_ros()
     goal_id, reports = start(connector, own_peer, SLOW_TO_ACCEPT)
-    own_peer.said.wait(lambda said: ["asked", SLOW_TO_ACCEPT] in said, "the server thinks about it")
+    own_peer.lines.wait(lambda content: ["asked", SLOW_TO_ACCEPT] in content, "the server thinks about it")
     own_peer.signal(signal.SIGSTOP)
     assert end_of(reports) == ["lost"]
     own_peer.signal(signal.SIGCONT)
-    own_peer.said.wait(lambda said: ["canceled", goal_id] in said, "what is accepted too late is canceled")
-    told = reports.wait(lambda all_: len(all_) > 1, "it runs no more")
-    assert [report.said for report in told] == ["lost", "over"]
+    own_peer.lines.wait(lambda content: ["canceled", goal_id] in content, "what is accepted too late is canceled")
+    reported = reports.wait(lambda all_: len(all_) > 1, "it runs no more")
+    assert [report.status for report in reported] == ["lost", "over"]
 
 
 def test_a_call_brings_the_reply(open_ros: Open, peer: Peer) -> None:
-    replies = Heard[Reply]()
-    open_ros().call("/peer/trigger", TRIGGER, {}, answered=replies, timeout_s=30.0)
+    replies = Inbox[Reply]()
+    open_ros().call("/peer/trigger", TRIGGER, {}, on_reply=replies, timeout_s=30.0)
     assert replies.wait(bool, "it is answered") == [Reply("succeeded", {"success": True, "message": "done"})]
 
 
 def test_a_reply_that_says_that_the_server_failed_is_a_failure(open_ros: Open, peer: Peer) -> None:
-    replies = Heard[Reply]()
-    open_ros().call("/peer/set", "std_srvs/srv/SetBool", {"data": False}, answered=replies)
+    replies = Inbox[Reply]()
+    open_ros().call("/peer/set", "std_srvs/srv/SetBool", {"data": False}, on_reply=replies)
     (reply,) = replies.wait(bool, "it is answered")
     assert (reply.outcome, reply.why) == ("failed", "it is broken")
 
 
 def test_a_call_that_is_not_answered_is_timed_out_once(open_ros: Open, peer: Peer) -> None:
-    connector, replies = open_ros(), Heard[Reply]()
-    connector.call(f"/{peer.name}/hang", TRIGGER, {}, answered=replies, timeout_s=4.0)
+    connector, replies = open_ros(), Inbox[Reply]()
+    connector.call(f"/{peer.name}/hang", TRIGGER, {}, on_reply=replies, timeout_s=4.0)
     (reply,) = replies.wait(bool, "it is given up")
     assert reply == Reply("timed_out", {}, "/peer/hang has not answered within 4 s")
 
 
 def test_a_call_whose_server_dies_is_told_so_without_any_timeout(open_ros: Open, own_peer: Peer) -> None:
-    connector, replies = open_ros(), Heard[Reply]()
-    connector.call(f"/{own_peer.name}/hang", TRIGGER, {}, answered=replies)
-    own_peer.said.wait(lambda said: ["hangs"] in said, "the call has arrived")
+    connector, replies = open_ros(), Inbox[Reply]()
+    connector.call(f"/{own_peer.name}/hang", TRIGGER, {}, on_reply=replies)
+    own_peer.lines.wait(lambda reported: ["hangs"] in reported, "the call has arrived")
     own_peer.kill()
     (reply,) = replies.wait(bool, "the server is gone")
     assert (reply.outcome, reply.why) == (
@@ -203,28 +205,28 @@ def test_a_call_whose_server_dies_is_told_so_without_any_timeout(open_ros: Open,
 
 
 def test_a_hundred_calls_at_once_of_an_ordinary_server_are_all_answered(open_ros: Open, peer: Peer) -> None:
-    connector, replies = open_ros(), Heard[Reply]()
+    connector, replies = open_ros(), Inbox[Reply]()
     for _ in range(100):
-        connector.call("/peer/trigger", TRIGGER, {}, answered=replies)
-    told = replies.wait(lambda all_: len(all_) == 100, "an ordinary server keeps ten requests; none may be lost")
-    assert {reply.outcome for reply in told} == {"succeeded"}
+        connector.call("/peer/trigger", TRIGGER, {}, on_reply=replies)
+    reported = replies.wait(lambda all_: len(all_) == 100, "an ordinary server keeps ten requests; none may be lost")
+    assert {reply.outcome for reply in reported} == {"succeeded"}
 
 
 def test_the_first_message_of_a_new_publisher_arrives(open_ros: Open, peer: Peer) -> None:
     word = uuid.uuid4().hex
     open_ros().publish("/peer/ear", STRING, {"data": word})
-    peer.said.wait(lambda said: ["heard", word] in said, "nothing is lost while the two find each other")
+    peer.lines.wait(lambda reported: ["heard", word] in reported, "nothing is lost while the two find each other")
 
 
 def test_who_subscribes_later_hears_what_was_latched(open_ros: Open, peer: Peer) -> None:
-    heard = Heard[Message]()
-    open_ros(qos={"/peer/latched": {"durability": "latched"}}).subscribe("/peer/latched", STRING, heard)
-    assert heard.wait(bool, "it was kept")[0].data == {"data": "kept"}
+    received = Inbox[Message]()
+    open_ros(qos={"/peer/latched": {"durability": "latched"}}).subscribe("/peer/latched", STRING, received)
+    assert received.wait(bool, "it was kept")[0].data == {"data": "kept"}
 
 
 def test_a_publisher_with_best_effort_is_heard_unless_the_profile_insists(open_ros: Open, peer: Peer) -> None:
-    heard, insisting = Heard[Message](), Heard[Message]()
+    received, insisting = Inbox[Message](), Inbox[Message]()
     open_ros(qos={"/peer/hasty": {"reliability": "reliable"}}).subscribe("/peer/hasty", STRING, insisting)
-    open_ros().subscribe("/peer/hasty", STRING, heard)
-    heard.wait(lambda all_: len(all_) > 3, "the reader fits its publisher")
+    open_ros().subscribe("/peer/hasty", STRING, received)
+    received.wait(lambda all_: len(all_) > 3, "the reader fits its publisher")
     assert insisting.all == []

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Message
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Image
 
@@ -37,14 +37,14 @@ def test_of_the_pictures_that_nobody_saw_only_the_newest_is_made(open_ros: Calla
     for number in (1, 2, 3):
         robot.publish("/camera", TYPE, camera.message(number))
     robot.listed("topics")  # answered after all that was asked before
-    heard: Heard[Message] = Heard(30.0)
-    eye.subscribe("/camera", TYPE, heard)
-    heard.wait(lambda seen: len(seen) == 1, "the newest picture")
+    received: Inbox[Message] = Inbox(30.0)
+    eye.subscribe("/camera", TYPE, received)
+    received.wait(lambda seen: len(seen) == 1, "the newest picture")
     assert camera.made == [3]
     robot.publish("/camera", TYPE, camera.message(4))
-    heard.wait(lambda seen: len(seen) == 2, "the next picture")
+    received.wait(lambda seen: len(seen) == 2, "the next picture")
     assert camera.made == [3, 4]
-    assert [each.data["data"].data for each in heard.all] == [bytes([3]) * 12, bytes([4]) * 12]
+    assert [each.data["data"].data for each in received.all] == [bytes([3]) * 12, bytes([4]) * 12]
 
 
 def test_a_picture_that_its_message_cannot_carry_is_told_at_once_and_never_made(open_ros: Callable[..., Any]) -> None:

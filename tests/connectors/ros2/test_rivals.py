@@ -21,7 +21,7 @@ from rclpy.action import ActionClient
 from rclpy.client import Client
 
 from rai_missions.connectors.connector import Reply, Report
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
@@ -40,7 +40,7 @@ class RobotServer(PlannedServer):
 
     def __init__(self, plan: Plan) -> None:
         super().__init__(self._start_timer, time.monotonic, plan)
-        self.plan, self.seen, self._timers = plan, Heard[str](PATIENCE_S), list[threading.Timer]()
+        self.plan, self.seen, self._timers = plan, Inbox[str](PATIENCE_S), list[threading.Timer]()
         self.die: Callable[[], None] = lambda: None
 
     def accept(self, goal_id: str, goal: Mapping[str, Any], report: Callable[[Report], None]) -> None:
@@ -90,9 +90,9 @@ class Stand:
             assert time.monotonic() < until, f"there are not {count} servers"
             tick.wait(0.02)
 
-    def send(self, connector: Any, order: int = 1) -> tuple[str, Heard[Report]]:
-        goal_id, reports = uuid.uuid4().hex, Heard[Report](PATIENCE_S)
-        connector.send_goal(self.name, FIBONACCI, {"order": order}, goal_id=goal_id, report=reports)
+    def send(self, connector: Any, order: int = 1) -> tuple[str, Inbox[Report]]:
+        goal_id, reports = uuid.uuid4().hex, Inbox[Report](PATIENCE_S)
+        connector.send_goal(self.name, FIBONACCI, {"order": order}, goal_id=goal_id, on_report=reports)
         return goal_id, reports
 
     def executing(self) -> set[str]:
@@ -113,49 +113,49 @@ def stand(open_ros: Open) -> Iterator[Stand]:
     made.close()
 
 
-def said(reports: Heard[Report]) -> list[str]:
-    return [each.said for each in reports.all]
+def said(reports: Inbox[Report]) -> list[str]:
+    return [each.status for each in reports.all]
 
 
-def until_said(reports: Heard[Report], *words: str) -> list[Report]:
-    return reports.wait(lambda all_: any(each.said in words for each in all_), f"one of {words}")
+def until_said(reports: Inbox[Report], *words: str) -> list[Report]:
+    return reports.wait(lambda all_: any(each.status in words for each in all_), f"one of {words}")
 
 
-def test_a_goal_for_two_servers_is_rejected_and_reaches_neither(open_ros: Open, stand: Stand) -> None:
-    servers, connector = [stand.serve(Plan()), stand.serve(Plan())], open_ros()
-    stand.wait_for(connector, 2)
-    _, reports = stand.send(connector)
+def test_a_goal_for_two_servers_is_rejected_and_reaches_neither(open_ros: Open, rig: Stand) -> None:
+    servers, connector = [rig.serve(Plan()), rig.serve(Plan())], open_ros()
+    rig.wait_for(connector, 2)
+    _, reports = rig.send(connector)
     (report,) = until_said(reports, "rejected")
-    assert report.why.startswith(f"more than one server answers for {stand.name} (/rai_missions_")
+    assert report.why.startswith(f"more than one server answers for {rig.name} (/rai_missions_")
     assert report.why.endswith("); stop all but one")
     assert [server.seen.all for server in servers] == [[], []]
 
 
 def test_a_server_that_is_on_the_graph_and_does_not_answer_is_no_second_one_and_ends_the_goal_once_it_does(
-    open_ros: Open, stand: Stand
+    open_ros: Open, rig: Stand
 ) -> None:
     connector, script = open_ros(), Script(end="runs on")
-    with Peer(stand.name[1:], PROGRAM) as frozen, Peer(stand.name[1:], PROGRAM) as living:
-        stand.name += "/move"
-        stand.wait_for(connector, 2)
+    with Peer(rig.name[1:], PROGRAM) as frozen, Peer(rig.name[1:], PROGRAM) as living:
+        rig.name += "/move"
+        rig.wait_for(connector, 2)
         frozen.signal(signal.SIGSTOP)
-        goal_id, reports = stand.send(connector, script.order(1))
+        goal_id, reports = rig.send(connector, script.order(1))
         until_said(reports, "accepted")
         connector.cancel_goal(goal_id)
         until_said(reports, "canceled")
-        assert ["over", 1, "canceled"] in living.said.all
+        assert ["over", 1, "canceled"] in living.lines.all
         frozen.signal(signal.SIGCONT)
-        frozen.said.wait(lambda said: ["over", 1, "canceled"] in said, "what it took late is canceled")
+        frozen.lines.wait(lambda reported: ["over", 1, "canceled"] in reported, "what it took late is canceled")
 
 
 def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal_at_both(
-    open_ros: Open, stand: Stand
+    open_ros: Open, rig: Stand
 ) -> None:
-    first, connector = stand.serve(Plan()), open_ros()
-    stand.wait_for(connector, 1)
-    goal_id, reports = stand.send(connector)
+    first, connector = rig.serve(Plan()), open_ros()
+    rig.wait_for(connector, 1)
+    goal_id, reports = rig.send(connector)
     until_said(reports, "accepted")
-    stand.serve(Plan())
+    rig.serve(Plan())
     until_said(reports, "contested")
     connector.cancel_goal(goal_id)
     until_said(reports, "canceled")
@@ -165,26 +165,26 @@ def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal
 
 @pytest.mark.parametrize("what", ["service", "goal"])
 def test_a_second_server_of_which_half_is_known_yet_takes_nobody_s_server_away(
-    open_ros: Open, stand: Stand, what: str, monkeypatch: pytest.MonkeyPatch
+    open_ros: Open, rig: Stand, what: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """While another server is on the graph and not matched yet, ROS says that none of its name is ready."""
-    first, connector = stand.serve(Plan(ends=1.5)), open_ros()
-    stand.wait_for(connector, 1)
+    first, connector = rig.serve(Plan(ends=1.5)), open_ros()
+    rig.wait_for(connector, 1)
     if what == "goal":
-        _, reports = stand.send(connector)
+        _, reports = rig.send(connector)
         until_said(reports, "accepted")
         monkeypatch.setattr(ActionClient, "server_is_ready", lambda _: False)
-        assert until_said(reports, "succeeded", "lost")[-1].said == "succeeded"
+        assert until_said(reports, "succeeded", "lost")[-1].status == "succeeded"
         assert first.executing == set()
         return
-    asked, free, replies = Heard[bool](PATIENCE_S), threading.Event(), Heard[Reply](PATIENCE_S)
+    asked, free, replies = Inbox[bool](PATIENCE_S), threading.Event(), Inbox[Reply](PATIENCE_S)
 
     def answer(_request: Any) -> Mapping[str, Any]:
         asked(True)
         return {"success": free.wait(PATIENCE_S), "message": ""}
 
-    stand.nodes[0].serve(f"{stand.name}/service", TRIGGER, answer)
-    connector.call(f"{stand.name}/service", TRIGGER, {}, answered=replies)
+    rig.nodes[0].serve(f"{rig.name}/service", TRIGGER, answer)
+    connector.call(f"{rig.name}/service", TRIGGER, {}, on_reply=replies)
     asked.wait(bool, "it is asked")
     monkeypatch.setattr(Client, "service_is_ready", lambda _: False)
     threading.Timer(1.5, free.set).start()
@@ -203,24 +203,24 @@ def test_a_second_server_of_which_half_is_known_yet_takes_nobody_s_server_away(
     ],
 )
 def test_a_goal_that_two_servers_have_ends_when_neither_is_executing_it(
-    open_ros: Open, stand: Stand, plans: tuple[Plan, Plan], end: str, monkeypatch: pytest.MonkeyPatch
+    open_ros: Open, rig: Stand, plans: tuple[Plan, Plan], end: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The second was not yet on the graph when the goal was sent."""
     monkeypatch.setattr(
-        "rai_missions.connectors.ros2.goal_client.GoalClient.survey", lambda _, told, within_s=0.0: told("")
+        "rai_missions.connectors.ros2.goal_client.GoalClient.survey", lambda _, reported, within_s=0.0: reported("")
     )
     connector = open_ros()
     for plan in plans:
-        stand.serve(plan)
-    stand.wait_for(connector, 2)
-    goal_id, reports = stand.send(connector)
-    for server in stand.servers:
+        rig.serve(plan)
+    rig.wait_for(connector, 2)
+    goal_id, reports = rig.send(connector)
+    for server in rig.servers:
         server.seen.wait(bool, "it has the goal")
     if end == "canceled":
         connector.cancel_goal(goal_id)
-    told = until_said(reports, "succeeded", "failed", "canceled", "rejected")
-    assert told[-1].said == end, told
-    assert stand.executing() == set()
+    reported = until_said(reports, "succeeded", "failed", "canceled", "rejected")
+    assert reported[-1].status == end, reported
+    assert rig.executing() == set()
 
 
 # -- whole runs ---------------------------------------------------------------------------------------------------
@@ -236,15 +236,15 @@ def mission() -> Mission:
     )  # fmt: skip
 
 
-def run(stand: Stand, connector: Any) -> Result:
-    robot = Robot.model_validate({"name": "rivals", "actions": {"move": {"action": stand.name, "type": FIBONACCI}}})
+def run(rig: Stand, connector: Any) -> Result:
+    robot = Robot.model_validate({"name": "rivals", "actions": {"move": {"action": rig.name, "type": FIBONACCI}}})
     return Runner(mission(), robot=robot, connector=connector).run()
 
 
-def test_a_run_is_refused_while_two_servers_live(open_ros: Open, stand: Stand) -> None:
-    servers, connector = [stand.serve(Plan()), stand.serve(Plan(rejects=True))], open_ros()
-    with pytest.raises(UsageError, match=f"more than one server answers for {stand.name}"):
-        run(stand, connector)
+def test_a_run_is_refused_while_two_servers_live(open_ros: Open, rig: Stand) -> None:
+    servers, connector = [rig.serve(Plan()), rig.serve(Plan(rejects=True))], open_ros()
+    with pytest.raises(UsageError, match=f"more than one server answers for {rig.name}"):
+        run(rig, connector)
     assert [server.seen.all for server in servers] == [[], []]
 
 
@@ -258,11 +258,11 @@ def test_a_run_is_refused_while_two_servers_live(open_ros: Open, stand: Stand) -
         (Plan(dies=0.3), ["lost"]),
     ],
 )
-def test_a_run_names_what_may_still_be_executing(open_ros: Open, stand: Stand, plan: Plan, reasons: list[str]) -> None:
-    stand.serve(plan)
-    result = run(stand, open_ros())
+def test_a_run_names_what_may_still_be_executing(open_ros: Open, rig: Stand, plan: Plan, reasons: list[str]) -> None:
+    rig.serve(plan)
+    result = run(rig, open_ros())
     assert [goal.reason for goal in result.open_goals] == reasons
-    assert bool(stand.executing()) is (bool(reasons) and plan.accepts is not None)
+    assert bool(rig.executing()) is (bool(reasons) and plan.accepts is not None)
 
 
 SECONDS = st.sampled_from([0.0, 0.0, 0.3, 1.0])
@@ -283,30 +283,30 @@ def hold(open_ros: Open, first: Plan, second: Plan | None, after_s: float) -> No
 
     A second server that comes when the goal was sent does not have it, unless it was on its way already.
     """
-    stand, connector = Stand(open_ros), open_ros()
+    rig, connector = Stand(open_ros), open_ros()
     try:
-        stand.serve(first)
-        stand.wait_for(connector, 1)
-        arrival = threading.Timer(after_s, lambda: stand.serve(second)) if second is not None else None
+        rig.serve(first)
+        rig.wait_for(connector, 1)
+        arrival = threading.Timer(after_s, lambda: rig.serve(second)) if second is not None else None
         if arrival is not None:
             arrival.start()
         try:
-            result = run(stand, connector)
+            result = run(rig, connector)
         except UsageError:  # both were there in time, and neither has a goal
-            assert stand.executing() == set()
+            assert rig.executing() == set()
             return
         finally:
             if arrival is not None:
                 arrival.join()
-        executing = stand.executing()
+        executing = rig.executing()
         assert not executing or result.open_goals, (first, second, after_s, executing, result)
         if all(not plan.refuses and plan.cancels is not None and plan.dies is None for plan in (first, second) if plan):
             until = time.monotonic() + 8.0
-            while stand.executing() and time.monotonic() < until:
+            while rig.executing() and time.monotonic() < until:
                 threading.Event().wait(0.05)
-            assert stand.executing() == set(), ("what is accepted late is canceled", first, second, after_s, result)
+            assert rig.executing() == set(), ("what is accepted late is canceled", first, second, after_s, result)
     finally:
-        stand.close()
+        rig.close()
         connector.stop()
 
 

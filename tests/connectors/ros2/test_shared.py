@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Close, Message, RawMessage
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 
 STRING = "std_msgs/msg/String"
 LATCHED = {"/last": {"durability": "latched", "depth": 2}}
@@ -33,15 +33,15 @@ def comes_to(connector: Any, topic: str, count: int) -> None:
     raise AssertionError(f"{topic} has {readers(connector, topic)} readers, not {count}")
 
 
-def texts(heard: list[Message]) -> list[str]:
-    return [each.data["data"] for each in heard]
+def texts(received: list[Message]) -> list[str]:
+    return [each.data["data"] for each in received]
 
 
-def listen(connector: Any, topic: str, *, is_raw: bool = False) -> tuple[Heard[Message], Close]:
-    heard = Heard[Message]()
+def listen(connector: Any, topic: str, *, is_raw: bool = False) -> tuple[Inbox[Message], Close]:
+    received = Inbox[Message]()
     if is_raw:
-        return heard, connector.tap(topic, STRING, heard, lambda _raw: None)
-    return heard, connector.subscribe(topic, STRING, heard)
+        return received, connector.tap(topic, STRING, received, lambda _raw: None)
+    return received, connector.subscribe(topic, STRING, received)
 
 
 @alone
@@ -49,16 +49,16 @@ def test_a_hundred_listeners_of_a_topic_are_one_reader_and_hear_one_message(open
     connector = open_ros()
     listeners = [listen(connector, "/shared")[0] for _ in range(100)]
     connector.publish("/shared", STRING, {"data": "x"})
-    heard = [each.wait(bool, "it was published")[0] for each in listeners]
+    received = [each.wait(bool, "it was published")[0] for each in listeners]
     assert readers(connector, "/shared") == 1
-    assert all(each is heard[0] for each in heard), "it is converted once"
+    assert all(each is received[0] for each in received), "it is converted once"
 
 
 @alone
 def test_whoever_records_has_a_reader_of_the_bytes_beside_the_other(open_ros: Open) -> None:
-    connector, raw = open_ros(), Heard[RawMessage]()
+    connector, raw = open_ros(), Inbox[RawMessage]()
     plain = [listen(connector, "/shared")[0] for _ in range(3)]
-    tapped = Heard[Message]()
+    tapped = Inbox[Message]()
     for _ in range(3):
         connector.tap("/shared", STRING, tapped, raw)
     comes_to(connector, "/shared", 2)

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Message, Reply, Report
-from rai_missions.connectors.contract import Heard, PatientServer
+from rai_missions.connectors.contract import Inbox, PatientServer
 from rai_missions.errors import ConnectorError
 from tests.connectors.ros2.peer_process import FIBONACCI, RUN, TRIGGER, Peer
 
@@ -27,10 +27,10 @@ class Warned(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__()
-        self.said = Heard[str](30.0)
+        self.lines = Inbox[str](30.0)
 
     def emit(self, record: logging.LogRecord) -> None:
-        self.said(record.getMessage())
+        self.lines(record.getMessage())
 
     def __enter__(self) -> Warned:
         logging.getLogger("rai_missions.connectors.ros2").addHandler(self)
@@ -42,59 +42,59 @@ class Warned(logging.Handler):
 
 def test_a_topic_of_another_type_is_not_heard_and_one_sentence_says_so(open_ros: Open, peer: Peer) -> None:
     with Warned() as warned:
-        heard = Heard[Message]()
-        open_ros().subscribe("/peer/hasty", NUMBER, heard)
-        warned.said.wait(
-            lambda said: (
+        received = Inbox[Message]()
+        open_ros().subscribe("/peer/hasty", NUMBER, received)
+        warned.lines.wait(
+            lambda reported: (
                 "/peer/hasty is published as std_msgs/msg/String, and so not heard as the std_msgs/msg/Float64 that "
-                "is asked for; mend the type" in said
+                "is asked for; mend the type" in reported
             ),
             "the types differ",
         )
-    assert heard.all == []
+    assert received.all == []
 
 
 @pytest.mark.usefixtures("alone")
 def test_what_is_no_number_arrives_as_such(open_ros: Open) -> None:
-    connector, heard = open_ros(), Heard[Message]()
-    connector.subscribe("/number", NUMBER, heard)
+    connector, received = open_ros(), Inbox[Message]()
+    connector.subscribe("/number", NUMBER, received)
     for value in (math.nan, math.inf, -math.inf, 1.0):
         connector.publish("/number", NUMBER, {"data": value})
-    said = [message.data["data"] for message in heard.wait(lambda all_: len(all_) == 4, "all were published")]
-    assert math.isnan(said[0]) and said[1:] == [math.inf, -math.inf, 1.0]
+    reported = [message.data["data"] for message in received.wait(lambda all_: len(all_) == 4, "all were published")]
+    assert math.isnan(reported[0]) and reported[1:] == [math.inf, -math.inf, 1.0]
 
 
 @pytest.mark.usefixtures("alone")
 def test_empty_and_enormous_messages_arrive_and_the_next_does_too(open_ros: Open) -> None:
-    connector, heard = open_ros(), Heard[Message]()
-    connector.subscribe("/bytes", BYTES, heard)
+    connector, received = open_ros(), Inbox[Message]()
+    connector.subscribe("/bytes", BYTES, received)
     for size in (0, 20_000_000, 1):
         connector.publish("/bytes", BYTES, {"data": bytes(size)})
-    messages = heard.wait(lambda all_: len(all_) == 3, "nothing is too great")
+    messages = received.wait(lambda all_: len(all_) == 3, "nothing is too great")
     assert [len(message.data["data"]) for message in messages] == [0, 20_000_000, 1]
 
 
 @pytest.mark.usefixtures("alone")
 def test_the_runs_clock_stamps_what_is_heard_however_ros_time_jumps(open_ros: Open) -> None:
-    connector, heard, clock = open_ros(sim_time=True, now=lambda: 50.0), Heard[Message](), Heard[Message]()
+    connector, received, clock = open_ros(sim_time=True, now=lambda: 50.0), Inbox[Message](), Inbox[Message]()
     connector.subscribe("/clock", CLOCK, clock)
-    connector.subscribe("/stamped", HEADER, heard)
+    connector.subscribe("/stamped", HEADER, received)
     for ros_time, stamp, at in ((100.0, 98.0, 48.0), (10.0, 98.0, 50.0), (10.0, 9.0, 49.0), (1e9, 9.0, 50.0 - 1e9 + 9)):
         comes_to(connector, clock, ros_time)
-        told = len(heard.all)
+        reported = len(received.all)
         connector.publish("/stamped", HEADER, {"stamp": stamp})
-        messages = heard.wait(lambda all_: len(all_) > told, "it was published")  # noqa: B023 - asked at once
+        messages = received.wait(lambda all_: len(all_) > reported, "it was published")  # noqa: B023 - asked at once
         assert messages[-1].at == pytest.approx(at)
 
 
-def comes_to(connector: Any, clock: Heard[Message], ros_time: float) -> None:
+def comes_to(connector: Any, clock: Inbox[Message], ros_time: float) -> None:
     """Have simulated time become so; the node takes it from a subscription of its own."""
     until = time.monotonic() + 30
     while connector._session.runtime.now() != ros_time:
         assert time.monotonic() < until, "the node does not take the time"
-        told = len(clock.all)
+        reported = len(clock.all)
         connector.publish("/clock", CLOCK, {"clock": ros_time})
-        clock.wait(lambda all_: len(all_) > told, "time was told")  # noqa: B023 - asked at once
+        clock.wait(lambda all_: len(all_) > reported, "time was told")  # noqa: B023 - asked at once
 
 
 @pytest.mark.usefixtures("alone")
@@ -109,7 +109,7 @@ def comes_to(connector: Any, clock: Heard[Message], ros_time: float) -> None:
     ],
 )  # fmt: skip
 def test_a_name_that_ros_does_not_take_is_told_at_once(open_ros: Open, name: str, rest: str) -> None:
-    connector, replies, reports = open_ros(), Heard[Reply](), Heard[Report]()
+    connector, replies, reports = open_ros(), Inbox[Reply](), Inbox[Report]()
     sentence = f"{name!r} is no name in ROS{rest}"
     for use in (
         lambda: connector.subscribe(name, STRING, lambda _message: None),
@@ -120,43 +120,45 @@ def test_a_name_that_ros_does_not_take_is_told_at_once(open_ros: Open, name: str
         with pytest.raises(ConnectorError) as caught:
             use()
         assert str(caught.value) == sentence
-    connector.call(name, TRIGGER, {}, answered=replies)
-    connector.send_goal(name, FIBONACCI, {}, goal_id="g", report=reports)
+    connector.call(name, TRIGGER, {}, on_reply=replies)
+    connector.send_goal(name, FIBONACCI, {}, goal_id="g", on_report=reports)
     assert replies.all == [Reply("failed", {}, sentence)]
     assert reports.all == [Report("g", "rejected", {}, sentence)]
 
 
 def test_two_nodes_of_one_name_both_work_and_one_sentence_says_so(open_ros: Open) -> None:
     with Warned() as warned:
-        first, second, heard = open_ros(node="twin"), open_ros(node="twin"), Heard[Message]()
-        first.subscribe("/twins", STRING, heard)
-        second.subscribe("/twins", STRING, heard)
+        first, second, received = open_ros(node="twin"), open_ros(node="twin"), Inbox[Message]()
+        first.subscribe("/twins", STRING, received)
+        second.subscribe("/twins", STRING, received)
         second.publish("/twins", STRING, {"data": "x"})
-        warned.said.wait(
-            lambda said: "another node is called /twin too: give connector/node another name, or leave it out" in said,
+        warned.lines.wait(
+            lambda reported: (
+                "another node is called /twin too: give connector/node another name, or leave it out" in reported
+            ),
             "they have one name",
         )
-    heard.wait(lambda all_: len(all_) >= 1, "both are heard")
+    received.wait(lambda all_: len(all_) >= 1, "both are heard")
 
 
 @pytest.mark.usefixtures("alone")
 def test_where_discovery_is_blocked_nobody_is_there_and_everyone_is_told(open_ros: Open, peer: Peer) -> None:
-    connector, replies, reports = open_ros(discovery_s=0.5), Heard[Reply](), Heard[Report]()
-    connector.call("/peer/trigger", TRIGGER, {}, answered=replies)
-    connector.send_goal("/peer/fibonacci", FIBONACCI, {"order": RUN}, goal_id="g", report=reports)
+    connector, replies, reports = open_ros(discovery_s=0.5), Inbox[Reply](), Inbox[Report]()
+    connector.call("/peer/trigger", TRIGGER, {}, on_reply=replies)
+    connector.send_goal("/peer/fibonacci", FIBONACCI, {"order": RUN}, goal_id="g", on_report=reports)
     assert replies.wait(bool, "nobody is found") == [Reply("unavailable", {}, "nobody serves /peer/trigger")]
     assert reports.wait(bool, "nobody is found") == [Report("g", "rejected", {}, "nobody serves /peer/fibonacci")]
 
 
 def test_a_service_of_another_type_is_told_with_its_type(open_ros: Open, peer: Peer) -> None:
-    connector, replies = open_ros(discovery_s=8.0), Heard[Reply]()
-    connector.call("/peer/trigger", "std_srvs/srv/SetBool", {}, answered=replies)
+    connector, replies = open_ros(discovery_s=8.0), Inbox[Reply]()
+    connector.call("/peer/trigger", "std_srvs/srv/SetBool", {}, on_reply=replies)
     why = "/peer/trigger is served as std_srvs/srv/Trigger, and not as the std_srvs/srv/SetBool that is asked for"
     assert replies.wait(bool, "it is another") == [Reply("unavailable", {}, f"{why}; mend the type")]
 
 
 def test_a_call_that_two_strangers_serve_is_answered_once(open_ros: Open) -> None:
-    asker, replies, served = open_ros(), Heard[Reply](), Heard[str]()
+    asker, replies, served = open_ros(), Inbox[Reply](), Inbox[str]()
     for name in ("one", "other"):
 
         def answer(_request: Any, name: str = name) -> dict[str, Any]:
@@ -164,34 +166,34 @@ def test_a_call_that_two_strangers_serve_is_answered_once(open_ros: Open) -> Non
             return {"success": True, "message": name}
 
         open_ros().serve("/contested", TRIGGER, answer)
-    asker.call("/contested", TRIGGER, {}, answered=replies)
+    asker.call("/contested", TRIGGER, {}, on_reply=replies)
     replies.wait(bool, "one of them answers")
-    asker.call("/contested", TRIGGER, {}, answered=replies)
+    asker.call("/contested", TRIGGER, {}, on_reply=replies)
     assert len(replies.wait(lambda all_: len(all_) == 2, "and again")) == 2
 
 
 def test_a_stranger_who_cancels_everything_cancels_our_goal_and_we_are_told(open_ros: Open) -> None:
-    server, reports, stranger = PatientServer(), Heard[Report](), Heard[Reply]()
+    server, reports, stranger = PatientServer(), Inbox[Report](), Inbox[Reply]()
     connector = open_ros()
     connector.offer("/shared", FIBONACCI, server)
-    connector.send_goal("/shared", FIBONACCI, {"order": 1}, goal_id="g", report=reports)
+    connector.send_goal("/shared", FIBONACCI, {"order": 1}, goal_id="g", on_report=reports)
     server.asked.wait(bool, "it was sent")
-    server.say("g", "accepted")
+    server.send("g", "accepted")
     reports.wait(bool, "it runs")
-    open_ros().call("/shared/_action/cancel_goal", "action_msgs/srv/CancelGoal", {}, answered=stranger)
+    open_ros().call("/shared/_action/cancel_goal", "action_msgs/srv/CancelGoal", {}, on_reply=stranger)
     server.asked.wait(lambda all_: ("cancel", "g") in all_, "a stranger may do that")
-    server.say("g", "canceled")
-    assert reports.wait(lambda all_: all_[-1].said == "canceled", "we are told")[-1].goal_id == "g"
+    server.send("g", "canceled")
+    assert reports.wait(lambda all_: all_[-1].status == "canceled", "we are told")[-1].goal_id == "g"
 
 
 def test_a_publisher_that_vanishes_and_comes_back_is_heard_again(open_ros: Open, own_peer: Peer) -> None:
-    connector, heard = open_ros(), Heard[Message](30.0)
-    connector.subscribe(f"/{own_peer.name}/hasty", STRING, heard)
-    heard.wait(bool, "it speaks")
+    connector, received = open_ros(), Inbox[Message](30.0)
+    connector.subscribe(f"/{own_peer.name}/hasty", STRING, received)
+    received.wait(bool, "it speaks")
     own_peer.kill()
     with Peer(own_peer.name):
-        told = len(heard.all)
-        heard.wait(lambda all_: len(all_) > told + 3, "it speaks again")
+        reported = len(received.all)
+        received.wait(lambda all_: len(all_) > reported + 3, "it speaks again")
 
 
 @pytest.mark.usefixtures("alone")
@@ -212,13 +214,13 @@ def test_a_callback_that_does_not_return_keeps_nobody_waiting_for_ever(open_ros:
 
 
 def test_five_connectors_of_one_process_hear_one_another(open_ros: Open) -> None:
-    connectors, heard = [open_ros() for _ in range(5)], Heard[Message](30.0)
+    connectors, received = [open_ros() for _ in range(5)], Inbox[Message](30.0)
     for number, connector in enumerate(connectors):
-        connector.subscribe(f"/five/n{(number + 1) % 5}", STRING, heard)
+        connector.subscribe(f"/five/n{(number + 1) % 5}", STRING, received)
     for number, connector in enumerate(connectors):
         connector.publish(f"/five/n{number}", STRING, {"data": str(number)})
-    heard.wait(lambda all_: {message.data["data"] for message in all_} == set("01234"), "each hears its neighbour")
+    received.wait(lambda all_: {message.data["data"] for message in all_} == set("01234"), "each hears its neighbour")
     connectors[0].stop()
-    told = len(heard.all)
+    reported = len(received.all)
     connectors[3].publish("/five/n3", STRING, {"data": "3"})
-    heard.wait(lambda all_: len(all_) > told, "the others go on")
+    received.wait(lambda all_: len(all_) > reported, "the others go on")

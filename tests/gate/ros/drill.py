@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from tests.gate.ros.party import CODES
 
 ROOT = Path(__file__).parents[3]
@@ -33,7 +33,7 @@ class Party:
     """A process that says on its output what it has to say, a JSON list a line."""
 
     def __init__(self, *words: str) -> None:
-        self.said: Heard[Any] = Heard(60.0)
+        self.lines: Inbox[Any] = Inbox(60.0)
         self.process = subprocess.Popen(
             [sys.executable, "-W", "ignore", *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT
         )
@@ -43,7 +43,7 @@ class Party:
     def _read(self) -> None:
         assert self.process.stdout is not None
         for line in self.process.stdout:
-            self.said(json.loads(line) if line.startswith("[") else ["text", line])
+            self.lines(json.loads(line) if line.startswith("[") else ["text", line])
 
     def end(self) -> list[Any]:
         """Let it end by itself; what it said."""
@@ -57,7 +57,7 @@ class Party:
             self.process.wait()
         self._reader.join()
         self.process.stdout.close()
-        return self.said.all
+        return self.lines.all
 
 
 class Record(NamedTuple):
@@ -85,9 +85,11 @@ def parties(domain: int, seed: int, log: Path) -> Iterator[tuple[Party, dict[str
     script = str(Path(__file__).with_name("party.py"))
     others = {each: Party(script, each, str(domain), str(seed + code)) for code, each in enumerate(("base", *HOLDERS))}
     try:
-        gate.said.wait(lambda said: any("commands are heard" in str(each[-1]) for each in said), "the gate stands")
+        gate.lines.wait(
+            lambda reported: any("commands are heard" in str(each[-1]) for each in reported), "the gate stands"
+        )
         for each in others.values():
-            each.said.wait(lambda said: ["ready"] in said, "it is ready")
+            each.lines.wait(lambda reported: ["ready"] in reported, "it is ready")
         yield gate, others
     finally:
         for each in (gate, *others.values()):
@@ -174,13 +176,13 @@ def figures(record: Record) -> dict[str, Any]:
     gated = sorted(took * 1e3 for code, _, took in record.arrived if code)
     direct = sorted(took * 1e3 for took in record.direct)
     sent = sum(each["sent"] for each in record.holders.values())
-    told = {"sent": sent, "heard": did["passed"] + did["refused"], "passed": did["passed"], "refused": did["refused"]}
-    told |= {"arrived": len(gated), "handovers": did["changed"], "lapses": lapses}
-    told |= {
+    report = {"sent": sent, "heard": did["passed"] + did["refused"], "passed": did["passed"], "refused": did["refused"]}
+    report |= {"arrived": len(gated), "handovers": did["changed"], "lapses": lapses}
+    report |= {
         "requests": did["answered"],
         "denied": sum(bool(row["why"]) for row in record.log if row["did"] == "answered"),
     }
     for name, all_ in (("gated_ms", gated), ("direct_ms", direct)):
         if len(all_) > 1:
-            told[name] = [round(statistics.median(all_), 3), round(all_[int(len(all_) * 0.99)], 3)]
-    return told | {"violations": len(violations(record))}
+            report[name] = [round(statistics.median(all_), 3), round(all_[int(len(all_) * 0.99)], 3)]
+    return report | {"violations": len(violations(record))}

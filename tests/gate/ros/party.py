@@ -109,14 +109,14 @@ class Holder:
         self.answers[done.result().success] += 1
 
     def tell(self) -> None:
-        told = {"sent": self.sent, "granted": self.answers[True], "denied": self.answers[False]}
-        say(self.who, told | {"late": len(self.late)})
+        report = {"sent": self.sent, "granted": self.answers[True], "denied": self.answers[False]}
+        say(self.who, report | {"late": len(self.late)})
 
 
 def known(node: Any) -> bool:
     """Whether the gate is heard, and hears what is published: what was said before would be lost."""
-    heard = [each.get_subscription_count() for each in node.publishers if each.topic_name.endswith("/cmd_vel")]
-    return all(heard) and bool(heard or node.count_publishers("/cmd_vel"))
+    received = [each.get_subscription_count() for each in node.publishers if each.topic_name.endswith("/cmd_vel")]
+    return all(received) and bool(received or node.count_publishers("/cmd_vel"))
 
 
 def main(role: str, domain: int, seed: int) -> None:
@@ -125,7 +125,7 @@ def main(role: str, domain: int, seed: int) -> None:
 
     rclpy.init(domain_id=domain)
     node = rclpy.create_node(f"party_{role}")
-    tell = base(node) if role == "base" else Holder(node, role, seed).tell
+    notify = base(node) if role == "base" else Holder(node, role, seed).tell
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     over = threading.Event()
@@ -136,7 +136,7 @@ def main(role: str, domain: int, seed: int) -> None:
     say("ready")
     while not over.is_set():
         executor.spin_once(timeout_sec=0.05)
-    tell()
+    notify()
     executor.shutdown()
     node.destroy_node()
     rclpy.shutdown()

@@ -15,27 +15,27 @@ from tests.gate.ros.drill import HOLDERS, Record, drill, figures, violations
 def judged(record: Record) -> dict[str, Any]:
     """The figures of a drill that broke no rule."""
     assert violations(record) == []
-    told = figures(record)
-    assert told["heard"] <= told["sent"], "nothing is heard that nobody sent"
-    assert told["arrived"] <= told["passed"]
+    reported = figures(record)
+    assert reported["heard"] <= reported["sent"], "nothing is heard that nobody sent"
+    assert reported["arrived"] <= reported["passed"]
     for word in ("passed", "refused"):
         counts = {who: sum(row["did"] == word and row["who"] == who for row in record.log) for who in HOLDERS}
         assert f"{word}: {', '.join(f'{who} {count}' for who, count in counts.items())}" in record.closing
-    return told
+    return reported
 
 
 def test_three_processes_never_hold_control_together(domain: int, tmp_path: Path) -> None:
-    told = judged(drill(domain, 5.0, 1, tmp_path / "gate.jsonl"))
-    assert told["passed"] > 20 and told["refused"] > 20 and told["handovers"] > 2, told
+    reported = judged(drill(domain, 5.0, 1, tmp_path / "gate.jsonl"))
+    assert reported["passed"] > 20 and reported["refused"] > 20 and reported["handovers"] > 2, reported
 
 
 @pytest.mark.drill
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("seed", range(5))
 def test_three_processes_never_hold_control_together_for_long(domain: int, tmp_path: Path, seed: int) -> None:
-    told = judged(drill(domain, 60.0, seed, tmp_path / "gate.jsonl"))
-    assert told["lapses"] > 2, told
-    print(json.dumps(told))  # noqa: T201 - the figures are what a drill is for
+    reported = judged(drill(domain, 60.0, seed, tmp_path / "gate.jsonl"))
+    assert reported["lapses"] > 2, reported
+    print(json.dumps(reported))  # noqa: T201 - the figures are what a drill is for
 
 
 def passed(grant: int, who: str, code: float, number: float, did: str = "passed") -> dict[str, Any]:

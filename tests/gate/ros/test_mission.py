@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.gate import GateAgent, gate_words
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
@@ -58,7 +58,7 @@ class Robotic:
         self.connector = open_ros(now=self.clock.now, **words.options())
         self.gate = GateAgent(words, self.connector, clock=self.clock)
         self.base = open_ros(qos=LATCHED)
-        self.told: Heard[tuple[str, str]] = Heard(30.0)
+        self.told: Inbox[tuple[str, str]] = Inbox(30.0)
         """What the robot was told to do, and who held control then."""
         for service in ("/cross", "/halt"):
             self.base.serve(service, TRIGGER, lambda _, service=service: self._do(service))
@@ -69,8 +69,8 @@ class Robotic:
         return {"success": True, "message": ""}
 
     def ask(self, by: str, to: str) -> str:
-        replies: Heard[Any] = Heard(30.0)
-        self.base.call(f"/gate/{by}/hand_to_{to}", TRIGGER, {}, answered=replies, timeout_s=20.0)
+        replies: Inbox[Any] = Inbox(30.0)
+        self.base.call(f"/gate/{by}/hand_to_{to}", TRIGGER, {}, on_reply=replies, timeout_s=20.0)
         (reply,) = replies.wait(bool, "the gate has answered")
         return str(reply.data["message"])
 
@@ -85,7 +85,7 @@ def robotic(open_ros: Open) -> Iterator[Robotic]:
 def begin(open_ros: Open, **state: Any) -> tuple[Runner, Callable[[], Result]]:
     """A run on a thread of its own, and what waits for its end."""
     states = {**MISSION["states"], "crossing": {**MISSION["states"]["crossing"], **state}}
-    clock, results = WallClock(), Heard[Result](60.0)
+    clock, results = WallClock(), Inbox[Result](60.0)
     runner = Runner(
         Mission.model_validate({**MISSION, "states": states}),
         robot=Robot.model_validate(ROBOT), connector=open_ros(now=clock.now, qos=LATCHED), clock=clock,
@@ -103,12 +103,12 @@ def begin(open_ros: Open, **state: Any) -> tuple[Runner, Callable[[], Result]]:
 
 def test_control_goes_over_and_back_and_what_the_agent_does_follows_it(open_ros: Open, robotic: Robotic) -> None:
     _, end = begin(open_ros)
-    robotic.told.wait(lambda told: ("/cross", "agent") in told, "it crosses, once the agent has control")
+    robotic.told.wait(lambda reported: ("/cross", "agent") in reported, "it crosses, once the agent has control")
     assert robotic.ask("operator", "operator").startswith("operator holds control")
-    robotic.told.wait(lambda told: told[-1][0] == "/halt", "what the agent did is stopped")
+    robotic.told.wait(lambda reported: reported[-1][0] == "/halt", "what the agent did is stopped")
     assert robotic.ask("agent", "agent") == "the operator has control and has not given it back"
     robotic.ask("operator", "agent")
-    robotic.told.wait(lambda told: told[-1] == ("/cross", "agent"), "it goes on when control is given back")
+    robotic.told.wait(lambda reported: reported[-1] == ("/cross", "agent"), "it goes on when control is given back")
     robotic.base.publish("/there", BOOL, {"data": True})
     assert end().outcome == "succeeded"
     assert [service for service, _ in robotic.told.all] == ["/cross", "/halt", "/cross"]
@@ -116,7 +116,7 @@ def test_control_goes_over_and_back_and_what_the_agent_does_follows_it(open_ros:
 
 def test_an_emergency_stop_leaves_control_with_nobody_where_the_actuators_are(open_ros: Open, robotic: Robotic) -> None:
     runner, end = begin(open_ros)
-    robotic.told.wait(lambda told: ("/cross", "agent") in told, "it crosses")
+    robotic.told.wait(lambda reported: ("/cross", "agent") in reported, "it crosses")
     runner.kill()
     assert end().outcome == "aborted"
     assert robotic.gate.gate.holder == "nobody"
@@ -129,7 +129,7 @@ def test_a_run_that_begins_while_the_operator_has_control_waits_for_the_hand_bac
     robotic.ask("operator", "operator")
     _, end = begin(open_ros, handover_s=1.0)
     robotic.ask("operator", "autonomy")
-    robotic.told.wait(lambda told: told[-1] == ("/cross", "agent"), "it begins when control is given back")
+    robotic.told.wait(lambda reported: reported[-1] == ("/cross", "agent"), "it begins when control is given back")
     robotic.base.publish("/there", BOOL, {"data": True})
     assert end().outcome == "succeeded"
 
@@ -141,24 +141,24 @@ def test_a_gate_that_has_gone_acknowledges_nothing(open_ros: Open, robotic: Robo
 
 
 def test_a_run_that_hangs_loses_control(open_ros: Open, robotic: Robotic) -> None:
-    holders: Heard[Any] = Heard(30.0)
+    holders: Inbox[Any] = Inbox(30.0)
     robotic.base.subscribe("/gate/holder", "std_msgs/msg/String", holders)
     runner, end = begin(open_ros)
-    robotic.told.wait(lambda told: ("/cross", "agent") in told, "it crosses")
+    robotic.told.wait(lambda reported: ("/cross", "agent") in reported, "it crosses")
     holders.wait(lambda all_: all_[-1].data["data"] == "agent", "the gate says so")
     free = threading.Event()
     runner._requests.append(lambda: free.wait(30.0))
     runner.mailbox.wake()
     holders.wait(lambda all_: all_[-1].data["data"] == "autonomy", "the gate has noticed")
     free.set()
-    robotic.told.wait(lambda told: told[-1][0] == "/halt", "the run learns of it, and stops what needs control")
+    robotic.told.wait(lambda reported: reported[-1][0] == "/halt", "the run learns of it, and stops what needs control")
     runner.kill()
     end()
 
 
 def test_over_ros_only_the_holder_s_commands_arrive_and_a_stop_comes_first(open_ros: Open, robotic: Robotic) -> None:
-    arrived: Heard[float] = Heard(30.0)
-    robotic.base.subscribe("/cmd_vel", TWIST, lambda heard: arrived(heard.data["linear"]["x"]))
+    arrived: Inbox[float] = Inbox(30.0)
+    robotic.base.subscribe("/cmd_vel", TWIST, lambda received: arrived(received.data["linear"]["x"]))
     speaker = open_ros()
 
     def command(who: str, x: float) -> None:

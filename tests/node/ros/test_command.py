@@ -49,9 +49,9 @@ def test_a_node_beside_a_run_ends_with_it(run: Run, open_client: Callable[[str],
     assert refused == "this run is the node's only one; run it with --managed to start it again"
     assert client.call("cancel")["success"]
     out, err = process.communicate(timeout=60)
-    told = json.loads(out)
-    assert (process.returncode, told["outcome"]) == (1, "canceled"), err
-    assert told["why"] == "canceled by operator (~/cancel)" and "node: /farm/beside" in err
+    reported = json.loads(out)
+    assert (process.returncode, reported["outcome"]) == (1, "canceled"), err
+    assert reported["why"] == "canceled by operator (~/cancel)" and "node: /farm/beside" in err
 
 
 def test_a_managed_node_runs_the_mission_again_and_again_until_it_is_shut_down(

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Message
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.ros2.config import read_options
 from rai_missions.errors import UsageError
 from rai_missions.node import MissionNode
@@ -72,8 +72,8 @@ def test_orders_are_taken_where_the_lifecycle_allows_them_and_refused_elsewhere(
 def test_the_standard_services_say_what_can_be_done(open_node: OpenNode, open_client: OpenClient) -> None:
     client = open_client(open_node("standard").name.path)
     kind = "lifecycle_msgs/srv/GetAvailableTransitions"
-    told = client.call("get_available_transitions", kind)["available_transitions"]
-    assert [way["transition"] for way in told] == [{"id": 1, "label": "configure"}, {"id": 5, "label": "shutdown"}]
+    reported = client.call("get_available_transitions", kind)["available_transitions"]
+    assert [way["transition"] for way in reported] == [{"id": 1, "label": "configure"}, {"id": 5, "label": "shutdown"}]
     assert len(client.call("get_transition_graph", kind)["available_transitions"]) == 25
     assert len(client.call("get_available_states", "lifecycle_msgs/srv/GetAvailableStates")["available_states"]) == 11
     assert client.change(number=1) and client.state() == "inactive"
@@ -81,18 +81,18 @@ def test_the_standard_services_say_what_can_be_done(open_node: OpenNode, open_cl
 
 
 def test_diagnostics_say_how_the_mission_fares(errand: Client) -> None:
-    heard: Heard[Message] = Heard(30.0)
-    errand.connector.subscribe("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", heard)
+    received: Inbox[Message] = Inbox(30.0)
+    errand.connector.subscribe("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", received)
 
-    def says(level: int, message: str) -> Callable[[list[Message]], bool]:
+    def states(level: int, message: str) -> Callable[[list[Message]], bool]:
         return lambda all_: bool(all_) and _first(all_[-1]) == (level, message)
 
     errand.start()
-    heard.wait(says(0, "running"), "it is well")
+    received.wait(states(0, "running"), "it is well")
     errand.command(command="post", event="ask")
-    heard.wait(says(1, "question 1 waits for operator: Which way?"), "somebody should look")
+    received.wait(states(1, "question 1 waits for operator: Which way?"), "somebody should look")
     errand.call("e_stop")
-    heard.wait(says(2, "aborted: killed by operator (~/e_stop)"), "it has failed")
+    received.wait(states(2, "aborted: killed by operator (~/e_stop)"), "it has failed")
 
 
 def _first(message: Message) -> tuple[int, str]:

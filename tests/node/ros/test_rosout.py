@@ -11,7 +11,7 @@ import pytest
 
 from rai_missions.agents.mission import RunConfig
 from rai_missions.connectors.connector import Message
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.mission.mission import Mission
 from rai_missions.node import MissionNode
 from tests.node.scenes import Client, robot
@@ -29,8 +29,8 @@ def test_log_lines_are_published_with_their_level(
     domain: int, open_ros: Callable[..., Any], open_client: Callable[[str], Client], durability: str
 ) -> None:  # fmt: skip
     ours = open_ros(qos={"/rosout": {"durability": durability, "depth": 1000}})
-    heard: Heard[Message] = Heard(30.0)
-    ours.subscribe("/rosout", "rcl_interfaces/msg/Log", heard)
+    received: Inbox[Message] = Inbox(30.0)
+    ours.subscribe("/rosout", "rcl_interfaces/msg/Log", received)
     setting = RunConfig(LOGGING, robot({"kind": "ros2", "domain_id": domain, "discovery_s": 1.0}))
     node = MissionNode(setting, "loud")
     node.run()
@@ -41,13 +41,13 @@ def test_log_lines_are_published_with_their_level(
         logging.getLogger("rai_missions.runtime.observers").warning("'%s' is odd", "battery")
 
         def line(text: str) -> Any:
-            return next((each.data for each in heard.all if each.data["msg"] == text), None)
+            return next((each.data for each in received.all if each.data["msg"] == text), None)
 
-        heard.wait(lambda _all: line("'battery' is odd"), "the warning")
-        heard.wait(lambda _all: line("says: good morning"), "what the mission says")
+        received.wait(lambda _all: line("'battery' is odd"), "the warning")
+        received.wait(lambda _all: line("says: good morning"), "what the mission says")
         assert (line("'battery' is odd")["level"], line("the lamp is on")["level"]) == (30, 20)
         assert line("the lamp is on")["name"] == "loud"
-        assert len([each for each in heard.all if each.data["msg"] == "the lamp is on"]) == 1
+        assert len([each for each in received.all if each.data["msg"] == "the lamp is on"]) == 1
     finally:
         node.stop()
     assert not [each for each in logging.getLogger("rai_missions").handlers if type(each).__name__ == "LogLines"]

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.connector import Message, Report
-from rai_missions.connectors.contract import Heard
+from rai_missions.connectors.contract import Inbox
 from rai_missions.node import MissionNode
 from tests.node.scenes import Client, StandIn
 
@@ -29,16 +29,16 @@ def typed(open_node: Callable[..., MissionNode], open_client: Callable[[str], Cl
     return client
 
 
-def send(client: Client, **goal: Any) -> tuple[str, Heard[Report]]:
-    reports: Heard[Report] = Heard(30.0)
+def send(client: Client, **goal: Any) -> tuple[str, Inbox[Report]]:
+    reports: Inbox[Report] = Inbox(30.0)
     goal_id = uuid.uuid4().hex
     kind = f"{PACKAGE}/action/RunMission"
-    client.connector.send_goal(f"{client.path}/run", kind, goal, goal_id=goal_id, report=reports)
+    client.connector.send_goal(f"{client.path}/run", kind, goal, goal_id=goal_id, on_report=reports)
     return goal_id, reports
 
 
-def end_of(reports: Heard[Report]) -> Report:
-    return reports.wait(lambda all_: bool(all_) and all_[-1].said in ENDS, "the goal ends")[-1]
+def end_of(reports: Inbox[Report]) -> Report:
+    return reports.wait(lambda all_: bool(all_) and all_[-1].status in ENDS, "the goal ends")[-1]
 
 
 def test_a_goal_runs_the_mission(typed: Client, open_ros: Callable[..., Any]) -> None:
@@ -50,10 +50,10 @@ def test_a_goal_runs_the_mission(typed: Client, open_ros: Callable[..., Any]) ->
     stand_in.asked.wait(lambda asked: asked == ["move"], "the robot moves")
     stand_in.arrive()
     end = end_of(reports)
-    assert (end.said, end.data["outcome"], end.data["why"]) == (
+    assert (end.status, end.data["outcome"], end.data["why"]) == (
         "succeeded", "succeeded", "'done' was reached, and there is true",
     )  # fmt: skip
-    states = [report.data["state"] for report in reports.all if report.said == "feedback"]
+    states = [report.data["state"] for report in reports.all if report.status == "feedback"]
     assert ["moving"] in states
 
 
@@ -62,7 +62,7 @@ def test_canceling_the_goal_cancels_the_mission(typed: Client) -> None:
     typed.await_status("it runs", mode="running")
     typed.connector.cancel_goal(goal_id)
     end = end_of(reports)
-    assert (end.said, end.data["outcome"]) == ("canceled", "canceled")
+    assert (end.status, end.data["outcome"]) == ("canceled", "canceled")
     typed.await_status("it is over", outcome="canceled", why="canceled by operator (~/run)")
 
 
@@ -71,26 +71,26 @@ def test_a_mission_that_somebody_else_stops_aborts_the_goal(typed: Client) -> No
     typed.await_status("it runs", mode="running")
     assert typed.call("e_stop")["success"]
     end = end_of(reports)
-    assert (end.said, end.data["outcome"]) == ("failed", "aborted")
+    assert (end.status, end.data["outcome"]) == ("failed", "aborted")
 
 
 def test_a_goal_that_cannot_be_is_rejected_and_the_reply_says_why(typed: Client) -> None:
     goal_id, reports = send(typed, arguments='{"sped": 1}')
-    assert end_of(reports).said == "rejected"
-    told = typed.replies.wait(bool, "a reply")[-1]
-    assert told["id"] == goal_id and "the mission takes no argument 'sped'" in told["why"]
+    assert end_of(reports).status == "rejected"
+    reported = typed.replies.wait(bool, "a reply")[-1]
+    assert reported["id"] == goal_id and "the mission takes no argument 'sped'" in reported["why"]
 
 
 def test_questions_and_control_have_types(typed: Client) -> None:
-    statuses: Heard[Message] = Heard(30.0)
-    steps: Heard[Message] = Heard(30.0)
+    statuses: Inbox[Message] = Inbox(30.0)
+    steps: Inbox[Message] = Inbox(30.0)
     typed.connector.subscribe(f"{typed.path}/mission_status", f"{PACKAGE}/msg/MissionStatus", statuses)
     typed.connector.subscribe(f"{typed.path}/mission_step", f"{PACKAGE}/msg/Step", steps)
     typed.start()
     assert typed.call("post", f"{PACKAGE}/srv/Post", event="ask")["success"]
-    told = statuses.wait(lambda all_: bool(all_) and bool(all_[-1].data["questions"]), "a question")[-1].data
-    (question,) = told["questions"]
-    assert told["active"] == ["asking"] and [option["name"] for option in question["options"]] == ["left", "right"]
+    reported = statuses.wait(lambda all_: bool(all_) and bool(all_[-1].data["questions"]), "a question")[-1].data
+    (question,) = reported["questions"]
+    assert reported["active"] == ["asking"] and [option["name"] for option in question["options"]] == ["left", "right"]
     assert typed.call("set_control", f"{PACKAGE}/srv/Control", to="agent")["success"]
     assert typed.call("answer", f"{PACKAGE}/srv/Answer", number=question["number"], option="left")["success"]
     steps.wait(lambda all_: any(step.data["outcome"] == "aborted" for step in all_), "the last step")

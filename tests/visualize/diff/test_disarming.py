@@ -111,10 +111,12 @@ DISARMS: list[tuple[str, Mutation, str, str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("change", "topic", "told"), [each[1:] for each in DISARMS], ids=[each[0] for each in DISARMS])
-def test_what_disarms_is_for_review(change: Mutation, topic: str, told: str) -> None:
+@pytest.mark.parametrize(
+    ("change", "topic", "reported"), [each[1:] for each in DISARMS], ids=[each[0] for each in DISARMS]
+)
+def test_what_disarms_is_for_review(change: Mutation, topic: str, reported: str) -> None:
     found = compared(change)
-    assert (topic, told) in [(each.topic, each.sentence) for each in found.safety], "\n".join(found.lines())
+    assert (topic, reported) in [(each.topic, each.sentence) for each in found.safety], "\n".join(found.lines())
 
 
 def test_the_list_of_a_loop_is_for_review() -> None:
@@ -161,9 +163,9 @@ def test_a_newly_offered_option_of_a_tree_says_what_is_done_then() -> None:
         }
         return Mission.model_validate(given)
 
-    told = {each.sentence: each.after for each in difference(asked("mute"), asked("mute", "loud")).safety}
+    report = {each.sentence: each.after for each in difference(asked("mute"), asked("mute", "loud")).safety}
     whose = "signalling: tree node 'the root'"
-    assert told[f"{whose}: a model is newly offered 'loud'"] == "always open, then call"
+    assert report[f"{whose}: a model is newly offered 'loud'"] == "always open, then call"
 
 
 def test_what_was_is_told_in_the_old_files_own_words() -> None:
@@ -179,11 +181,11 @@ def test_what_was_is_told_in_the_old_files_own_words() -> None:
     row(new, "assessing", 1)["on"] = ["around", "e_stop"]
     states(new)["signalling"]["entry"] = []
     found = difference(Mission.model_validate(shipped()), Mission.model_validate(new))
-    told = {each.sentence: each.before for each in found.changes}
+    report = {each.sentence: each.before for each in found.changes}
     assert {"crossing", "signals"} <= {each.old for each in found.names}
-    assert "in crossing" in told["invariant 'nobody_is_driven_over': guard strengthened"]
-    assert "signals" in told["assessing: option 'signal': guard weakened"]
-    assert told["assessing: row 'drive_over': 'to' changed"] == "crossing"
-    assert told["signalling: 'entry' changed: 'horns' is read"] == "“signals += 1”"
-    for words in told.values():
+    assert "in crossing" in report["invariant 'nobody_is_driven_over': guard strengthened"]
+    assert "signals" in report["assessing: option 'signal': guard weakened"]
+    assert report["assessing: row 'drive_over': 'to' changed"] == "crossing"
+    assert report["signalling: 'entry' changed: 'horns' is read"] == "“signals += 1”"
+    for words in report.values():
         assert not {"over", "horns"}.intersection(words.split()), words

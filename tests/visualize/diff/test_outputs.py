@@ -38,11 +38,11 @@ EVIL = "<script>alert(1)</script> @everyone #1 [a](http://b) `x` | ![i](http://c
 @given(missions(), missions())
 def test_json_holds_each_change_and_fits_its_schema(old: Mission, new: Mission) -> None:
     found = difference(old, new)
-    told = json.loads(as_json(found))
-    jsonschema.validate(told, SCHEMA)
-    assert told == json.loads(json.dumps(plain_difference(found)))
-    assert [each["sentence"] for each in told["changes"]] == [each.sentence for each in found.changes]
-    assert told["safety"] + told["other"] == len(told["changes"])
+    reported = json.loads(as_json(found))
+    jsonschema.validate(reported, SCHEMA)
+    assert reported == json.loads(json.dumps(plain_difference(found)))
+    assert [each["sentence"] for each in reported["changes"]] == [each.sentence for each in found.changes]
+    assert reported["safety"] + reported["other"] == len(reported["changes"])
 
 
 @settings(max_examples=25)
@@ -76,9 +76,9 @@ def test_markdown_is_inert_whatever_a_mission_says() -> None:
     text = markdown(difference(tractor(), evil())).decode()
     shown = HTML.render(text)
     assert "@everyone" in shown
-    told = re.sub("<code>[^<>]*</code>", "", shown)  # no host looks for mentions, links or signs in code
+    reported = re.sub("<code>[^<>]*</code>", "", shown)  # no host looks for mentions, links or signs in code
     for word in ("<script", "<img", "<a ", "<!--", "everyone", "http:", "tada"):
-        assert word not in told.partition("language-mermaid")[0]
+        assert word not in reported.partition("language-mermaid")[0]
     assert not re.search("@|http://|<script|<!--|:tada:", text)
     assert shown.count("<details>") == shown.count("</details>") == 2
     assert shown.count("<table>") == 2
@@ -93,7 +93,7 @@ def test_markdown_tells_safety_first_and_draws_both() -> None:
     assert head.count("| ~ changed |") + head.count("| + added |") + head.count("| - removed |") == 6
     assert "5 other changes" in rest
     drawn = read_mermaid(rest.partition("```mermaid\n")[2].partition("```")[0])
-    assert any("signalling" in said for said in drawn.states.values())
+    assert any("signalling" in reported for reported in drawn.states.values())
 
 
 def test_a_comment_stays_within_what_its_host_takes() -> None:

@@ -132,11 +132,11 @@ MUST_NOT_BE_MISSED: list[tuple[str, Mutation, str, str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("change", "topic", "told"), [each[1:] for each in MUST_NOT_BE_MISSED],
+@pytest.mark.parametrize(("change", "topic", "reported"), [each[1:] for each in MUST_NOT_BE_MISSED],
                          ids=[each[0] for each in MUST_NOT_BE_MISSED])  # fmt: skip
-def test_what_a_reviewer_must_not_miss_is_told_first(change: Mutation, topic: str, told: str) -> None:
+def test_what_a_reviewer_must_not_miss_is_told_first(change: Mutation, topic: str, reported: str) -> None:
     found = compared(change)
-    assert (topic, told) in [(each.topic, each.sentence) for each in found.safety], "\n".join(found.lines())
+    assert (topic, reported) in [(each.topic, each.sentence) for each in found.safety], "\n".join(found.lines())
     severities = [each.severity for each in found.changes]
     assert severities == sorted(severities, key=("safety", "other").index)
     assert found.lines()[2] == "SAFETY-RELEVANT"
@@ -151,10 +151,10 @@ def asked_of_people() -> Json:
 
 def test_a_model_that_is_newly_asked_is_newly_offered_every_option() -> None:
     found = difference(Mission.model_validate(asked_of_people()), tractor())
-    told = [each.sentence for each in found.safety]
+    results = [each.sentence for each in found.safety]
     options = document()["states"]["assessing"]["decision"]["options"]
-    assert told[:4] == [f"assessing: a model is newly offered '{name}'" for name in options]
-    assert "assessing: a model is asked now" in told
+    assert results[:4] == [f"assessing: a model is newly offered '{name}'" for name in options]
+    assert "assessing: a model is asked now" in results
 
 
 TIGHTENS: dict[str, Mutation] = {
@@ -216,8 +216,8 @@ def test_a_way_around_inside_a_state_is_told_too() -> None:
 
     old = inside(("ready", "looking"), ("looking", "driving"), ("driving", "done"))
     new = inside(("ready", "looking"), ("ready", "driving"), ("looking", "driving"), ("driving", "done"))
-    told = [each.sentence for each in difference(old, new).safety if each.topic == "success"]
-    assert told == ["end: can be reached without passing 'looking' now"]
+    results = [each.sentence for each in difference(old, new).safety if each.topic == "success"]
+    assert results == ["end: can be reached without passing 'looking' now"]
 
 
 @settings(max_examples=60)
@@ -232,8 +232,8 @@ def test_what_every_way_passes_is_what_no_way_avoids(mission: Mission) -> None:
 def test_a_state_from_which_it_may_succeed_again_is_told() -> None:
     old = line(("ready", "driving"), ("driving", "done"), ("ready", "stuck"), ("stuck", "lost"))
     new = line(("ready", "driving"), ("driving", "done"), ("ready", "stuck"), ("stuck", "driving"), ("stuck", "lost"))
-    told = [each.sentence for each in difference(old, new).safety if each.topic == "success"]
-    assert told == ["stuck: the mission can still succeed from here now"]
+    results = [each.sentence for each in difference(old, new).safety if each.topic == "success"]
+    assert results == ["stuck: the mission can still succeed from here now"]
 
 
 def test_nothing_leads_out_of_a_final_at_the_top() -> None:
@@ -245,17 +245,17 @@ def test_nothing_leads_out_of_a_final_at_the_top() -> None:
     ways = Ways(Mission.model_validate(new))
     assert ways.onward["lost"] == ways.onward["done"] == frozenset()
     assert ways.gives_up(("lost",))
-    told = [each.sentence for each in difference(*map(Mission.model_validate, (old, new))).safety]
-    assert "driving: the mission can still succeed from here now" in told
-    assert "lost: the mission can still succeed from here now" not in told
+    results = [each.sentence for each in difference(*map(Mission.model_validate, (old, new))).safety]
+    assert "driving: the mission can still succeed from here now" in results
+    assert "lost: the mission can still succeed from here now" not in results
 
 
 def test_an_option_that_is_gone_is_told() -> None:
     new = document()
     del states(new)["assessing"]["decision"]["options"]["signal"]
     del states(new)["assessing"]["transitions"][2]
-    told = [each.sentence for each in difference(tractor(), Mission.model_validate(new)).changes]
-    assert "assessing: option 'signal' removed" in told
+    results = [each.sentence for each in difference(tractor(), Mission.model_validate(new)).changes]
+    assert "assessing: option 'signal' removed" in results
 
 
 def test_an_option_with_another_name_is_a_rename() -> None:

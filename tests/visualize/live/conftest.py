@@ -19,10 +19,10 @@ class Desk:
         self.orders: list[str] = []
         self.says: tuple[bool, str] | None = (True, "")
 
-    def submit(self, text: str, told: Any) -> None:
+    def submit(self, text: str, reported: Any) -> None:
         self.orders.append(text)
         if self.says is not None:
-            told(*self.says)
+            reported(*self.says)
 
 
 @pytest.fixture

@@ -64,8 +64,8 @@ class Watched:
         return self.runner.chart.mode
 
     def order(self, **words: Any) -> tuple[int, str]:
-        status, _, told = ask(self.page, "POST", "/orders", json.dumps(words).encode())
-        return status, told["why"]
+        status, _, reported = ask(self.page, "POST", "/orders", json.dumps(words).encode())
+        return status, reported["why"]
 
     def post(self, name: str) -> None:
         self.runner.post(Event(name, self.runner.clock.now()))
@@ -112,13 +112,13 @@ def test_every_act_is_an_event_in_the_journal_with_who_did_it(watched: Callable[
     until(lambda: one.runner.chart.holder == "autonomy", "control is handed back")
     assert one.order(command="e_stop", by="Anna\n\u202e<script>")[0] == 200
     assert one.end().outcome == "aborted"
-    told = one.told()
+    reported = one.told()
     for line in (
         "command pause by operator Anna (page)", "command resume by operator (page)",
         "control operator by operator (page)", "control autonomy by operator Bert (page)",
         "command kill by operator Anna",
     ):  # fmt: skip
-        assert line in told, told
+        assert line in reported, reported
 
 
 def test_what_is_refused_says_why_and_stands_in_the_journal(watched: Callable[..., Watched]) -> None:
@@ -130,8 +130,8 @@ def test_what_is_refused_says_why_and_stands_in_the_journal(watched: Callable[..
         ({"command": "answer", "question": 99, "option": "left"}, "question 99 is not open; open: none"),
         ({"command": "fly"}, "is none"), ({"command": "answer", "question": "1"}, "question"), ({}, "command"),
     ):  # fmt: skip
-        status, said = one.order(**words)
-        assert (status, why in said) == (409, True), (words, said)
+        status, reported = one.order(**words)
+        assert (status, why in reported) == (409, True), (words, reported)
     assert one.mode == "running"
     for line in (
         "refused: control king by operator (page): nobody called 'king'",
@@ -216,16 +216,16 @@ def test_a_question_for_somebody_else_is_not_the_page_s_to_answer(watched: Calla
     )()
     one.post("guess")
     question = one.asked(viewer)
-    said = one.order(command="answer", question=question["number"], option="left")
-    assert said == (409, f"question {question['number']} is not for the operator; agent is asked")
+    reported = one.order(command="answer", question=question["number"], option="left")
+    assert reported == (409, f"question {question['number']} is not for the operator; agent is asked")
     viewer.cut()
 
 
 def test_without_an_operator_the_page_answers_nothing(watched: Callable[..., Watched]) -> None:
     one = watched(operator=False)
     assert ask(one.page, "GET", "/mission")[2]["answers"] is False
-    said = one.order(command="answer", question=1, option="left")
-    assert said == (409, "nobody answers as the operator in this run; it was begun with --no-operator")
+    reported = one.order(command="answer", question=1, option="left")
+    assert reported == (409, "nobody answers as the operator in this run; it was begun with --no-operator")
     assert one.order(command="pause")[0] == 200
 
 
@@ -283,8 +283,8 @@ def test_watch_finds_a_run_that_writes_its_journal_elsewhere_below(
             os.utime("field/monday/a.journal.watch", (0, 0))
             assert room.found(None) == Path("b.journal")
             assert main(["watch"]) == 0
-    told = capsys.readouterr()
-    assert (told.out, told.err) == (f"watch: {url}b\n", "")
+    reported = capsys.readouterr()
+    assert (reported.out, reported.err) == (f"watch: {url}b\n", "")
     assert room.found(None) == Path("journals/old.journal")
     assert (
         "newest journal in journals/, and only that folder was looked at for journals: journals/old"

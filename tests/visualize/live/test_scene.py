@@ -46,8 +46,8 @@ def play(run: Run, act: str) -> None:
 
 
 def shown(scene: RunScene) -> dict[str, Any]:
-    told = scene.whole()
-    return {name: told[name] for name in ("mode", "control", "active", "board")}
+    reported = scene.whole()
+    return {name: reported[name] for name in ("mode", "control", "active", "board")}
 
 
 @given(st.sampled_from([tractor(), errand()]), st.lists(ACTS, max_size=25))
@@ -126,8 +126,8 @@ JSON = st.recursive(
 
 @given(JSON)
 def test_no_value_makes_a_message_long_or_no_json(value: Any) -> None:
-    told = json.dumps(bounded(value), allow_nan=False)
-    assert json.loads(told) == bounded(value)
+    reported = json.dumps(bounded(value), allow_nan=False)
+    assert json.loads(reported) == bounded(value)
     assert len(json.dumps(bounded(["x" * 10**6] * 1000))) < 50 * 6 * LONGEST
 
 

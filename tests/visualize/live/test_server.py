@@ -36,9 +36,9 @@ def test_the_page_is_there_for_anybody_and_holds_nothing_of_the_mission(run: Run
 @pytest.mark.parametrize(("method", "path"), WITH_TOKEN)
 @pytest.mark.parametrize("token", ["", "wrong", "Bearer x"])
 def test_without_the_token_there_is_nothing(run: Run, method: str, path: str, token: str) -> None:
-    status, _, told = ask(run.page, method, path, PAUSE if method == "POST" else None, X_Mission_Token=token)
+    status, _, reported = ask(run.page, method, path, PAUSE if method == "POST" else None, X_Mission_Token=token)
     assert status == 401
-    assert "token is missing or wrong" in told["why"]
+    assert "token is missing or wrong" in reported["why"]
     assert run.desk.orders == []
 
 
@@ -49,8 +49,8 @@ def test_without_the_token_there_is_nothing(run: Run, method: str, path: str, to
 )  # fmt: skip
 def test_a_name_that_is_not_ours_is_refused(run: Run, path: str, host: str) -> None:
     method, body = ("POST", PAUSE) if path == "/orders" else ("GET", None)
-    status, _, told = ask(run.page, method, path, body, Host=host.format(port=run.page.port) or " ")
-    assert status in (400, 421), told
+    status, _, reported = ask(run.page, method, path, body, Host=host.format(port=run.page.port) or " ")
+    assert status in (400, 421), reported
     assert run.desk.orders == []
 
 
@@ -69,8 +69,8 @@ def test_the_names_of_this_machine_are_ours(run: Run, host: str) -> None:
 @pytest.mark.parametrize(("method", "path"), WITH_TOKEN)
 def test_another_site_is_refused_even_with_the_token(run: Run, method: str, path: str, headers: dict[str, str]) -> None:
     sent = {name: value.format(port=run.page.port) for name, value in headers.items()}
-    status, _, told = ask(run.page, method, path, PAUSE if method == "POST" else None, **sent)
-    assert (status, told["why"]) == (403, "another site may not use this page")
+    status, _, reported = ask(run.page, method, path, PAUSE if method == "POST" else None, **sent)
+    assert (status, reported["why"]) == (403, "another site may not use this page")
     assert run.desk.orders == []
 
 
@@ -117,9 +117,9 @@ def test_orders_come_at_a_bounded_rate_and_a_stop_has_its_own(run: Run) -> None:
 
 @pytest.mark.parametrize("sent", [-6.0, -3600.0, float("nan"), float("-inf")])
 def test_an_order_that_was_long_on_its_way_is_not_carried_out(run: Run, sent: float) -> None:
-    status, _, told = ask(run.page, "POST", "/orders", PAUSE, X_Mission_Sent=str(time.monotonic() + sent))
-    assert (status, told["success"]) == (409, False)
-    assert "orders older than 5 s are not carried out" in told["why"]
+    status, _, reported = ask(run.page, "POST", "/orders", PAUSE, X_Mission_Sent=str(time.monotonic() + sent))
+    assert (status, reported["success"]) == (409, False)
+    assert "orders older than 5 s are not carried out" in reported["why"]
     assert run.desk.orders == []
 
 
@@ -139,9 +139,9 @@ def test_an_order_given_by_the_clock_of_the_stream_is_carried_out(run: Run) -> N
 
 def test_a_page_without_a_desk_only_looks(run: Run) -> None:
     with Run(run.mission) as other:
-        status, _, told = ask(other.page, "POST", "/orders", PAUSE)
+        status, _, reported = ask(other.page, "POST", "/orders", PAUSE)
         assert status == 403
-        assert "only looks on" in told["why"]
+        assert "only looks on" in reported["why"]
         assert ask(other.page, "GET", "/mission")[2]["acts"] is False
 
 
@@ -174,9 +174,9 @@ def test_what_is_no_picture_by_its_first_bytes_is_not_sent(run: Run, data: bytes
     viewer = Viewer(run.page)
     run.write("camera", Image("camera@1", 4, 3, "png", data))
     until(lambda: "camera" in viewer.seen.get("board", {}), "the picture is told of")
-    status, headers, told = ask(run.page, "GET", "/picture?key=camera")
+    status, headers, reported = ask(run.page, "GET", "/picture?key=camera")
     assert (status, headers["Content-Type"]) == (404, "application/json")
-    assert told["why"] == "its bytes are neither PNG nor JPEG"
+    assert reported["why"] == "its bytes are neither PNG nor JPEG"
     viewer.cut()
 
 
@@ -198,16 +198,16 @@ def test_a_picture_that_is_not_there_is_told(run: Run, query: str) -> None:
 def test_what_is_no_request_of_ours_is_refused_and_the_page_goes_on(run: Run, sent: bytes) -> None:
     with socket.create_connection(("127.0.0.1", run.page.port), timeout=10) as line:
         line.sendall(sent.replace(b"{port}", str(run.page.port).encode()))
-        said = line.recv(200)
-    assert not said or said.split()[1] in (b"400", b"401", b"404", b"421"), said
+        reported = line.recv(200)
+    assert not reported or reported.split()[1] in (b"400", b"401", b"404", b"421"), reported
     assert ask(run.page, "GET", "/mission")[0] == 200
 
 
-@pytest.mark.parametrize("said", [b"", b"GET / HTTP/1.1\r\nHost: x\r\n"])
-def test_who_knocks_and_says_nothing_is_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
+@pytest.mark.parametrize("message", [b"", b"GET / HTTP/1.1\r\nHost: x\r\n"])
+def test_who_knocks_and_says_nothing_is_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch, message: bytes) -> None:
     monkeypatch.setattr(impatient, "SPEAKS_WITHIN_S", 0.2)
     with socket.create_connection(("127.0.0.1", run.page.port), timeout=30) as line:
-        line.sendall(said)
+        line.sendall(message)
         try:
             assert line.recv(100) == b"", "the other side has hung up"
         except ConnectionResetError:

@@ -128,9 +128,9 @@ def test_ten_viewers_see_the_same(run: Run) -> None:
 def test_one_viewer_too_many_is_told_so(run: Run) -> None:
     viewers = [Viewer(run.page) for _ in range(hub.MOST_VIEWERS)]
     until(lambda: run.page.viewers == hub.MOST_VIEWERS, "all are in")
-    status, _, told = ask(run.page, "GET", "/events")
+    status, _, reported = ask(run.page, "GET", "/events")
     assert status == 503
-    assert "close one" in told["why"]
+    assert "close one" in reported["why"]
     for viewer in viewers:
         viewer.cut()
 

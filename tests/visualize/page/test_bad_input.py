@@ -122,10 +122,10 @@ def test_draw_says_on_stderr_that_a_journal_was_altered(tmp_path: Path, capsys: 
     path = broken(journal_of(tmp_path / "a.journal", tractor(), answered(tractor())))
     given = ["draw", str(ROOT / "tests/data/tractor_design.json"), "-o", str(tmp_path / "a.html")]
     assert main([*given, "--journal", str(path)]) == 0
-    said = capsys.readouterr().err
-    assert said.startswith(f"{path}: drawn with this error: row ")
-    assert said.endswith("the journal was altered after the run\n")
-    assert len(said.splitlines()) == 1
+    printed = capsys.readouterr().err
+    assert printed.startswith(f"{path}: drawn with this error: row ")
+    assert printed.endswith("the journal was altered after the run\n")
+    assert len(printed.splitlines()) == 1
 
 
 @pytest.mark.parametrize("ending", ["html", "svg"])
@@ -137,9 +137,9 @@ def test_draw_says_on_stderr_that_a_mission_does_not_check(
     mission = tmp_path / "mission.json"
     mission.write_text(json.dumps(written))
     assert main(["draw", str(mission), "-o", str(tmp_path / f"a.{ending}")]) == 0
-    said = capsys.readouterr().err
-    assert said.startswith(f"{mission}: drawn with this error: /states/crossing/transitions/1/to")
-    assert len(said.splitlines()) == 1
+    printed = capsys.readouterr().err
+    assert printed.startswith(f"{mission}: drawn with this error: /states/crossing/transitions/1/to")
+    assert len(printed.splitlines()) == 1
 
 
 @pytest.mark.parametrize("ending", ["html", "svg"])
@@ -152,9 +152,9 @@ def test_a_torn_journal_is_called_damaged(
     page = tmp_path / f"a.{ending}"
     given = ["draw", str(ROOT / "tests/data/tractor_design.json"), "-o", str(page), "--journal", str(path)]
     assert main(given) == 2
-    said = capsys.readouterr().err
-    assert "the journal is damaged: a part of its file is missing or was overwritten" in said
-    assert "malformed" not in said
+    printed = capsys.readouterr().err
+    assert "the journal is damaged: a part of its file is missing or was overwritten" in printed
+    assert "malformed" not in printed
     assert not page.exists()
 
 

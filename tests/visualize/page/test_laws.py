@@ -129,15 +129,17 @@ def test_a_lens_names_what_there_is(mission: Mission) -> None:
 @given(missions())
 def test_the_say_of_a_model_lights_its_decisions_with_every_option_and_every_bound(mission: Mission) -> None:
     lens = review_data(mission)["lenses"][0]
-    said = " ".join(item["text"] for section in lens["sections"] for item in section["items"])
+    reported = " ".join(item["text"] for section in lens["sections"] for item in section["items"])
     for each in asked_of(mission, "agent"):
         assert each.state in lens["states"]
         assert set(each.options()) <= set(lens["options"])
-        assert f"at most {each.asked.deadline_s:g} s" in said if each.asked.deadline_s else "no deadline" in said
-        assert f"fallback: {each.asked.fallback}" in said if each.asked.fallback else "no fallback" in said
+        assert (
+            f"at most {each.asked.deadline_s:g} s" in reported if each.asked.deadline_s else "no deadline" in reported
+        )
+        assert f"fallback: {each.asked.fallback}" in reported if each.asked.fallback else "no fallback" in reported
     for name, state in mission.states.items():
         if isinstance(state, Final) and lens["states"]:
-            assert f"{name} ({state.final}): " in said
+            assert f"{name} ({state.final}): " in reported
 
 
 @pytest.mark.parametrize("mission", [tractor(), hostile()], ids=["tractor", "hostile"])
@@ -148,18 +150,18 @@ def test_the_page_is_the_same_bytes_for_the_same_mission(mission: Mission) -> No
 def test_no_answer_of_the_tractors_model_leads_to_success_at_once() -> None:
     lens = review_data(tractor())["lenses"][0]
     ends = next(section for section in lens["sections"] if section["heading"] == "Ends")
-    said = {item["state"]: item["text"] for item in ends["items"] if "state" in item}
-    assert "not by an answer alone" in said["done"]
-    assert "and only if alleys_driven ≥ alleys" in said["done"]
-    assert "an answer leads there at once" in said["aborted"]
+    reported = {item["state"]: item["text"] for item in ends["items"] if "state" in item}
+    assert "not by an answer alone" in reported["done"]
+    assert "and only if alleys_driven ≥ alleys" in reported["done"]
+    assert "an answer leads there at once" in reported["aborted"]
 
 
 def test_an_option_that_ends_the_mission_says_so_and_one_behind_another_row_says_where() -> None:
     lens = review_data(load(ROOT / "missions/tractor/mission.json"))["lenses"][0]
-    said = [item["text"] for section in lens["sections"] for item in section["items"]]
-    assert "abort: always open; leads to given_up, which ends the mission" in said
-    assert "given_up (aborted): an answer leads there at once" in said
-    assert "stopped (aborted): an answer leads there at once where the rows behind it hold already" in said
+    reported = [item["text"] for section in lens["sections"] for item in section["items"]]
+    assert "abort: always open; leads to given_up, which ends the mission" in reported
+    assert "given_up (aborted): an answer leads there at once" in reported
+    assert "stopped (aborted): an answer leads there at once where the rows behind it hold already" in reported
 
 
 def ends_of(change: Callable[[dict[str, Any]], Any]) -> list[str]:
@@ -187,11 +189,11 @@ def through_a_wait(states: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("change", [lambda states: abort_to(states, "done"), through_a_wait, through_a_room])
 def test_an_answer_that_may_end_the_mission_as_succeeded_is_told(change: Callable[[dict[str, Any]], Any]) -> None:
-    said = ends_of(change)
-    assert any(each.startswith("done (succeeded): an answer leads there at once") for each in said)
-    assert said[-1].startswith("where alleys_driven ≥ alleys")
-    assert said[-1].endswith("already holds, the answer ends the mission as succeeded, in 'done'")
-    assert not any("none alone" in each for each in said)
+    reported = ends_of(change)
+    assert any(each.startswith("done (succeeded): an answer leads there at once") for each in reported)
+    assert reported[-1].startswith("where alleys_driven ≥ alleys")
+    assert reported[-1].endswith("already holds, the answer ends the mission as succeeded, in 'done'")
+    assert not any("none alone" in each for each in reported)
 
 
 def test_time_that_passes_may_lead_to_an_end() -> None:
@@ -199,24 +201,24 @@ def test_time_that_passes_may_lead_to_an_end() -> None:
         abort_to(states, "still")
         states["still"] = {"transitions": [{"after_s": 5, "to": "done"}]}
 
-    said = ends_of(later)
+    reported = ends_of(later)
     assert any(
-        each.startswith("done (succeeded): not by an answer alone") and "time that passes" in each for each in said
+        each.startswith("done (succeeded): not by an answer alone") and "time that passes" in each for each in reported
     )
-    assert "none alone makes a mission succeed" in said[-1]
+    assert "none alone makes a mission succeed" in reported[-1]
 
 
-@pytest.mark.parametrize(("asked", "said"), [
+@pytest.mark.parametrize(("asked", "message"), [
     ({"ask": ["agent", "operator"]}, "at most 20 s, 10 s of these for the agent, 10 s for the operator; an attempt"),
     ({"ask": ["agent"]}, "at most 20 s"),
     ({"ask": ["agent", "operator"], "within_s": 4}, "at most 20 s, 4 s at most for an attempt"),
 ])  # fmt: skip
-def test_how_the_time_of_a_decision_is_split_is_told(asked: dict[str, Any], said: str) -> None:
+def test_how_the_time_of_a_decision_is_split_is_told(asked: dict[str, Any], message: str) -> None:
     given = document()
     given["states"]["assessing"]["decision"] |= {"deadline_s": 20, **asked}
     texts = [item["text"] for each in review_data(Mission.model_validate(given))["lenses"][0]["sections"]
              for item in each["items"]]  # fmt: skip
-    assert any(said in text for text in texts if text.startswith("bounded"))
+    assert any(message in text for text in texts if text.startswith("bounded"))
 
 
 def test_a_question_has_its_evidence_its_picture_its_answers_and_the_verdicts() -> None:
