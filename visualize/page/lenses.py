@@ -134,7 +134,7 @@ def lens(
     return {
         "name": name, "title": title, "key": key,
         "states": sorted(set(states)), "rows": sorted(set(rows)), "options": sorted(set(options)),
-        "sections": [{"heading": heading, "items": said} for heading, said in sections],
+        "sections": [{"heading": heading, "items": items} for heading, items in sections],
     }  # fmt: skip
 
 
@@ -228,12 +228,14 @@ def _within(asked: DecisionSpec) -> str:
 
 
 def _success_words(finals: list[tuple[str, Final]], at_once: frozenset[str]) -> list[Json]:
-    said = ["no answer sets the state"]
+    words = ["no answer sets the state"]
     for name, state in finals:
         if name in at_once and state.final == "succeeded":
             held = f"where {state.requires.words()} already holds, " if state.requires is not None else ""
-            said.append(f"{held}the answer ends the mission as succeeded, in '{name}'")
-    return [item(each) for each in (said if len(said) > 1 else [f"{said[0]}, and none alone makes a mission succeed"])]
+            words.append(f"{held}the answer ends the mission as succeeded, in '{name}'")
+    return [
+        item(each) for each in (words if len(words) > 1 else [f"{words[0]}, and none alone makes a mission succeed"])
+    ]
 
 
 def _ends_after(targets: list[str], roads: Roads) -> str:

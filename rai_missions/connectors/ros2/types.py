@@ -52,23 +52,23 @@ class FieldType:
 
 
 @cache
-def field_type(said: str) -> FieldType:
+def field_type(type_name: str) -> FieldType:
     """What a field holds, from how the message tells it."""
-    shape = SHAPE.match(said)
+    shape = SHAPE.match(type_name)
     if shape is None:
-        name, longest = _single(said)
+        name, longest = _single(type_name)
         return FieldType(name, longest=longest)
     name, longest = _single(shape["item"] or shape["each"])
     count, most = shape["count"], shape["most"]
     return FieldType(name, True, int(count) if count else None, int(most) if most else None, longest)
 
 
-def _single(said: str) -> tuple[str, int | None]:
-    text = TEXT.match(said)
+def _single(type_name: str) -> tuple[str, int | None]:
+    text = TEXT.match(type_name)
     if text is not None:
         return "string", int(text["most"]) if text["most"] else None
-    package, slash, name = said.partition("/")
-    return (f"{package}/msg/{name.rpartition('/')[2]}" if slash else said), None
+    package, slash, name = type_name.partition("/")
+    return (f"{package}/msg/{name.rpartition('/')[2]}" if slash else type_name), None
 
 
 def describe_type(type_name: str) -> dict[str, Any]:
@@ -90,15 +90,15 @@ def describe_type(type_name: str) -> dict[str, Any]:
 
 
 def _fields(cls: Any, depth: int) -> dict[str, Any]:
-    said: dict[str, str] = cls.get_fields_and_field_types()
-    return {name: _field(each, depth) for name, each in said.items() if name != NO_FIELD}
+    types: dict[str, str] = cls.get_fields_and_field_types()
+    return {name: _field(each, depth) for name, each in types.items() if name != NO_FIELD}
 
 
-def _field(said: str, depth: int) -> Any:
+def _field(type_name: str, depth: int) -> Any:
     """A plain type's name; for a message its fields, for a list of messages what one of them holds."""
-    inner = said.removeprefix("sequence<").partition(">")[0].partition(",")[0].partition("[")[0]
+    inner = type_name.removeprefix("sequence<").partition(">")[0].partition(",")[0].partition("[")[0]
     if "/" not in inner or depth >= DEEPEST:
-        return said
+        return type_name
     package, _, name = inner.partition("/")
     fields = _fields(find_type(f"{package}/msg/{name.rpartition('/')[2]}", "msg"), depth + 1)
-    return fields if inner == said else [fields]
+    return fields if inner == type_name else [fields]
