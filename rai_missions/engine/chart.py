@@ -16,11 +16,12 @@ from rai_missions.engine.activities.goal_ledger import OpenGoal, awaited, loose
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import questions_in
 from rai_missions.engine.configuration import CompiledStep, Configuration
-from rai_missions.engine.decision import Question
+from rai_missions.engine.decision import Question, with_verdicts
 from rai_missions.engine.events import NOT_STARTED
 from rai_missions.engine.handover import settle_holds
 from rai_missions.engine.hold import held_by, holder_of, live
 from rai_missions.engine.macrostep import complete, enabled
+from rai_missions.engine.modes import Mode, mode_of
 from rai_missions.engine.program import Named
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.snapshot import Snapshot
@@ -35,6 +36,8 @@ from rai_missions.guards.guard import Truth, View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
+from rai_missions.states.final import FinalOutcome
+from rai_missions.states.state import Holder
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
@@ -106,6 +109,24 @@ class Chart:
         data = {"value": value} if stamp is None else {"value": value, "stamp": stamp}
         return self.send(Event(key, self.at if at is None else at, data, "write"))
 
+    def propose(
+        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, *, by: str = "", why: str = "",
+        at: float | None = None,
+    ) -> Step:  # fmt: skip
+        """Answer a question; the step's `verdict` has what became of it.
+
+        Args:
+            number: The question's.
+            option: The name of the option that is proposed.
+            parameters: What the option asks for.
+            by: Who answers; whom the question was put to, if nothing else is given.
+            why: The reason, for people.
+            at: When the answer arrives, in seconds on the run's clock; now, if nothing else is given.
+        """
+        asked = next((question.asked for question in self.questions if question.number == number), "")
+        data = {"option": option, "parameters": dict(parameters or {})} | ({"why": why} if why else {})
+        return self.send(Event(by or asked, self.at if at is None else at, data, "proposal", number))
+
     def send(self, event: Event) -> Step:
         """Let an event happen: everything due before it first, then it, to completion.
 
@@ -144,7 +165,10 @@ class Chart:
             return self._acted(event, leap, looked)
         state.seq = seq = state.seq + 1
         wake = None if state.wake == math.inf else state.wake
-        return _new(Step, (seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", (), ()))
+        return _new(Step, (
+            seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", (), (), "running", state.holder, (), "",
+            False,
+        ))  # fmt: skip
 
     def _acted(self, event: Event, leap: CompiledStep, looked: list[tuple[str, Truth]]) -> Step:
         """The end of a step on the short way that does something."""
@@ -160,7 +184,9 @@ class Chart:
         state.seq += 1
         step: Step = _new(Step, (
             state.seq, state.at, event, leap.moves, tuple(looked), tuple(written), None,
-            None if state.wake == math.inf else state.wake, tuple(draft.effects), "", tuple(draft.notes), (),
+            None if state.wake == math.inf else state.wake, tuple(draft.effects), "",
+            with_verdicts(draft.notes)[0] if draft.notes else (),
+            (), "running", state.holder, (), "", False,
         ))  # fmt: skip
         written.clear()
         if draft.effects or draft.notes or draft.news:
@@ -172,7 +198,9 @@ class Chart:
         state = self.state
         state.seq += 1
         wake = None if state.wake == math.inf else state.wake
-        return _new(Step, (state.seq, at, event, (), looked, (), None, wake, (), "", (), ()))
+        return _new(Step, (
+            state.seq, at, event, (), looked, (), None, wake, (), "", (), (), "running", state.holder, (), "", False,
+        ))  # fmt: skip
 
     def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:
         """Take over what quiet steps wrote, without stepping: a replay is where the run was then.
@@ -234,9 +262,9 @@ class Chart:
         return self.state.seq
 
     @property
-    def mode(self) -> str:
-        """`ready`, `running`, `paused`, `canceling` or `ended`."""
-        return self.state.mode
+    def mode(self) -> Mode:
+        """`ready`, `running`, `paused` or `canceling`; of a run that has ended, its outcome."""
+        return mode_of(self.state.mode, self.state.outcome)
 
     @property
     def active(self) -> frozenset[str]:
@@ -244,7 +272,7 @@ class Chart:
         return self.state.active
 
     @property
-    def outcome(self) -> str | None:
+    def outcome(self) -> FinalOutcome | None:
         """How the mission ended; None while it runs."""
         return self.state.outcome
 
@@ -307,8 +335,8 @@ class Chart:
     # -- who has control ------------------------------------------------------------------------------------------
 
     @property
-    def holder(self) -> str:
-        """Who holds control: `autonomy`, `agent`, `operator` or `nobody`."""
+    def holder(self) -> Holder:
+        """Who holds control."""
         return holder_of(self.program, self.state)
 
     @property

@@ -22,7 +22,7 @@ from rai_missions.engine.reports import handle_late
 from rai_missions.engine.running import poll
 from rai_missions.engine.snapshot import control_of, put_back
 from rai_missions.engine.snapshot_json import unpacked
-from rai_missions.engine.state import RunState
+from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.step import Move
 from rai_missions.engine.timers import late_s
 from rai_missions.engine.timing import look_ahead
@@ -44,9 +44,9 @@ def receive_command(program: Program, state: RunState, event: Event) -> None:
     elif event.name == "migrate" and state.mode == "ready":
         _migrate(program, state, event.data)
     elif event.name not in COMMANDS and state.outcome is None:
-        state.draft.refused = f"no command '{event.name}'{suggestion(event.name, COMMANDS)}"
+        refuse(state, "unknown", f"no command '{event.name}'{suggestion(event.name, COMMANDS)}")
     elif why := refusal(state.mode, event.name):
-        state.draft.refused = why
+        refuse(state, "mode" if state.outcome is None else "ended", why)
     elif event.name == "kill":
         kill(program, state, f"killed by {by}")
     elif event.name == "cancel":

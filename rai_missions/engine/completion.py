@@ -18,7 +18,7 @@ from rai_missions.engine.timers import begins_at, late_s, now_of
 from rai_missions.guards.guard import Operand, Site
 from rai_missions.keys import fits
 from rai_missions.states.compound import Each
-from rai_missions.states.final import Final, worst
+from rai_missions.states.final import Final, FinalOutcome, worst
 
 __all__ = (
     "check_invariants", "end", "enter_each", "kill", "reach_final", "set_item", "settle_final", "settle_nested",
@@ -188,7 +188,9 @@ def kill(program: Program, state: RunState, why: str, *, cause: Cause = "") -> N
     end(program, state, "aborted", why, killed=True, cause=cause)
 
 
-def end(program: Program, state: RunState, outcome: str, why: str, *, killed: bool = False, cause: Cause = "") -> None:
+def end(
+    program: Program, state: RunState, outcome: FinalOutcome, why: str, *, killed: bool = False, cause: Cause = ""
+) -> None:  # fmt: skip
     """The mission is over: everything that runs is ended, and the active states do what they do when left.
 
     Args:

@@ -6,16 +6,19 @@ Rule: a proposal is a wish. Only `judge`, on what is known at that moment, makes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Literal, NamedTuple, Protocol
 
-from rai_missions.event import Image
+from rai_missions.event import Event, Image
 from rai_missions.guards.guard import Test, Truth, View
 from rai_missions.mission.option_parameters import misfits
 from rai_missions.plain_data import apart
 from rai_missions.redaction import clipped
 
-__all__ = ("Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "judge")
+__all__ = (
+    "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "VerdictKind", "VerdictNote", "judge",
+    "stale_verdict", "with_verdicts",
+)  # fmt: skip
 
 
 class Offer(NamedTuple):
@@ -99,12 +102,51 @@ class Proposal(NamedTuple):
     why: str = ""
 
 
+VerdictKind = Literal["proposal", "failed", "absent", "timed_out", "stale", "fallback"]
+"""What was judged: an option that was proposed; an answer without one; an answerer that is absent, or gave no answer
+within its time; a proposal whose question is not open; the fallback, taken because no answer was accepted."""
+
+
 class Verdict(NamedTuple):
-    """What the rules say of a proposal."""
+    """What the rules decide about a proposal, or about a question that got none."""
 
     accepted: bool
+    """The option that was proposed is the decision's outcome."""
     why: str = ""
-    """For a refusal: what was wrong and what would be right; told to whoever is asked next."""
+    """For a refusal: what was wrong and what would be right; the next question quotes it."""
+    kind: VerdictKind = "proposal"
+    number: int = 0
+    """The question's."""
+    by: str = ""
+    """Who answered, or was asked; empty for the fallback."""
+    option: str = ""
+    """The option that was proposed, or the fallback; empty where there is none."""
+    note: int | None = None
+    """Which of the step's notes, from 0, has the verdict in words; None where none has."""
+
+
+class VerdictNote(NamedTuple):
+    """A verdict and its words, on their way into a step."""
+
+    verdict: Verdict
+    text: str
+
+
+def stale_verdict(event: Event, why: str) -> Verdict:
+    """What becomes of a proposal whose question is not open."""
+    given = event.data.get("option")
+    option = clipped(given, 60) if isinstance(given, str) else ""
+    return Verdict(False, why, "stale", event.number, event.name, option)
+
+
+def with_verdicts(notes: Iterable[str | VerdictNote]) -> tuple[tuple[str, ...], tuple[Verdict, ...]]:
+    """The notes of a step in words, and its verdicts, each with the number of its note."""
+    texts, verdicts = [], []
+    for index, note in enumerate(notes):
+        if isinstance(note, VerdictNote):
+            verdicts.append(note.verdict._replace(note=index))
+        texts.append(note.text if isinstance(note, VerdictNote) else note)
+    return tuple(texts), tuple(verdicts)
 
 
 class Answerer(Protocol):

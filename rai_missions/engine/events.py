@@ -17,7 +17,7 @@ from rai_missions.engine.macrostep import complete, react
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
 from rai_missions.engine.running import poll
-from rai_missions.engine.state import RunState, Trigger
+from rai_missions.engine.state import RunState, Trigger, refuse
 from rai_missions.event import KINDS, Event
 from rai_missions.keys import Stamped, fits, stale_at
 from rai_missions.model import suggestion
@@ -37,11 +37,11 @@ def handle(program: Program, state: RunState, event: Event) -> None:
     if receive := ALWAYS.get(event.kind):
         receive(program, state, event)
     elif state.outcome is not None:
-        state.draft.refused = "the mission has ended"
+        refuse(state, "ended", "the mission has ended")
     elif receive := UNTIL_END.get(event.kind):
         receive(program, state, event)
     elif state.final is not None and state.mode != "paused":
-        state.draft.refused = f"the mission is ending in '{state.final.name}'"
+        refuse(state, "ended", f"the mission is ending in '{state.final.name}'")
     else:
         UNTIL_FINAL.get(event.kind, _refuse_kind)(program, state, event)
 
@@ -55,7 +55,7 @@ def handle_before_start(program: Program, state: RunState, event: Event) -> None
     elif event.kind == "command" and event.name in BEFORE_START:
         receive_command(program, state, event)
     else:
-        state.draft.refused = NOT_STARTED
+        refuse(state, "not_started", NOT_STARTED)
 
 
 def _pass(program: Program, state: RunState, event: Event) -> None:
@@ -63,7 +63,7 @@ def _pass(program: Program, state: RunState, event: Event) -> None:
 
 
 def _refuse_kind(program: Program, state: RunState, event: Event) -> None:
-    state.draft.refused = f"there is no event of kind '{event.kind}'{suggestion(event.kind, KINDS)}"
+    refuse(state, "unknown", f"there is no event of kind '{event.kind}'{suggestion(event.kind, KINDS)}")
 
 
 # -- the world outside ------------------------------------------------------------------------------------------------
@@ -73,7 +73,7 @@ def _receive_event(program: Program, state: RunState, event: Event) -> None:
     """Something that the mission declares; while paused it waits."""
     if event.kind == "event" and event.name not in program.declared:
         sentence = f"the mission declares no event '{event.name}'"
-        state.draft.refused = sentence + suggestion(event.name, program.declared)
+        refuse(state, "unknown", sentence + suggestion(event.name, program.declared))
     elif state.mode == "paused":
         wait_out_pause(program, state, event)
     else:
@@ -87,7 +87,7 @@ def _receive_answer(program: Program, state: RunState, event: Event) -> None:
     elif is_for_held(program, state, event.number):
         keep(program, state, event)
     elif not receive_answer(program, state, event) and event.kind == "proposal":
-        state.draft.refused = f"stale: question {event.number} is no longer asked"
+        refuse(state, "stale", f"stale: question {event.number} is no longer asked")
 
 
 def _receive_early(program: Program, state: RunState, event: Event) -> None:
@@ -106,14 +106,14 @@ def _write(program: Program, state: RunState, event: Event) -> None:
     value = event.data.get("value")
     stamp = min(float(event.data.get("stamp", event.at)), state.at)
     if key is None:
-        draft.refused = f"the mission has no key '{name}'{suggestion(name, program.keys)}"
+        refuse(state, "unknown", f"the mission has no key '{name}'{suggestion(name, program.keys)}")
         return
     if why := fits(key, value):
-        draft.refused = f"'{name}' was not written: {why}"
+        refuse(state, "unfit", f"'{name}' was not written: {why}")
         return
     entry = state.board.get(name)
     if entry is not None and entry.at > stamp:
-        draft.refused = f"'{name}' was not written: {entry.at - stamp:.3g} s older than what is known"
+        refuse(state, "unfit", f"'{name}' was not written: {entry.at - stamp:.3g} s older than what is known")
         return
     before = known(program, state, name) if program.has_trees else None
     state.board[name] = Stamped(value, stamp)

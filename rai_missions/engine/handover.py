@@ -7,7 +7,6 @@ import math
 from collections.abc import Container
 
 from rai_missions.engine.hold import (
-    HOLDERS,
     give_time_back,
     held_by,
     held_controls,
@@ -20,21 +19,23 @@ from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import handle_late
 from rai_missions.engine.running import begin, leave_activity, request_control
-from rai_missions.engine.state import RunState
+from rai_missions.engine.state import RunState, refuse
 from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
+from rai_missions.states.state import HOLDERS
 
 __all__ = ("ask_back", "lay_down", "receive_control", "settle_holds")
 
 
 def receive_control(program: Program, state: RunState, event: Event) -> None:
     """Control is with a holder from now on: what waited for it starts, what needs another waits."""
-    if event.name not in HOLDERS:
-        state.draft.refused = f"nobody called '{event.name}' can hold control{suggestion(event.name, HOLDERS)}"
+    holder = next((each for each in HOLDERS if each == event.name), None)
+    if holder is None:
+        refuse(state, "unknown", f"nobody called '{event.name}' can hold control{suggestion(event.name, HOLDERS)}")
         return
     before = held_by(state)
     state.taken = is_taken(event, holder=state.holder or "", taken=state.taken, asked=state.asked)
-    state.holder, state.asked = event.name, "" if state.asked == event.name else state.asked
+    state.holder, state.asked = holder, "" if state.asked == event.name else state.asked
     state.draft.notes.append(f"control: {event.name}")
     if state.mode == "ready":
         return

@@ -7,7 +7,7 @@ Rule: held follows from who has control alone. Timers, transitions, activities a
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
-from typing import Any, get_args
+from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import Machine
@@ -15,23 +15,21 @@ from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import TABLE, Holds, RunState, Trigger
 from rai_missions.event import Event
-from rai_missions.states.state import Controller
+from rai_missions.states.state import Holder
 
 __all__ = (
-    "HOLDERS", "OUTCOME", "awake", "drop_reports", "event_of", "free", "give_time_back", "held_by", "held_controls",
+    "OUTCOME", "awake", "drop_reports", "event_of", "free", "give_time_back", "held_by", "held_controls",
     "holder_of", "is_for_held", "is_held", "keep", "keep_trigger", "live", "run_at", "shift", "trigger_of",
     "wait_out_pause",
 )  # fmt: skip
 
-HOLDERS = (*get_args(Controller), "nobody")
-"""Who can hold control."""
 OUTCOME = "outcome"
 """The kind of a kept event that is an outcome: its state and the rest of the trigger are in its data."""
 Plan = tuple[tuple[CompiledTransition, ...], ...]
 Controls = Container[str | None]
 
 
-def holder_of(program: Program, state: RunState) -> str:
+def holder_of(program: Program, state: RunState) -> Holder:
     """Who has control."""
     return state.holder if state.holder is not None else program.surroundings.holder(state)
 
@@ -99,7 +97,7 @@ def keep(program: Program, state: RunState, event: Event) -> None:
     if not program.surroundings.waits(state, event, state.kept):
         return
     state.kept = (*state.kept, event)
-    state.draft.touched = True
+    state.draft.touched = state.draft.is_kept = True
     what = f"the outcome '{event.name}' of '{event.data['state']}'" if event.kind == OUTCOME else f"'{event.name}'"
     state.draft.notes.append(f"{what} waits until the operator gives control back")
 
@@ -113,7 +111,7 @@ def wait_out_pause(program: Program, state: RunState, event: Event) -> None:
     """Have an event wait until the run is resumed."""
     if program.surroundings.waits(state, event, state.queue):
         state.queue = (*state.queue, event)
-        state.draft.touched = True
+        state.draft.touched = state.draft.is_kept = True
 
 
 def event_of(state: RunState, trigger: Trigger) -> Event:

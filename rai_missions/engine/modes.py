@@ -7,12 +7,14 @@ The chart refuses commands by it, the lifecycle that others read is built of it,
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
-__all__ = ("ALIVE", "MODES", "MODE_TABLE", "Mode", "ModeChange", "diagram", "next_mode", "refusal")
+from rai_missions.states.final import FinalOutcome
 
-Mode = Literal["ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted"]
-MODES: tuple[Mode, ...] = get_args(Mode)
+__all__ = ("ALIVE", "MODES", "MODE_TABLE", "Mode", "ModeChange", "diagram", "mode_of", "next_mode", "refusal")
+
+Mode = Literal["ready", "running", "paused", "canceling", FinalOutcome]
+MODES: tuple[Mode, ...] = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
 """The last four are the outcomes: in each of them the mission has ended."""
 ALIVE: tuple[Mode, ...] = ("ready", "running", "paused", "canceling")
 """The modes in which the mission has not ended."""
@@ -45,6 +47,11 @@ _CHANGES: Mapping[tuple[str, str], ModeChange] = {
     (source, each.trigger): each for each in MODE_TABLE for source in each.sources
 }
 _TRIGGERS = {each.trigger: each for each in MODE_TABLE}
+
+
+def mode_of(mode: Literal["ready", "running", "paused", "canceling", "ended"], outcome: FinalOutcome | None) -> Mode:
+    """The mode of a run as every reader has it: a run that has ended is in its outcome."""
+    return mode if mode != "ended" else outcome or "aborted"
 
 
 def next_mode(mode: str, trigger: str) -> Mode | None:

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+from rai_missions.engine.decision import VerdictNote, stale_verdict
 from rai_missions.engine.hold import is_for_held, keep, report, trigger_of, wait_out_pause
 from rai_missions.engine.macrostep import complete, react
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import dispatch, poll
-from rai_missions.engine.state import RunState, Trigger
+from rai_missions.engine.state import RunState, Trigger, refuse
 from rai_missions.event import Event
 
 __all__ = ("WATCHED", "handle_late", "receive_answer", "receive_report", "watch_goal")
@@ -48,7 +49,7 @@ def receive_report(program: Program, state: RunState, event: Event) -> None:
         return
     if state.outcome is not None or not receive_answer(program, state, event):
         if not is_known:
-            draft.refused = f"stale: nothing that was started as {number} is running"
+            refuse(state, "stale", f"stale: nothing that was started as {number} is running")
             return
         if event.kind == "result":
             draft.notes.append(f"goal {number} has ended: {event.name}")
@@ -59,7 +60,7 @@ def watch_goal(program: Program, state: RunState, event: Event) -> None:
     """What a goal's servers do outside its course: refuse a cancel, be two, execute it after its end, stop it."""
     why = str(event.data.get("why", "")) or WATCHED[event.kind]
     if event.number not in state.goals and event.kind != "stray":
-        state.draft.refused = f"stale: nothing that was started as {event.number} is running"
+        refuse(state, "stale", f"stale: nothing that was started as {event.number} is running")
         return
     state.draft.notes.append(f"goal {event.number} of '{event.name}': {why}")
     report(state, event)
@@ -80,7 +81,8 @@ def handle_late(program: Program, state: RunState, event: Event) -> None:
         state.kept = (*state.kept, event)
     elif event.kind in ("proposal", "behaviour"):
         if not receive_answer(program, state, event) and event.kind == "proposal":
-            state.draft.notes.append(f"stale: question {event.number} is no longer asked")
+            why = f"stale: question {event.number} is no longer asked"
+            state.draft.notes.append(VerdictNote(stale_verdict(event, why), why))
     elif event.number:
         receive_report(program, state, event)
     elif (trigger := trigger_of(program, state, event)) is not None:

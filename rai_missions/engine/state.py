@@ -18,14 +18,18 @@ from typing import Any, Literal, NamedTuple, get_args
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.decision import VerdictNote
 from rai_missions.engine.nodes import CompiledTransition, Node
-from rai_missions.engine.step import Cause, Move
+from rai_missions.engine.step import Cause, Move, Refusal
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Blackboard
+from rai_missions.states.final import FinalOutcome
+from rai_missions.states.state import Holder
 
 __all__ = (
     "HOLDS", "TABLE", "Holds", "Remembered", "RunState", "StepDraft", "Timer", "TimerKey", "Trigger", "copied",
+    "refuse",
 )  # fmt: skip
 
 NOTHING: Mapping[str, Any] = {}
@@ -107,7 +111,7 @@ class StepDraft:
     looked: list[tuple[str, Truth]] = field(default_factory=list)
     written: list[tuple[str, Any]] = field(default_factory=list)
     effects: list[Any] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    notes: list[str | VerdictNote] = field(default_factory=list)
     polled: int = 0
     """How many of the keys that were written the activities have looked at."""
     shifted: set[str] = field(default_factory=set)
@@ -121,7 +125,11 @@ class StepDraft:
     starting: list[Node] = field(default_factory=list)
     given_up: set[str | None] = field(default_factory=set)
     """Who was to be given control for something that was left before it came."""
+    refusal: Refusal = ""
     refused: str = ""
+    """The same in words."""
+    is_kept: bool = False
+    """Something waits since this step."""
     ended: bool = False
     """The mission has ended in this step."""
     touched: bool = False
@@ -165,9 +173,8 @@ class RunState:
     # -- the run
     seq: int = slot(0, "number")
     """Steps so far."""
-    mode: str = slot("ready")
-    """`ready`, `running`, `paused`, `canceling` or `ended`."""
-    outcome: str | None = slot(None, "end")
+    mode: Literal["ready", "running", "paused", "canceling", "ended"] = slot("ready")
+    outcome: FinalOutcome | None = slot(None, "end")
     why: str = slot("", "end")
     cause: Cause = slot("", "end")
     """What has ended the mission, where no rule of it did."""
@@ -176,8 +183,8 @@ class RunState:
     present: float = slot(0.0, "passing", "_present")
     """Until here the run catches up: a resumed process carries nothing out before."""
     # -- who has control
-    holder: str | None = slot("autonomy")
-    """`autonomy`, `agent`, `operator` or `nobody`; None: left open until a rule looks (`Surroundings.holder`)."""
+    holder: Holder | None = slot("autonomy")
+    """None: left open until a rule looks (`Surroundings.holder`)."""
     taken: bool = slot(False)
     """The operator holds it and has taken it, rather than been given it by the mission."""
     asked: str = slot("", "value", "_asked")
@@ -253,6 +260,11 @@ TABLE = tuple(
 )  # fmt: skip
 """Every field that a run remembers, in the order of `RunState`: the first arguments of its constructor."""
 _values = attrgetter(*(each.name for each in TABLE))
+
+
+def refuse(state: RunState, refusal: Refusal, why: str) -> None:
+    """The event in hand changes nothing, and why."""
+    state.draft.refusal, state.draft.refused = refusal, why
 
 
 def copied(state: RunState) -> RunState:

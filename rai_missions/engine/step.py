@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
-from rai_missions.engine.decision import Question
+from rai_missions.engine.decision import Question, Verdict
+from rai_missions.engine.modes import Mode
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
+from rai_missions.states.final import FinalOutcome
+from rai_missions.states.state import Holder
 
 __all__ = (
-    "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage", "SayAloud",
-    "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw",
+    "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage",
+    "Refusal", "SayAloud", "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw",
 )  # fmt: skip
 
 
@@ -113,6 +116,10 @@ Effect = (
 )
 """What the performer is to do."""
 
+Refusal = Literal["", "not_started", "ended", "stale", "unknown", "unfit", "mode"]
+"""Why an event changed nothing: the mission has not started, or has ended; nothing waits for the number any more; there
+is no event, key, command, kind or holder of that name; the value does not fit its key; the mode forbids the command."""
+
 Cause = Literal["", "invariant", "cycle"]
 """What ended a mission that its own rules did not end: an invariant that is false, or a cycle without end at one
 instant. Empty for any other end, and while the mission runs."""
@@ -144,7 +151,7 @@ class Step(NamedTuple):
     """The guards that were looked at, by the JSON pointer of their row or option, and what they said."""
     writes: tuple[tuple[str, Any], ...] = ()
     """The keys that were written and their new values, in order."""
-    outcome: str | None = None
+    outcome: FinalOutcome | None = None
     """How the mission ended: `succeeded`, `failed`, `aborted`, `canceled`; None while it runs."""
     wake_at: float | None = None
     """The earliest instant at which time alone can change something; then a `Tick` is due."""
@@ -156,6 +163,33 @@ class Step(NamedTuple):
     resting: tuple[str, ...] = ()
     """The states whose tree has reached a limit and rests, though it would be ticked again; `wake_at` is now where its
     rounds continue in the next step, else it waits for the next event that concerns it."""
+
+    mode: Mode | None = None
+    """The run's after this step; None in a row of a journal that was written before rows had it."""
+    holder: Holder | None = None
+    """Who holds control after this step; None as in `mode`."""
+    verdicts: tuple[Verdict, ...] = ()
+    """What the rules decided about proposals, and about questions that got none, in order."""
+    refusal: Refusal = ""
+    """Why the event was refused; empty where it was not. `why` has it in words, unless the mission ended here."""
+    kept: bool = False
+    """What the event brought waits: until the run is resumed, or the operator gives control back."""
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """What became of the proposal that this step was given; of any other step, the first verdict that it holds.
+
+        None where nothing was judged, such as a proposal that is kept until the run is resumed.
+        """
+        event = self.event
+        number = event.number if event.kind == "proposal" else None
+        return next((each for each in self.verdicts if number in (None, each.number)), None)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """The notes that are not the words of a verdict."""
+        judged = {verdict.note for verdict in self.verdicts}
+        return tuple(note for index, note in enumerate(self.notes) if index not in judged)
 
     @property
     def ignored(self) -> bool:

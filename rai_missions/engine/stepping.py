@@ -15,9 +15,11 @@ from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.blackboard import ask_named
 from rai_missions.engine.commands import resync
 from rai_missions.engine.completion import enter_each, reach_final
+from rai_missions.engine.decision import stale_verdict, with_verdicts
 from rai_missions.engine.events import handle, handle_before_start
 from rai_missions.engine.hold import held_controls
 from rai_missions.engine.macrostep import complete, jump, set_timers
+from rai_missions.engine.modes import mode_of
 from rai_missions.engine.nodes import Act, Content, Node
 from rai_missions.engine.program import Named, Program
 from rai_missions.engine.robot_facts import RobotFacts
@@ -116,12 +118,16 @@ def close(program: Program, state: RunState, event: Event) -> Step:
         look_ahead(program, state)
     is_over = state.outcome is not None and state.mode == "ended"
     why = state.why if is_over and (draft.ended or not draft.refused) else draft.refused
+    notes, verdicts = with_verdicts(draft.notes) if draft.notes else ((), ())
+    if draft.refused and event.kind == "proposal":
+        verdicts = (*verdicts, stale_verdict(event, draft.refused))
     state.quiet = is_fact and not (changed or any(place.startswith("named:") for place, _ in draft.looked))
     state.draft = StepDraft()
     state.seq += 1
     made: Step = tuple.__new__(Step, (
         state.seq, state.at, event, tuple(draft.moves), tuple(draft.looked), tuple(draft.written), state.outcome,
-        None if state.wake == math.inf else state.wake, tuple(draft.effects), why, tuple(draft.notes),
-        resting(program, state),
+        None if state.wake == math.inf else state.wake, tuple(draft.effects), why, notes,
+        resting(program, state), mode_of(state.mode, state.outcome), state.holder, verdicts, draft.refusal,
+        draft.is_kept,
     ))  # fmt: skip
     return made

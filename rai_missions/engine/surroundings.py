@@ -14,6 +14,7 @@ from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.nodes import Node
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
+from rai_missions.states.state import Holder
 
 if TYPE_CHECKING:
     from rai_missions.engine.configuration import CompiledStep
@@ -29,7 +30,7 @@ class Surroundings:
         """The value of a predicate of the user's program that was not given."""
         return None
 
-    def holder(self, state: RunState) -> str:
+    def holder(self, state: RunState) -> Holder:
         """Who has control, where that was left open until a rule looks."""
         raise LookupError("who has control is open only in a proof")
 

@@ -7,14 +7,16 @@ Rule: a field that is left out has its default; a field that a Step comes to hol
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar, cast, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
-from rai_missions.engine.decision import Evidence, Offer, Question
+from rai_missions.engine.decision import Evidence, Offer, Question, Verdict
+from rai_missions.engine.modes import Mode
 from rai_missions.engine.step import Ask, Effect, Move, Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.journal.json_values import Fetch, Keep, from_json, keep_nothing, to_json
 from rai_missions.redaction import cut_repr
+from rai_missions.states.state import Holder
 
 __all__ = ("decode", "encode")
 
@@ -90,6 +92,17 @@ def _value_of(*kinds: type) -> Form:
     return Form(VALUE.write, read)
 
 
+def _word_of(words: Any) -> Form:
+    """One of the words of a `Literal`."""
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        if value not in get_args(words):
+            raise ValueError(f"{cut_repr(value, 60)} stands where one of {', '.join(get_args(words))} belongs")
+        return value
+
+    return Form(_same, read)
+
+
 FORMS: Mapping[Any, Form] = {
     str: _value_of(str),
     int: _value_of(int),
@@ -131,6 +144,8 @@ def _record(kind: type[Any], /, **forms: Form) -> Form:
 
 def _usual(hint: Any) -> Form:
     """The form of a field that no table names, by its type."""
+    if get_origin(hint) is Literal:
+        return _word_of(hint)
     return _record(hint) if hasattr(hint, "_fields") else FORMS.get(hint, VALUE)
 
 
@@ -184,6 +199,10 @@ STEP = _record(
     effects=_tuple_of(Form(_write_effect, _read_effect)),
     why=TEXT,
     notes=TEXTS,
+    mode=_word_of(Mode),
+    holder=_word_of(Holder),
+    verdicts=_tuple_of(_record(Verdict, number=INTEGER, note=INTEGER)),
+    kept=_checked(bool),
 )
 
 

@@ -14,6 +14,7 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.prove.nondeterminism import Choices
 from rai_missions.prove.open_world import NOW
+from rai_missions.states.state import Holder
 
 __all__ = ("ControlEnvironment", "control_event", "kept_words")
 
@@ -34,7 +35,7 @@ class ControlEnvironment:
         self._chart, self._choices, self.is_calm = chart, choices, is_calm
         self.needed = chart.program.graph.controls
         """Whose control states of the mission need."""
-        self.holds = ("nobody", *(("operator",) if "operator" in self.needed else ()))
+        self.holds: tuple[Holder, ...] = ("nobody", *(("operator",) if "operator" in self.needed else ()))
         """With whom control can be while the mission is held; without states of the operator it makes no difference."""
         self.is_going_on = False
         """The mission is resumed: what waits for control may find that it was given meanwhile."""
@@ -48,9 +49,9 @@ class ControlEnvironment:
 
     # -- who has it -----------------------------------------------------------------------------------------------
 
-    def find(self, state: RunState) -> str:
+    def find(self, state: RunState) -> Holder:
         """A rule looks who has control."""
-        who: str = self._choices.pick(self._possible())
+        who: Holder = self._choices.pick(self._possible())
         state.holder, self.found = who, control_event(who, "mission")
         return who
 
@@ -115,7 +116,7 @@ class ControlEnvironment:
                 self.take(self.holds[held - 1])
                 state.frozen = dict.fromkeys(held_controls(self._chart.program, state), NOW)
 
-    def take(self, who: str) -> None:
+    def take(self, who: Holder) -> None:
         """The operator has taken control, or it is with nobody."""
         state = self._chart.state
         state.holder, state.taken, self.found = who, who == "operator", control_event(who, "operator")

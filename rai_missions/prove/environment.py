@@ -35,6 +35,7 @@ from rai_missions.prove.step_circles import StepCircles
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.time_env import TimeEnvironment
 from rai_missions.states.effects import Call
+from rai_missions.states.state import Holder
 
 __all__ = ("RESUME", "Environment")
 
@@ -47,7 +48,7 @@ class OpenSurroundings(Surroundings):
     def __init__(self, environment: Environment) -> None:
         self._environment = environment
 
-    def holder(self, state: RunState) -> str:
+    def holder(self, state: RunState) -> Holder:
         return self._environment.control.find(state)
 
     def machine(self, node: Node, machine: Machine) -> Machine:

@@ -7,7 +7,7 @@ Rule: a state is data. What it does while it is active is worked out by a pure m
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -28,7 +28,9 @@ from rai_missions.model import (
 )
 from rai_missions.states.effects import Effect
 
-__all__ = ("ANY_EVENT", "OUTCOMES", "Controller", "Effects", "ResultKey", "State", "States", "Transition")
+__all__ = (
+    "ANY_EVENT", "HOLDERS", "OUTCOMES", "Controller", "Effects", "Holder", "ResultKey", "State", "States", "Transition",
+)  # fmt: skip
 
 ANY_EVENT = "*"
 OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverified", "aborted")
@@ -36,6 +38,9 @@ OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverif
 
 Controller = Literal["autonomy", "agent", "operator"]
 """Who may command the robot's actuators."""
+Holder = Literal[Controller, "nobody"]
+"""Who can hold control."""
+HOLDERS: tuple[Holder, ...] = get_args(Holder)
 
 Effects = Annotated[
     tuple[OneOf[Effect], ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)

@@ -126,3 +126,23 @@ PICTURE = {"$image": "x", "width": "2", "height": 2, "encoding": "png"}
 def test_what_is_no_step_is_not_read_as_one(written: Any) -> None:
     with pytest.raises((ValueError, TypeError, AttributeError)):
         decode(written)
+
+
+@given(steps)
+def test_a_row_of_an_earlier_version_is_compared_by_the_fields_that_it_has(step: Step) -> None:
+    """Such a row has no mode; what it has is compared as ever."""
+    written = encode(step)
+    for name in ("mode", "holder", "verdicts", "refusal", "kept"):
+        written.pop(name, None)
+    early = decode(written)
+    assert difference(early, step) == ""
+    assert difference(early, step._replace(notes=(*step.notes, "more"))) != ""
+    assert difference(step, step._replace(mode=None)) != ""
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("mode", "asleep"), ("holder", "thief"), ("refusal", 1), ("kept", "yes"), ("verdicts", [{}])]
+)
+def test_what_no_step_can_be_is_no_step(field: str, value: object) -> None:
+    with pytest.raises((ValueError, TypeError)):
+        decode({**encode(STEP), field: value})

@@ -6,11 +6,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from hypothesis import strategies as st
 
-from rai_missions.engine.decision import Evidence, Limits, Offer, Question
+from rai_missions.engine.decision import Evidence, Limits, Offer, Question, Verdict, VerdictKind
+from rai_missions.engine.modes import MODES
 from rai_missions.engine.step import (
     Ask,
     CallService,
@@ -19,6 +20,7 @@ from rai_missions.engine.step import (
     LogLine,
     Move,
     PublishMessage,
+    Refusal,
     SayAloud,
     StartGoal,
     Step,
@@ -29,6 +31,7 @@ from rai_missions.event import Event, Image
 from rai_missions.journal import Record, read, verify
 from rai_missions.journal.rows import JournalRow, Raw
 from rai_missions.replay.replay import Replay, replay
+from rai_missions.states.state import HOLDERS
 
 __all__ = (
     "MemoryJournal", "assert_whole", "blackboard_writes", "raw_rows_of", "rows_of", "steps", "steps_of", "values",
@@ -163,11 +166,16 @@ effects = st.one_of(
     st.builds(Withdraw, numbers),
     st.builds(Handover, names),
 )
+verdicts = st.builds(
+    Verdict, st.booleans(), words, st.sampled_from(get_args(VerdictKind)), numbers, words, words, st.none() | numbers
+)
 steps = st.builds(
     Step, numbers, instants, events, st.lists(moves, max_size=3).map(tuple),
     st.lists(st.tuples(words, st.sampled_from([True, False, None])), max_size=3).map(tuple),
     st.lists(st.tuples(names, values), max_size=3).map(tuple),
     st.none() | st.sampled_from(["succeeded", "failed", "aborted", "canceled"]),
-    st.none() | instants, st.lists(effects, max_size=4).map(tuple), words, texts,
+    st.none() | instants, st.lists(effects, max_size=4).map(tuple), words, texts, texts,
+    st.sampled_from(MODES), st.none() | st.sampled_from(HOLDERS),
+    st.lists(verdicts, max_size=2).map(tuple), st.sampled_from(get_args(Refusal)), st.booleans(),
 )  # fmt: skip
 blackboard_writes = st.lists(st.tuples(names, values, instants), max_size=3, unique_by=lambda write: write[0])

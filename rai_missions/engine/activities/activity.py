@@ -16,6 +16,7 @@ from rai_missions.guards.guard import Site, View, concerns
 if TYPE_CHECKING:
     from rai_missions.engine.activities.ticker import Trees
     from rai_missions.engine.activities.tree_rounds import Rounds
+    from rai_missions.engine.decision import VerdictNote
     from rai_missions.engine.robot_facts import RobotFacts
     from rai_missions.keys import Key
 
@@ -45,7 +46,7 @@ class Turn(NamedTuple):
     outcome: Outcome | None = None
     writes: tuple[tuple[str, Any], ...] = ()
     """Keys and their new values."""
-    notes: tuple[str, ...] = ()
+    notes: tuple[str | VerdictNote, ...] = ()
     """What a reader of the journal should know: a refused proposal, a stale answer."""
 
 

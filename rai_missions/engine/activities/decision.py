@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, machine_of, remembered
-from rai_missions.engine.decision import Evidence, Limits, Offer, Proposal, Question, Verdict, judge
+from rai_missions.engine.decision import Evidence, Limits, Offer, Proposal, Question, Verdict, VerdictNote, judge
 from rai_missions.engine.step import Ask, Withdraw
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site, View
@@ -50,10 +50,6 @@ class DecisionMachine:
         return self._ask(desk, turn=0, attempt=1, deadline=deadline, refused=())
 
     def _ask(self, desk: ActivityHost, *, turn: int, attempt: int, deadline: float, refused: tuple[str, ...]) -> Turn:
-        if attempt > self.asked.attempts:
-            turn, attempt = turn + 1, 1
-        if turn >= len(self.asked.ask):
-            return self._fall_back("nobody gave an answer that counts", refused)
         view = desk.view
         question = Question(
             number=desk.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
@@ -92,27 +88,32 @@ class DecisionMachine:
             return None
         if desk.view.at >= state.deadline or desk.view.at >= state.question.until:
             return self._time(state, desk)
-        return self._answered(state, event.data, desk)
+        return self._answered(state, event, desk)
 
-    def _answered(self, state: DecisionActivity, data: Mapping[str, Any], desk: ActivityHost) -> Turn:
-        question = state.question
+    def _answered(self, state: DecisionActivity, event: Event, desk: ActivityHost) -> Turn:
+        question, data = state.question, event.data
         who = f"question {question.number}: {question.asked}"
         if "absent" in data:
+            verdict = Verdict(False, str(data["absent"]), "absent", question.number, event.name)
             turn = self._next(state, desk, turn=state.turn + 1, attempt=1)
-            return turn._replace(notes=(f"{who} is absent: {data['absent']}", *turn.notes))
+            return _noted(turn, verdict, f"{who} is absent: {data['absent']}")
         if not isinstance(data.get("option"), str):
-            return self._again(state, desk, f"{who} gave no answer: {clipped(str(data.get('failed', 'nothing')), 300)}")
+            why = clipped(str(data.get("failed", "nothing")), 300)
+            verdict, said = Verdict(False, why, "failed", question.number, event.name), f"{who} gave no answer: {why}"
+            return self._again(state, desk, verdict, said, told=said)
         given = data.get("parameters")
         proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
         verdict = judge(question, proposal, desk.view, self.tests)
         if verdict.accepted and (why := self._misfit(proposal.parameters)):
             verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
-        said = f"{who} proposed '{clipped(proposal.option, 60)}'"
+        option = clipped(proposal.option, 60)
+        verdict = verdict._replace(number=question.number, by=event.name, option=option)
+        said = f"{who} proposed '{option}'"
         if not verdict.accepted:
-            return self._again(state, desk, f"{said}: refused, {verdict.why}", verdict.why)
+            return self._again(state, desk, verdict, f"{said}: refused, {verdict.why}", told=verdict.why)
         outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
         writes = tuple(self._written(proposal.parameters))
-        return Turn(None, outcome=outcome, writes=writes, notes=(f"{said}: accepted",))
+        return _noted(Turn(None, outcome=outcome, writes=writes), verdict, f"{said}: accepted")
 
     def _written(self, parameters: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         """What an accepted answer writes: the keys of its parameters' names whose source is the answer."""
@@ -126,32 +127,37 @@ class DecisionMachine:
         each = (f"{name}: {why}" for name, value in self._written(parameters) if (why := fits(self.keys[name], value)))
         return next(each, "")
 
-    def _again(self, state: DecisionActivity, desk: ActivityHost, note: str, why: str = "") -> Turn:
-        told = state._replace(question=state.question._replace(refused=(*state.question.refused, why or note)))
-        turn = self._next(told, desk, turn=state.turn, attempt=state.question.attempt + 1)
-        return turn._replace(notes=(note, *turn.notes))
+    def _again(self, state: DecisionActivity, desk: ActivityHost, verdict: Verdict, text: str, *, told: str) -> Turn:
+        again = state._replace(question=state.question._replace(refused=(*state.question.refused, told)))
+        return _noted(self._next(again, desk, turn=state.turn, attempt=state.question.attempt + 1), verdict, text)
 
     def _next(self, state: DecisionActivity, desk: ActivityHost, *, turn: int, attempt: int) -> Turn:
+        if attempt > self.asked.attempts:
+            turn, attempt = turn + 1, 1
+        if turn >= len(self.asked.ask):
+            return self._fall_back("nobody gave an answer that counts", state.question.number)
         return self._ask(desk, turn=turn, attempt=attempt, deadline=state.deadline, refused=state.question.refused)
 
     def _time(self, state: DecisionActivity, desk: ActivityHost) -> Turn | None:
         question = state.question
         if desk.view.at >= state.deadline:
-            over = self._fall_back("the deadline has passed", question.refused)
+            over = self._fall_back("the deadline has passed", question.number)
         elif desk.view.at >= question.until:
+            why = "gave no answer in time"
+            verdict = Verdict(False, why, "timed_out", question.number, question.asked)
             over = self._next(state, desk, turn=state.turn + 1, attempt=1)
-            over = over._replace(
-                notes=(f"question {question.number}: {question.asked} gave no answer in time", *over.notes)
-            )
+            over = _noted(over, verdict, f"question {question.number}: {question.asked} {why}")
         else:
             return None
         return over._replace(effects=(Withdraw(question.number), *over.effects))
 
-    def _fall_back(self, why: str, refused: tuple[str, ...]) -> Turn:
-        if self.asked.fallback is None:
+    def _fall_back(self, why: str, number: int) -> Turn:
+        option = self.asked.fallback
+        if option is None:
             return Turn(None, outcome=Outcome("failed", why=f"{why}, and there is no fallback"))
-        note = f"fallback '{self.asked.fallback}': {why}"
-        return Turn(None, outcome=Outcome(self.asked.fallback, why=f"fallback: {why}"), notes=(note,))
+        verdict = Verdict(False, why, "fallback", number, "", option)
+        turn = Turn(None, outcome=Outcome(option, why=f"fallback: {why}"))
+        return _noted(turn, verdict, f"fallback '{option}': {why}")
 
     def leave(self, state: DecisionActivity, desk: ActivityHost) -> Turn:
         return Turn(None, (Withdraw(state.question.number),))
@@ -174,3 +180,8 @@ class DecisionMachine:
 @machine_of.register(DecisionLeaf)
 def _(definition: Decision | DecisionLeaf, bench: Bench) -> DecisionMachine:
     return DecisionMachine(definition.decision, bench.owner, bench.site("decision"))
+
+
+def _noted(turn: Turn, verdict: Verdict, text: str) -> Turn:
+    """The same turn after a verdict."""
+    return turn._replace(notes=(VerdictNote(verdict, text), *turn.notes))

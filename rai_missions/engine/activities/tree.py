@@ -25,7 +25,7 @@ from rai_missions.engine.activities.activity import (
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.ticker import Ticked, Ticker, TreeState
 from rai_missions.engine.activities.tree_rounds import Rounds
-from rai_missions.engine.decision import Question
+from rai_missions.engine.decision import Question, VerdictNote
 from rai_missions.engine.step import Effect, PublishMessage
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
@@ -93,7 +93,7 @@ class _Growth:
     def __init__(self, state: TreeActivity) -> None:
         self.tree, self.leaves, self.wake, self.limit = state.tree, dict(state.leaves), state.wake, state.limit
         self.effects: list[Effect] = []
-        self.notes: list[str] = []
+        self.notes: list[str | VerdictNote] = []
         self.outcomes: dict[str, str] = {}
         self.has_written = False
         self.news: set[str] = set()

@@ -73,7 +73,7 @@ def migrate(
     with opened(journal) as record:
         was = mission_of(record)
         resumed = resumption(record, was, named=named)
-        if resumed.chart.mode in ("ready", "ended"):
+        if resumed.chart.mode == "ready" or resumed.chart.outcome is not None:
             said = "has not begun" if resumed.chart.mode == "ready" else f"has ended, {resumed.chart.outcome}"
             raise UsageError(f"the run of {journal} {said}: there is nothing to go on with; start a new one")
         profile = robot or robot_of(record)

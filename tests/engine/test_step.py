@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A step has fields for what became of a proposal, the mode of the run, the holder of control, and refusals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rai_missions.engine import Chart
+from rai_missions.engine.decision import Verdict
+from rai_missions.engine.step import Step
+from rai_missions.event import Event, Tick
+from tests.engine.test_decisions import answers, asked, asking
+from tests.rigs.charts import mission, row
+
+
+def command(name: str, at: float = 0.0) -> Event:
+    return Event(name, at, {"by": "operator"}, "command")
+
+
+def test_a_proposal_that_counts_has_an_accepted_verdict() -> None:
+    made, question = asked()
+    step = made.propose(question.number, "around", at=1.0)
+    assert step.verdict == Verdict(True, number=question.number, by="agent", option="around", note=0)
+    assert step.entered == ("gone",)
+    assert step.remarks == ()
+
+
+def test_a_refused_proposal_says_why_in_its_verdict() -> None:
+    made, question = asked(height=2.0)
+    verdict = made.propose(question.number, "over", by="operator").verdict
+    assert verdict is not None
+    assert (verdict.accepted, verdict.kind, verdict.by, verdict.option) == (False, "proposal", "operator", "over")
+    assert verdict.why == "'over' was not offered; offered: around, grow, stop"
+
+
+def test_parameters_travel_with_a_proposal() -> None:
+    made, question = asked()
+    assert made.propose(question.number, "grow", {"size": 4}).entered == ("grown",)
+    made, question = asked()
+    verdict = made.propose(question.number, "grow", {"size": "four"}).verdict
+    assert verdict is not None
+    assert not verdict.accepted
+    assert "the parameters of 'grow' are not valid" in verdict.why
+
+
+@pytest.mark.parametrize(
+    ("data", "kind"), [({"absent": "no model"}, "absent"), ({"failed": "it crashed"}, "failed"), ({}, "failed")]
+)
+def test_an_answer_without_an_option_has_a_verdict_of_its_kind(data: dict[str, Any], kind: str) -> None:
+    made, question = asked()
+    verdict = answers(made, question.number, **data).verdict
+    assert verdict is not None
+    assert (verdict.accepted, verdict.kind, verdict.number, verdict.option) == (False, kind, question.number, "")
+
+
+def test_time_that_is_over_and_the_fallback_are_verdicts_as_well() -> None:
+    made, question = asked()
+    step = made.send(Tick(10.0))
+    assert step.verdict is not None
+    assert (step.verdict.kind, step.verdict.by, step.verdict.number) == ("timed_out", "agent", question.number)
+    step = made.send(Tick(20.0))
+    assert step.verdict is not None
+    assert (step.verdict.kind, step.verdict.option, step.verdict.accepted) == ("fallback", "stop", False)
+    assert step.notes[step.verdict.note or 0] == "fallback 'stop': the deadline has passed"
+
+
+def test_a_proposal_nobody_waits_for_is_stale() -> None:
+    made = Chart(mission(asking()))
+    early = made.propose(1, "stop")
+    assert (early.refusal, early.mode) == ("not_started", "ready")
+    question = made.start(0.0).question
+    assert question is not None
+    late = made.propose(question.number + 1, "stop")
+    assert late.refusal == "stale"
+    assert late.verdict is not None
+    assert (late.verdict.kind, late.verdict.why) == ("stale", late.why)
+    made.propose(question.number, "stop")
+    over = made.propose(question.number, "stop")
+    assert (over.refusal, over.mode) == ("ended", "aborted")
+    assert over.verdict is not None
+    assert not over.verdict.accepted
+
+
+def test_a_proposal_that_is_kept_has_its_verdict_once_it_is_judged() -> None:
+    made, question = asked()
+    assert made.send(command("pause")).mode == "paused"
+    kept = made.propose(question.number, "around")
+    assert (kept.kept, kept.verdict) == (True, None)
+    step = made.send(command("resume"))
+    assert step.mode == "running"
+    assert step.verdict is not None
+    assert (step.verdict.accepted, step.verdict.number) == (True, question.number)
+    assert step.remarks == ("resumed",)
+
+
+def test_each_step_says_mode_and_holder() -> None:
+    made = Chart(mission({"a": {"transitions": [row("e", "b")]}, "b": {"final": "succeeded"}}, on_cancel=None))
+    seen = [
+        made.start(0.0), made.send(Event("e", 0.0, {"by": "x"}, "nonsense")),
+        made.send(Event("operator", 1.0, {"by": "operator"}, "control")), made.send(command("pause")),
+        made.send(command("pause")), made.send(command("resume")), made.send(command("cancel")),
+    ]  # fmt: skip
+    assert [step.mode for step in seen] == ["running", "running", "running", "paused", "paused", "running", "canceled"]
+    assert [step.holder for step in seen] == ["autonomy"] * 2 + ["operator"] * 5
+    assert [step.refusal for step in seen] == ["", "unknown", "", "", "mode", "", ""]
+
+
+def test_an_emergency_stop_leaves_control_with_nobody() -> None:
+    made, _ = asked()
+    step = made.send(command("kill"))
+    assert (step.mode, step.holder, step.outcome) == ("aborted", "nobody", "aborted")
+
+
+def test_short_steps_say_mode_and_holder_too() -> None:
+    """The short way makes steps of its own, with acts and without."""
+    rows = [row("e", "b", do=[{"set": "n", "add": 1}]), row("f", "a")]
+    states = {"a": {"transitions": rows}, "b": {"transitions": [row("e", "a")]}}
+    board = {"n": {"type": "number", "source": "mission", "initial": 0}}
+    made = Chart(mission(states, blackboard=board))
+    made.start(0.0)
+    made.send(Event("agent", 0.5, {}, "control"))
+    steps = [made.send(Event(name, 1.0)) for name in ("e", "e", "f", "e")]
+    assert {(step.mode, step.holder, step.refusal, step.kept) for step in steps} == {("running", "agent", "", False)}
+    assert all(type(step) is Step and len(step) == len(Step._fields) for step in steps)
