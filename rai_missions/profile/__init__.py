@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Robot profiles: which topics, services and actions stand behind the names that a mission uses.
+"""Robot profiles: the topics, services and actions of the names that a mission uses.
 
 Imports `check`, `engine`, `guards`, `mission` and `states`, and the modules of the root.
 """

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`docs/architecture.md` is what the code is: its rooms, and the walks through them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def walks(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """`scripts/walks.py`."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    import walks as module  # a script, not a module of ours
+
+    monkeypatch.delitem(sys.modules, "walks")
+    return module
+
+
+def test_every_walk_leads_down_through_functions_that_are_there(walks: ModuleType) -> None:
+    assert [fault for walk in walks.read_walks() for fault in walks.faults(walk)] == []
+
+
+def test_the_page_is_what_the_code_makes_of_it(walks: ModuleType) -> None:
+    written = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    assert written == walks.page(walks.read_walks()), "run: python scripts/walks.py --write"
+
+
+CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.runner:Runner"
+
+
+@pytest.mark.parametrize(
+    ("stays", "fault"),
+    [
+        ([(RUNNER, False), ("rai_missions.engine.chart:Chart.sent", False)], "there is no rai_missions.engine.chart:"),
+        ([(RUNNER, False), ("rai_missions.prove.explorer:no_such", False)], "there is no rai_missions.prove"),
+        ([(CHART, False), (RUNNER, False)], "rai_missions.engine.chart does not name Runner"),
+        ([(CHART, False), (RUNNER, False)], "may not know rai_missions.runtime.runner:Runner"),
+        ([(RUNNER, False), ("visualize.build:picture", False)], "does not name picture"),
+    ],
+)
+def test_what_is_not_so_in_the_code_is_a_fault(walks: ModuleType, stays: list[tuple[str, bool]], fault: str) -> None:
+    walk = walks.Walk("a walk", "", tuple(walks.Stay(name, "", up=up) for name, up in stays))
+    assert any(fault in each for each in walks.faults(walk))
+
+
+def test_a_callback_leads_up(walks: ModuleType) -> None:
+    stays = (walks.Stay(CHART, ""), walks.Stay(RUNNER, "", up=True))
+    assert list(walks.faults(walks.Walk("a walk", "", stays))) == []
