@@ -59,12 +59,14 @@ def test_an_anomaly_asks_and_only_an_offered_option_moves_the_mission(example: P
     assert question is not None
     assert [option.name for option in question.options] == ["replan", "signal", "abort"]
 
-    refused = chart.send(Event("agent", 3.4, {"option": "drive_over"}, "proposal", question.number))
-    assert "assessing" in chart.active
-    again = refused.question
-    assert again is not None
-    accepted = chart.send(Event("agent", 3.5, {"option": "replan"}, "proposal", again.number))
-    assert accepted.entered == ("replanning",)
+    refused = chart.propose(question.number, "drive_over", at=3.4)
+    assert refused.verdict is not None and not refused.verdict.accepted
+    assert refused.verdict.why == "'drive_over' was not offered; offered: replan, signal, abort"
+    assert "assessing" in chart.active and refused.question is not None
+
+    accepted = chart.propose(refused.question.number, "replan", at=3.5)
+    assert accepted.verdict is not None and accepted.verdict.accepted
+    assert (accepted.mode, accepted.holder, accepted.entered) == ("running", "agent", ("replanning",))
 
 
 def test_a_snapshot_continues_as_the_chart_itself(example: Path) -> None:
