@@ -127,3 +127,10 @@ def test_prose_is_measured_as_its_definition_reads() -> None:
     assert (found.sentences, found.sentence_words) == (5, 5 + 4 + 4 + 6 + 1)
     assert found.negations == 4, "the heading's and each sentence's; those of code are left out"
     assert found.long_lines == (len((page + table).splitlines()) + 1,)
+
+
+def test_nothing_installs_this_package_by_a_name_on_an_index() -> None:
+    files = [*ROOT.glob("rai_missions/**/*.py"), *ROOT.glob("visualize/**/*.py"), *ROOT.glob("docs/**/*.md")]
+    for file in [*files, *DOCUMENTS]:
+        found = re.search(r"pip install [\"']?rai[-_]missions(?!\[\w+\] @ git)", file.read_text(encoding="utf-8"))
+        assert found is None, f"{file.relative_to(ROOT)}: {found and found[0]}"

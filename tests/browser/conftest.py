@@ -25,7 +25,7 @@ Open = Callable[..., Any]
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """The system's own Chromium; for one file, since no other test may run a loop while Playwright's stands."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install 'rai-missions[browser]'")
+    playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install '.[browser]'")
     found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if found is None:
         pytest.skip("no browser is here (on Debian: apt-get install chromium)")

@@ -62,7 +62,7 @@ def look(browser: Any) -> Iterator[Look]:
 
 @pytest.fixture
 def run() -> Iterator[Run]:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     with Run(tractor()) as made:
         made.write("battery", 0.8)
         made.start()
@@ -166,7 +166,7 @@ def test_an_order_says_at_once_that_it_is_sent_and_then_what_became_of_it(look: 
 
 
 def test_a_state_that_waits_for_control_says_so_and_the_way_out_is_a_button(look: Look) -> None:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     with Run(tractor(), Desk()) as run:
         run.write("battery", 0.8)
         run.start()
@@ -182,7 +182,7 @@ def test_a_state_that_waits_for_control_says_so_and_the_way_out_is_a_button(look
 
 
 def test_an_option_whose_guard_falls_is_greyed_with_its_reason_and_comes_back(look: Look) -> None:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     with Run(tractor(), Desk(), {"answers": True}) as run:
         run.write("battery", 0.8)
         run.start()
@@ -237,7 +237,7 @@ def test_after_the_end_nothing_looks_as_if_it_went_on(look: Look) -> None:
 
 
 def test_a_run_that_was_cut_short_is_shown_so(look: Look, tmp_path: Path) -> None:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     feed = JournalFeed(journal_of(tmp_path / "a.journal", tractor(), answered(tractor())[:3]))
     page = LivePage(Place(port=0))
     page.start(feed.mission, feed)
@@ -350,7 +350,7 @@ class Tractor:
 
 @pytest.mark.sim
 def test_an_operator_watches_answers_and_stops_a_tractor(tmp_path: Path, look: Look) -> None:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     tractor_ = Tractor(tmp_path / "a.journal")
     try:
         window = look(tractor_.page)

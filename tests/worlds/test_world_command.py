@@ -78,5 +78,5 @@ def test_without_rclpy_one_sentence_says_how_to_get_it(
     assert reported.out == ""
     assert reported.err.count("\n") == 1
     assert "needs rclpy, which does not load" in reported.err
-    assert "pip install 'rai_missions[ros]'" in reported.err
+    assert "pip install '.[ros]'" in reported.err
     assert "source /opt/ros/jazzy/setup.bash" in reported.err

@@ -58,7 +58,7 @@ class ModelServer:
     ) -> None:
         self.file = gguf(file)
         if importlib.util.find_spec("xllamacpp") is None:
-            raise UsageError("a local model needs the package xllamacpp: pip install 'rai-missions[local]'")
+            raise UsageError("a local model needs the package xllamacpp: pip install '.[local]'")
         command = [sys.executable, "-P", str(Path(__file__).with_name("gguf_process.py")), str(self.file)]
         self._process = subprocess.Popen(
             [*command, str(threads or spare_cores()), str(window), str(longest)],
@@ -121,7 +121,7 @@ class ModelServer:
         try:
             from langchain_openai import ChatOpenAI
         except ImportError:
-            raise UsageError("a local model needs langchain-openai: pip install 'rai-missions[local]'") from None
+            raise UsageError("a local model needs langchain-openai: pip install '.[local]'") from None
         settings: dict[str, Any] = {
             "model": self.file.stem,
             "base_url": f"{self.url}/v1",

@@ -138,7 +138,7 @@ def _find(provider: str) -> str:
         raise UsageError(f"no model provider '{provider}'{suggestion(provider, providers())}")
     if importlib.util.find_spec(module) is None:
         if provider in EXTRAS:
-            raise UsageError(f"the provider '{provider}' is not installed: pip install 'rai-missions[{provider}]'")
+            raise UsageError(f"the provider '{provider}' is not installed: pip install '.[{provider}]'")
         near = suggestion(provider, providers())
         more = "" if "did you mean" in near else f"; another comes with its package: pip install {distribution(module)}"
         raise UsageError(f"no model provider '{provider}'{near}{more}")

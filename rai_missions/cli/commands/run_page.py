@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ("Watch", "opened", "place_of", "run_file", "sort_out", "watched")
 
-LACKS = "the live page needs Starlette and uvicorn: pip install 'rai-missions[watch]'"
+LACKS = "the live page needs Starlette and uvicorn: pip install '.[watch]'"
 
 
 def sort_out(given: argparse.Namespace) -> None:

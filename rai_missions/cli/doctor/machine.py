@@ -38,7 +38,7 @@ def machine() -> Iterator[Finding]:
         yield _package(name)
     for extra, modules, what in EXTRAS:
         there = all(_has(module) for module in modules)
-        remedy = "" if there else f"pip install 'rai_missions[{extra}]'"
+        remedy = "" if there else f"pip install '.[{extra}]'"
         yield Finding("ok" if there else "absent", f"extra {extra} ({what})", remedy)
     yield _drawing()
     yield _rendering()
@@ -66,12 +66,12 @@ def _drawing() -> Finding:
     for name in ("dot", "graphviz-pure"):
         if found := _program(name):
             return Finding("ok", f"pictures are drawn by {found}")
-    return Finding("absent", "nothing draws SVG and PNG", "install Graphviz, or pip install 'rai_missions[draw]'")
+    return Finding("absent", "nothing draws SVG and PNG", "install Graphviz, or pip install '.[draw]'")
 
 
 def _rendering() -> Finding:
     if importlib.util.find_spec("mujoco") is None:
-        return Finding("absent", "a camera in simulated worlds", "pip install 'rai_missions[sim]'")
+        return Finding("absent", "a camera in simulated worlds", "pip install '.[sim]'")
     from rai_missions.errors import UsageError
     from rai_missions.worlds.world import open_world
 

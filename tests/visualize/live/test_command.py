@@ -89,7 +89,7 @@ class Watched:
 
 @pytest.fixture
 def watched(tmp_path: Path) -> Iterator[Callable[..., Watched]]:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     made: list[Watched] = []
 
     def make(**words: Any) -> Watched:

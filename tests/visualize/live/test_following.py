@@ -25,7 +25,7 @@ from visualize.live import JournalFeed, LivePage, Place
 
 @pytest.fixture
 def page() -> Iterator[LivePage]:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     made = LivePage(Place(port=0))
     yield made
     made.stop()

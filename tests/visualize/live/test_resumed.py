@@ -36,7 +36,7 @@ def cut_short(journal: Path, *names: tuple[str, str]) -> None:
 def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_goes_on(
     tmp_path: Path, is_paused: bool
 ) -> None:
-    pytest.importorskip("uvicorn", reason="no server: pip install 'rai-missions[watch]'")
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     pytest.importorskip("mcap")
     journal, recording = tmp_path / "a.journal", tmp_path / "a.mcap"
     cut_short(journal, ("ask", "event"), *([("pause", "command")] if is_paused else []))
