@@ -27,7 +27,7 @@ from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from visualize.live import LivePage, Place
+from visualize.live import LivePage, PageAddress
 
 EVENTS = 20_000
 TRANSITIONS = 200
@@ -71,7 +71,7 @@ class Flood:
         setting = RunConfig(
             MISSION, ROBOT, connector=LocalConnector(), journal=folder / f"{time.time_ns()}.journal", on_step=self._see
         )
-        self.page = LivePage(Place(port=0)) if paged else None
+        self.page = LivePage(PageAddress(port=0)) if paged else None
         self.watch = Watch(self.page, setting) if self.page is not None else None
         self.prepared = prepare(self.watch.setting if self.watch else setting)
         self.thread = threading.Thread(target=self._work)

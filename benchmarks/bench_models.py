@@ -25,7 +25,7 @@ from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.decision import Evidence
 from rai_missions.event import Image
-from rai_missions.testing import QUESTION, ReplyCallback
+from rai_missions.testing import QUESTION, ReplyCollector
 
 QUESTIONS, STOPS = 300, 100
 HELD_S = 0.5
@@ -53,7 +53,7 @@ def exchanges(agent: DecisionAgent, picture: Image | None) -> list[float]:
     shown = (*QUESTION.evidence, Evidence("camera", picture, 0.1, fresh=True)) if picture else QUESTION.evidence
     spent = []
     for number in range(QUESTIONS + 5):
-        answer = ReplyCallback()
+        answer = ReplyCollector()
         began = time.perf_counter()
         agent.ask(QUESTION._replace(number=number + 1, evidence=shown), answer)
         reply = answer.wait(30)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rai_missions.agents.contract import check_agent
-    from rai_missions.answerers.contract import QUESTION, ReplyCallback, answer_fault, check_answerer
+    from rai_missions.answerers.contract import QUESTION, ReplyCollector, answer_fault, check_answerer
     from rai_missions.answerers.script import ScriptAnswerer
     from rai_missions.answerers.test_answerers import ChatteringAnswerer, LateAnswerer, RaisingAnswerer, SilentAnswerer
     from rai_missions.answerers.test_models import (
@@ -39,7 +39,7 @@ __all__ = (
     "RaisingAnswerer",
     "RaisingModel",
     "Rates",
-    "ReplyCallback",
+    "ReplyCollector",
     "ScriptAnswerer",
     "ScriptedModel",
     "SilentAnswerer",
@@ -56,7 +56,7 @@ __all__ = (
 
 ROOMS = {
     "agents.contract": ("check_agent",),
-    "answerers.contract": ("QUESTION", "ReplyCallback", "answer_fault", "check_answerer"),
+    "answerers.contract": ("QUESTION", "ReplyCollector", "answer_fault", "check_answerer"),
     "answerers.test_models": (
         "BabblingModel", "HangingModel", "LyingModel", "RaisingModel", "ScriptedModel", "SilentModel", "ToolFloodModel",
         "WordyModel", "call",

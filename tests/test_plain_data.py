@@ -20,7 +20,7 @@ from rai_missions.event import Image
 from rai_missions.mission.files import dump
 from rai_missions.plain_data import apart
 from rai_missions.profile import dump_profile
-from rai_missions.testing import QUESTION, ReplyCallback, call
+from rai_missions.testing import QUESTION, ReplyCollector, call
 from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import Rig, mission, robot
 
@@ -120,7 +120,7 @@ def test_a_model_that_cuts_into_its_schemas_finds_them_whole_the_next_time(profi
     model = Pruning([reported, reported], profile=profile)
     question = QUESTION._replace(options=(Offer("go", parameters=copy.deepcopy(SPEED)), Offer("stop")))
     for number in (1, 2):
-        agent, results = DecisionAgent(model), ReplyCallback()
+        agent, results = DecisionAgent(model), ReplyCollector()
         agent.ask(question._replace(number=number), results)
         assert results.wait()["option"] == "stop"
     first, second = model._given
@@ -132,7 +132,7 @@ def test_a_model_is_given_no_tool_that_it_could_use_by_itself() -> None:
     look = StructuredTool.from_function(
         lambda: "a crate", name="look", description="Look.", metadata={"read_only": True}
     )
-    model, reported = ScriptedModel([AIMessage("", tool_calls=[call("abort")])]), ReplyCallback()
+    model, reported = ScriptedModel([AIMessage("", tool_calls=[call("abort")])]), ReplyCollector()
     DecisionAgent(model, tools=[look]).ask(QUESTION._replace(tools=("look",)), reported)
     assert reported.wait()["option"] == "abort"
     offered = model.heard[0][1]["tools"]

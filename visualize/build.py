@@ -13,7 +13,7 @@ from rai_missions.engine.step import Move, Step
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Compound, Decision, Each, Final, History, State, Tree
 from rai_missions.states.state import Transition, descendants
-from visualize.model import Edge, Initial, Node, Path, Picture
+from visualize.model import Initial, Path, Picture, PictureEdge, PictureNode
 from visualize.text import choices, effects, state_lines, state_title, trigger, twigs
 
 __all__ = ("parents_of", "picture")
@@ -99,10 +99,10 @@ def parents_of(mission: Mission) -> dict[str, str]:
 
 def _node(
     mission: Mission, place: str, name: str, state: State, parents: dict[str, str], run: _Run, ended: set[str]
-) -> Node:  # fmt: skip
+) -> PictureNode:  # fmt: skip
     parent = parents.get(name, "")
     asked = state.decision if isinstance(state, Decision) else None
-    return Node(
+    return PictureNode(
         name=name,
         place=place,
         kind=state.word,
@@ -121,12 +121,14 @@ def _node(
     )
 
 
-def _edges(place: str, source: str, rows: tuple[Transition, ...], state: State | None, run: _Run) -> Iterator[Edge]:
+def _edges(
+    place: str, source: str, rows: tuple[Transition, ...], state: State | None, run: _Run
+) -> Iterator[PictureEdge]:
     options = state.options if isinstance(state, Decision) else {}
     for index, row in enumerate(rows):
         here = f"{place}/transitions/{index}"
         for target in row.to or ("",):
-            yield Edge(
+            yield PictureEdge(
                 place=here,
                 source=source,
                 target=target,

@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from visualize.model import Choice, Edge, Node, Picture, Twig
+from visualize.model import Choice, Picture, PictureEdge, PictureNode, Twig
 from visualize.style import INK, LOOKS, MARKS, MUTED, OUTCOMES, Look, clean, width, wrapped
 
 __all__ = (
@@ -58,7 +58,7 @@ def table(rows: Iterable[str], more: str = 'border="0" cellborder="0" cellspacin
     return f"<<table {more}>{''.join(rows) or '<tr><td></td></tr>'}</table>>"
 
 
-def look_of(node: Node) -> Look:
+def look_of(node: PictureNode) -> Look:
     """How a state looks."""
     return OUTCOMES[node.outcome] if node.kind == "final" else LOOKS[node.kind]
 
@@ -67,23 +67,23 @@ def marked(mark: str, text: str) -> str:
     return f"{mark} {text}" if mark else text
 
 
-def row_text(edge: Edge) -> str:
+def row_text(edge: PictureEdge) -> str:
     """A row in a line: `on anomaly [guard] / effects`."""
     do = "; ".join(edge.do)
     guard = f" {edge.guard}" if not edge.trigger else f" [{edge.guard}]" if edge.guard else ""
     return marked(edge.mark, f"{'on ' if on_event(edge) else ''}{edge.when}{guard}" + (f" / {do}" if do else ""))
 
 
-def on_event(edge: Edge) -> bool:
+def on_event(edge: PictureEdge) -> bool:
     return bool(edge.trigger) and not edge.trigger.startswith("after ")
 
 
-def _name(node: Node) -> str:
+def _name(node: PictureNode) -> str:
     was = f" (was {node.was})" if node.was else ""
     return text(f"{marked(node.mark, node.name)}{was}", 12, bold=True)
 
 
-def _below(node: Node, staying: Sequence[Edge], limit: float = LINE) -> Iterable[str]:
+def _below(node: PictureNode, staying: Sequence[PictureEdge], limit: float = LINE) -> Iterable[str]:
     """What stands at the foot of every state: control, the rows that do not leave it, and where the run was."""
     if node.control:
         yield small(f"control: {node.control}", limit=limit)
@@ -96,7 +96,7 @@ def _below(node: Node, staying: Sequence[Edge], limit: float = LINE) -> Iterable
         yield small("the run ended here", bold=True, color=INK, limit=limit)
 
 
-def state_table(node: Node, staying: Sequence[Edge] = ()) -> str:
+def state_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
     """The label of a state that holds no others."""
     if node.kind == "history":
         return table(
@@ -120,7 +120,7 @@ def _choice(choice: Choice, *, limit: float) -> str:
     return table(rows)[1:-1]
 
 
-def decision_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = False) -> str:
+def decision_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bold: bool = False) -> str:
     """The label of a decision: its question on top, an option a field, each with a port."""
     look = LOOKS["decision"]
     side_by_side = len(node.choices) <= SIDE_BY_SIDE
@@ -150,7 +150,7 @@ def _field(choice: Choice, fallback: str, limit: float) -> str:
     return f'<td port="{escape(choice.name)}" color="{pen}" valign="top"{fill}>{_choice(choice, limit=limit)}</td>'
 
 
-def cluster_table(node: Node, staying: Sequence[Edge] = ()) -> str:
+def cluster_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
     """The title of a state that holds others, or a tree."""
     word = "region" if node.region else {"states": "", "parallel": "all at once"}.get(node.kind, look_of(node).word)
     rows = [_name(node), text(node.title or word, 10)]
@@ -158,7 +158,7 @@ def cluster_table(node: Node, staying: Sequence[Edge] = ()) -> str:
     return table([*rows, *_below(node, staying)])
 
 
-def tree_table(node: Node, staying: Sequence[Edge] = (), *, bold: bool = False) -> str:
+def tree_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bold: bool = False) -> str:
     """The label of a state that runs a tree: its title, and below it the tree, each node above its children.
 
     Children stand side by side in the order of the file, in one label, which no layout can change.
@@ -205,12 +205,12 @@ def _twig_text(twig: Twig) -> str:
     return table(rows)[1:-1]
 
 
-def tab_table(node: Node) -> str:
+def tab_table(node: PictureNode) -> str:
     """The label of what a state's rows to something inside itself leave from."""
     return table([small(f"{node.name}, itself")])
 
 
-def edge_table(edge: Edge, *, short: bool = False) -> str:
+def edge_table(edge: PictureEdge, *, short: bool = False) -> str:
     """The label of a row; `short` where its words stand at its source already. Empty where nothing is left to say."""
     rows: list[str] = []
     if not short and (not edge.option or edge.guard or edge.source == edge.target):
@@ -228,7 +228,7 @@ def edge_table(edge: Edge, *, short: bool = False) -> str:
     return table(rows, 'border="0" cellborder="0" cellspacing="0" cellpadding="1" bgcolor="#FFFFFFD0"') if rows else ""
 
 
-def anywhere_table(rows: Sequence[tuple[str, Edge]]) -> str:
+def anywhere_table(rows: Sequence[tuple[str, PictureEdge]]) -> str:
     """The label of the mission's own rows, a field each: (port, the row)."""
     side_by_side = len(rows) <= SIDE_BY_SIDE
     limit = COLUMN * 1.6 if side_by_side else LINE * 1.6

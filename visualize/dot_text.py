@@ -22,7 +22,7 @@ from visualize.dot_labels import (
     title_table,
     tree_table,
 )
-from visualize.model import Edge, Initial, Node, Path, Picture
+from visualize.model import Initial, Path, Picture, PictureEdge, PictureNode
 from visualize.style import FONT, INK, MARKS, MUTED, clean
 
 __all__ = ("dot_text", "quoted")
@@ -64,9 +64,9 @@ class _Sheet:
 
     def __init__(self, picture: Picture) -> None:
         self.picture = picture
-        self.nodes: Mapping[str, Node] = {node.name: node for node in picture.nodes}
-        self.children: dict[str, list[Node]] = defaultdict(list)
-        self.staying: dict[str, list[Edge]] = defaultdict(list)
+        self.nodes: Mapping[str, PictureNode] = {node.name: node for node in picture.nodes}
+        self.children: dict[str, list[PictureNode]] = defaultdict(list)
+        self.staying: dict[str, list[PictureEdge]] = defaultdict(list)
         self.initials: dict[str, list[Initial]] = defaultdict(list)
         for node in picture.nodes:
             self.children[node.parent].append(node)
@@ -115,7 +115,7 @@ class _Sheet:
             else:
                 yield f"{indent}{quoted(node.name)} {self._state(node)};"
 
-    def _cluster(self, node: Node, indent: str) -> Iterator[str]:
+    def _cluster(self, node: PictureNode, indent: str) -> Iterator[str]:
         look = look_of(node)
         line = MARKS[node.mark][1] if node.mark else "dashed" if node.region else ""
         given = attributes(
@@ -137,7 +137,7 @@ class _Sheet:
         yield from self._states(node.name, f"{indent}  ")
         yield f"{indent}}}"
 
-    def _state(self, node: Node) -> str:
+    def _state(self, node: PictureNode) -> str:
         look, staying = look_of(node), self.staying[node.name]
         if node.kind in ("decision", "tree"):
             table = decision_table if node.kind == "decision" else tree_table
@@ -160,7 +160,7 @@ class _Sheet:
         )  # fmt: skip
         return f"{quoted(source)} -> {quoted(self._inlet(initial.target))} {given}"
 
-    def _edge(self, edge: Edge) -> str:
+    def _edge(self, edge: PictureEdge) -> str:
         tail, ltail = self._tail(edge)
         inside = self._within(edge.source, edge.target)
         bold = edge.taken.times > 0
@@ -174,7 +174,7 @@ class _Sheet:
         )  # fmt: skip
         return f"{tail} -> {quoted(self._inlet(edge.target))} {given}"
 
-    def _tail(self, edge: Edge) -> tuple[str, str | None]:
+    def _tail(self, edge: PictureEdge) -> tuple[str, str | None]:
         """Where an edge leaves: the name with its port, and the cluster whose border it leaves."""
         if not edge.source:
             return f"{quoted(ANYWHERE)}:{self.ports[edge.mark, edge.place]}", None
@@ -186,7 +186,7 @@ class _Sheet:
         back = self.depth.get(edge.target, 0) <= self.depth.get(edge.source, 0)
         return quoted(self._inlet(edge.source) if back else self._outlet(node)), self._border(edge.source)
 
-    def _from_tab(self, edge: Edge) -> bool:
+    def _from_tab(self, edge: PictureEdge) -> bool:
         node = self.nodes.get(edge.source)
         return (
             node is not None and bool(edge.target) and node.kind in HOLDERS and self._within(edge.source, edge.target)
@@ -218,7 +218,7 @@ class _Sheet:
             return name
         return f"{name}#begin" if self.initials[name] else self._inlet(self.children[name][0].name)
 
-    def _outlet(self, node: Node) -> str:
+    def _outlet(self, node: PictureNode) -> str:
         """The node by which an edge leaves a state: of a holder the last thing inside."""
         if node.kind not in HOLDERS:
             return node.name
@@ -249,13 +249,13 @@ def _depths(picture: Picture) -> dict[str, int]:
     return depths
 
 
-def _tip(node: Node) -> str:
+def _tip(node: PictureNode) -> str:
     return "\n".join(
         line for line in (f"{node.name}: {node.title or look_of(node).word}", node.about, *node.lines) if line
     )
 
 
-def _edge_tip(edge: Edge) -> str:
+def _edge_tip(edge: PictureEdge) -> str:
     return f"{edge.source or 'every state'} → {edge.target}: {row_text(edge)}" + (
         f"\n{edge.about}" if edge.about else ""
     )

@@ -24,7 +24,7 @@ from visualize.model import Picture
 from visualize.table import table
 
 if TYPE_CHECKING:
-    from visualize.page import Finding, Journal
+    from visualize.page import Journal, PageFinding
 
 __all__ = ("FORMATS", "PAGE", "draw", "draw_difference", "draw_review", "drawn")
 
@@ -84,7 +84,7 @@ def draw_review(
     mission: Mission,
     path: str | os.PathLike[str],
     journals: Iterable[Journal] = (),
-    findings: Iterable[Finding] = (),
+    findings: Iterable[PageFinding] = (),
 ) -> Path:
     """Write the review page of a mission into an `.html` file.
 

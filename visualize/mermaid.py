@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from visualize.dot_labels import row_text
-from visualize.model import Edge, Node, Picture
+from visualize.model import Picture, PictureEdge, PictureNode
 from visualize.style import LOOKS, OUTCOMES, clean, wrapped
 
 __all__ = ("MOST", "mermaid", "oversize")
@@ -93,7 +93,7 @@ def _classes(picture: Picture) -> Iterator[str]:
         yield "    classDef taken stroke-width:4px,font-weight:bold"
 
 
-def _class(node: Node) -> str:
+def _class(node: PictureNode) -> str:
     return (
         node.outcome if node.kind == "final" else f"is_{node.kind or 'wait'}" if node.kind != "decision" else "decision"
     )
@@ -103,12 +103,12 @@ class _Outline(NamedTuple):
     """The states by their parents."""
 
     ids: dict[str, str]
-    children: dict[str, list[Node]]
+    children: dict[str, list[PictureNode]]
     initials: dict[str, list[str]]
 
 
 def _outline(picture: Picture) -> _Outline:
-    children: dict[str, list[Node]] = defaultdict(list)
+    children: dict[str, list[PictureNode]] = defaultdict(list)
     initials: dict[str, list[str]] = defaultdict(list)
     for node in picture.nodes:
         children[node.parent].append(node)
@@ -133,7 +133,7 @@ def _states(parent: str, indent: str, outline: _Outline) -> Iterator[str]:
             yield f"{indent}}}"
 
 
-def _description(node: Node, holder: bool) -> str:
+def _description(node: PictureNode, holder: bool) -> str:
     word = {"states": "", "decision": "decision", "tree": "tree", "parallel": "all at once"}.get(node.kind, node.title)
     lines = [f"{node.mark} {node.name}".strip(), word, *node.lines]
     lines += [f"control: {node.control}"] if node.control else []
@@ -149,9 +149,9 @@ def _description(node: Node, holder: bool) -> str:
     return "<br/>".join(shown(part) for line in lines if line for part in wrapped(line, 10, LIMIT))
 
 
-def _arrows(picture: Picture) -> Iterator[list[Edge]]:
+def _arrows(picture: Picture) -> Iterator[list[PictureEdge]]:
     """The rows of each arrow: of several from a state to itself, Mermaid 11 would draw the last alone."""
-    loops: dict[str, list[Edge]] = defaultdict(list)
+    loops: dict[str, list[PictureEdge]] = defaultdict(list)
     for edge in picture.edges:
         if edge.target not in ("", edge.source):
             yield [edge]
@@ -160,13 +160,13 @@ def _arrows(picture: Picture) -> Iterator[list[Edge]]:
     yield from loops.values()
 
 
-def _arrow(edges: list[Edge], ids: dict[str, str]) -> str:
+def _arrow(edges: list[PictureEdge], ids: dict[str, str]) -> str:
     source, target = ids.get(edges[0].source, ANYWHERE), edges[0].target
     text = "<br/>".join(escaped(part) for edge in edges for line in _phrase(edge) for part in wrapped(line, 10, LIMIT))
     return f"{source} --> {ids.get(target, source)}: {text}"
 
 
-def _phrase(edge: Edge) -> Iterator[str]:
+def _phrase(edge: PictureEdge) -> Iterator[str]:
     yield row_text(edge) + ("" if edge.target else " (stays)")
     if edge.taken.times:
         yield edge.taken.words()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-__all__ = ("Choice", "Edge", "Initial", "Mark", "Node", "Path", "Picture", "Twig")
+__all__ = ("Choice", "Initial", "Mark", "Path", "Picture", "PictureEdge", "PictureNode", "Twig")
 
 Mark = Literal["", "+", "-", "~"]
 """In a picture of two missions: in both, only in the new one, only in the old one, or changed."""
@@ -74,7 +74,7 @@ class Twig(NamedTuple):
         return self.kind in ("action", "call", "check", "wait_s", "set", "publish", "decision")
 
 
-class Node(NamedTuple):
+class PictureNode(NamedTuple):
     """A state."""
 
     name: str
@@ -107,7 +107,7 @@ class Node(NamedTuple):
     """Its old name, where two missions call it differently."""
 
 
-class Edge(NamedTuple):
+class PictureEdge(NamedTuple):
     """A row, to one of its targets."""
 
     place: str
@@ -147,9 +147,9 @@ class Picture(NamedTuple):
     name: str
     version: str
     about: str
-    nodes: tuple[Node, ...]
+    nodes: tuple[PictureNode, ...]
     """In document order, outer before inner."""
-    edges: tuple[Edge, ...]
+    edges: tuple[PictureEdge, ...]
     """Each row once for each of its targets, once for a row without; states in document order, the mission's last."""
     initials: tuple[Initial, ...]
     invariants: tuple[tuple[str, str], ...] = ()
@@ -163,7 +163,7 @@ class Picture(NamedTuple):
     notes: tuple[str, ...] = ()
     """What a reader must not miss, above the picture."""
 
-    def node(self, name: str) -> Node:
+    def node(self, name: str) -> PictureNode:
         """The node of a state.
 
         Raises:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from visualize.model import Edge, Picture
+from visualize.model import Picture, PictureEdge
 from visualize.style import clean
 
 __all__ = ("table",)
@@ -47,9 +47,9 @@ def _lines(picture: Picture) -> Iterator[str]:
         yield f"- {escaped(name)}: {escaped(guard)}"
 
 
-def _rows(picture: Picture) -> dict[int, list[Edge]]:
+def _rows(picture: Picture) -> dict[int, list[PictureEdge]]:
     numbers: dict[tuple[str, str], int] = {}
-    found: dict[int, list[Edge]] = {}
+    found: dict[int, list[PictureEdge]] = {}
     for edge in picture.edges:
         number = numbers.setdefault((edge.mark, edge.place), len(numbers))
         found.setdefault(number, []).append(edge)
@@ -61,7 +61,7 @@ def _head(picture: Picture) -> tuple[str, ...]:
     return (*change, "state", "trigger", "guard", "to", "do", *(("taken",) if picture.steps else ()))
 
 
-def _cells(picture: Picture, edges: list[Edge]) -> Iterator[str]:
+def _cells(picture: Picture, edges: list[PictureEdge]) -> Iterator[str]:
     edge = edges[0]
     if picture.compared:
         yield f"**{escaped(edge.mark)}**" if edge.mark else ""

@@ -12,7 +12,7 @@ from typing import Any
 from rai_missions.engine.decision import Answerer, Evidence, Limits, Offer, Question
 from rai_missions.redaction import cut_repr
 
-__all__ = ("QUESTION", "ReplyCallback", "answer_fault", "at_once", "check_answerer")
+__all__ = ("QUESTION", "ReplyCollector", "answer_fault", "at_once", "check_answerer")
 
 AT_ONCE_S = 1.0
 """Longer is waiting, even on a busy machine."""
@@ -34,7 +34,7 @@ QUESTION = Question(
 """A question like any other, for tests."""
 
 
-class ReplyCallback:
+class ReplyCollector:
     """Collects what an answerer tells, from any thread."""
 
     def __init__(self) -> None:
@@ -101,7 +101,7 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
         AssertionError: A promise is broken; the text says which.
     """
     answerer = make()
-    first, second = ReplyCallback(), ReplyCallback()
+    first, second = ReplyCollector(), ReplyCollector()
     at_once("withdraw", lambda: answerer.withdraw(question.number))
     at_once("ask", lambda: answerer.ask(question, first))
     at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 1), second))
@@ -110,10 +110,10 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
         assert not fault, fault
     at_once("withdraw", lambda: answerer.withdraw(question.number))
     at_once("withdraw", lambda: answerer.withdraw(question.number))
-    third = ReplyCallback()
+    third = ReplyCollector()
     at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 2), third))
     at_once("withdraw", lambda: answerer.withdraw(question.number + 2))
-    answerer.ask(question._replace(number=question.number + 3), last := ReplyCallback())
+    answerer.ask(question._replace(number=question.number + 3), last := ReplyCollector())
     last.wait(within_s)
     for told in (first, second, third, last):
         assert len(told.all) <= 1, f"a question is answered once, not {len(told.all)} times: {told.all}"

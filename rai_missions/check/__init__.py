@@ -5,6 +5,6 @@ Imports `guards`, `mission` and `states`, and the modules of the root.
 """
 
 from rai_missions.check.finding import Finding, Severity, exit_status, faults_of
-from rai_missions.check.rules import RULES, Rule, check
+from rai_missions.check.rules import RULES, CheckRule, check
 
-__all__ = ("RULES", "Finding", "Rule", "Severity", "check", "exit_status", "faults_of")
+__all__ = ("RULES", "CheckRule", "Finding", "Severity", "check", "exit_status", "faults_of")

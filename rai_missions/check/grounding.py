@@ -11,7 +11,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.check.index import MissionIndex, Write
+from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.paths import key_of
 from rai_missions.states import Action, Call, Decision, Final
 from rai_missions.states.effects import references
@@ -47,7 +47,7 @@ def origins(survey: MissionIndex) -> Mapping[str, Origin]:
         return found
     found = {name: _first(key.source, key.initial) for name, key in survey.mission.blackboard.items()}
     survey.remembered["origins"] = found
-    waiting: dict[str, list[Write]] = {}
+    waiting: dict[str, list[KeyWrite]] = {}
     for write in survey.writes:
         if write.by in ("from", "each"):
             waiting.setdefault(write.value.partition(".")[0], []).append(write)
@@ -77,7 +77,7 @@ def _text(value: Any) -> str:
     return json.dumps(value, sort_keys=True, default=str)
 
 
-def _of(write: Write) -> Origin:
+def _of(write: KeyWrite) -> Origin:
     """What a write adds by itself; copies of keys are followed later."""
     if write.by == "result":
         return ROBOT
@@ -97,7 +97,7 @@ def _of(write: Write) -> Origin:
     return STRANGER if root == "answer" else NO_ROBOT
 
 
-def _from_activity(write: Write) -> bool:
+def _from_activity(write: KeyWrite) -> bool:
     """Whether `event.…` is the result of an action or call: every trigger of the row is an outcome of one."""
     row = write.scope.row
     if (
@@ -110,7 +110,7 @@ def _from_activity(write: Write) -> bool:
     return all(word in OUTCOMES for word in row.transition.on)
 
 
-def _taken(origin: Origin, write: Write) -> Origin:
+def _taken(origin: Origin, write: KeyWrite) -> Origin:
     """What a copy, or a field or item of it, carries along."""
     fields = write.value.split(".")[1:]
     if write.by == "each":

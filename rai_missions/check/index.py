@@ -40,7 +40,7 @@ from rai_missions.states.tree import (
     StatusToBlackboard,
 )
 
-__all__ = ("EffectUse", "GuardUse", "MissionIndex", "Read", "Scope", "StateRef", "TransitionRef", "Work", "Write")
+__all__ = ("EffectUse", "GuardUse", "KeyWrite", "MissionIndex", "Read", "Scope", "StateRef", "TransitionRef", "Work")
 
 
 class StateRef:
@@ -95,7 +95,7 @@ class Read(NamedTuple):
     scope: Scope
 
 
-class Write(NamedTuple):
+class KeyWrite(NamedTuple):
     """A key that something writes."""
 
     key: str
@@ -153,7 +153,7 @@ class MissionIndex:
         """Every guard and all inside it: its place, itself, and the whole."""
         self.effects: list[EffectUse] = []
         self.reads: list[Read] = []
-        self.writes: list[Write] = []
+        self.writes: list[KeyWrite] = []
         self.works: list[Work] = []
         self.planted: list[tuple[StateRef, NodeRef]] = []
         self.asked: list[tuple[DecisionSpec, str, StateRef]] = []
@@ -211,7 +211,7 @@ class MissionIndex:
                 self._node(planted, Scope(spot, option=planted.option))
         elif isinstance(state, Each):
             self.reads.append(Read(state.each, f"{spot.place}/each", scope))
-            self.writes.append(Write(state.item, f"{spot.place}/as", "each", state.each, scope))
+            self.writes.append(KeyWrite(state.item, f"{spot.place}/as", "each", state.each, scope))
         elif isinstance(state, Final) and state.requires is not None:
             self._guard(state.requires, f"{spot.place}/requires", "requires", scope)
         elif isinstance(state, Include):
@@ -228,7 +228,7 @@ class MissionIndex:
         elif isinstance(node, SetLeaf):
             self._effects((node.effect(),), "", scope, (place,))
         elif isinstance(node, StatusToBlackboard):
-            self.writes.append(Write(node.key, f"{place}/{node.word}", "status", None, scope))
+            self.writes.append(KeyWrite(node.key, f"{place}/{node.word}", "status", None, scope))
         elif isinstance(node, PublishLeaf):
             self._template(node.message, f"{place}/message", scope)
         elif isinstance(node, DecisionLeaf):
@@ -244,7 +244,7 @@ class MissionIndex:
         else:
             self._template(work.request, f"{place}/request", scope)
         for key, field in work.result.items():
-            self.writes.append(Write(key, pointer(place, "result", key), "result", field, scope))
+            self.writes.append(KeyWrite(key, pointer(place, "result", key), "result", field, scope))
 
     def _asked(self, asked: DecisionSpec, place: str, scope: Scope) -> None:
         assert scope.owner is not None
@@ -290,11 +290,11 @@ class MissionIndex:
 
     def _set(self, effect: Set, place: str, scope: Scope) -> None:
         if effect.add is not None:
-            self.writes.append(Write(effect.set, place, "add", effect.add, scope))
+            self.writes.append(KeyWrite(effect.set, place, "add", effect.add, scope))
         elif effect.source is not None:
-            self.writes.append(Write(effect.set, place, "from", effect.source, scope))
+            self.writes.append(KeyWrite(effect.set, place, "from", effect.source, scope))
             word = "from" if effect.from_ is not None else "value/from"
             self.reads.append(Read(effect.source, f"{place}/{word}", scope))
         else:
-            self.writes.append(Write(effect.set, place, "set", effect.value, scope))
+            self.writes.append(KeyWrite(effect.set, place, "set", effect.value, scope))
             self.reads += [Read(path, here, scope) for path, here in template_reads(effect.value, f"{place}/value")]

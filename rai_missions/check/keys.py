@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rai_missions.check.index import MissionIndex, Write
+from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.paths import key_of, meaning
 from rai_missions.check.pointers import pointer
@@ -29,7 +29,7 @@ def unknown_keys(survey: MissionIndex) -> Found:
             yield _place(write), survey.keys.missing(write.key)
 
 
-def _place(write: Write) -> str:
+def _place(write: KeyWrite) -> str:
     """Where the key itself is named."""
     return f"{write.place}/set" if write.by in ("set", "add", "from") else write.place
 

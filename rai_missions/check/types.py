@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rai_missions.check.index import MissionIndex, Read, Scope, Write
+from rai_missions.check.index import KeyWrite, MissionIndex, Read, Scope
 from rai_missions.check.paths import meaning
 from rai_missions.check.pointers import template_reads
 from rai_missions.guards.compare import NUMBERS, comparable
@@ -69,7 +69,7 @@ def mismatched_writes(survey: MissionIndex) -> Found:
             yield found
 
 
-def _written(survey: MissionIndex, write: Write, key: Key) -> tuple[str, str] | None:
+def _written(survey: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str] | None:
     """What is wrong with a write, if anything is."""
     if write.by == "from":
         kind = _kind(survey, write.value, write.scope)

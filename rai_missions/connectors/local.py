@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
-from rai_missions.connectors.local_goals import Goal, Mailbox
+from rai_missions.connectors.local_goals import LocalGoal, SerialQueue
 from rai_missions.connectors.stamps import Dated, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
@@ -45,9 +45,9 @@ class LocalConnector:
         self._types: dict[tuple[Mode, str], str] = {}
         self._subscribers: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
         self._services: dict[str, Callable[[Data], Data]] = {}
-        self._servers: dict[str, tuple[ActionServer, Mailbox]] = {}
-        self._goals: dict[str, Goal] = {}
-        self._ended: dict[str, Goal] = {}
+        self._servers: dict[str, tuple[ActionServer, SerialQueue]] = {}
+        self._goals: dict[str, LocalGoal] = {}
+        self._ended: dict[str, LocalGoal] = {}
         """The last goals that have ended, for whoever asks again."""
 
     @property
@@ -128,7 +128,7 @@ class LocalConnector:
             found = self._servers.get(action) if self._running else None
             wrong = self._disagreement("actions", action, type_name)
             if found is not None and not wrong:
-                sent = Goal(goal_id, action, found[0], found[1], on_report, ended=self._forget)
+                sent = LocalGoal(goal_id, action, found[0], found[1], on_report, ended=self._forget)
                 self._goals[goal_id] = sent
         if found is None:
             on_report(Report(goal_id, "rejected", {}, f"nobody serves {action}"))
@@ -165,7 +165,7 @@ class LocalConnector:
             if action in self._servers:
                 raise UsageError(f"{action} is served already; close the first server before another")
             self._agree("actions", action, type_name)
-            self._servers[action] = (server, Mailbox())
+            self._servers[action] = (server, SerialQueue())
         return lambda: self._close_action(action, server)
 
     def _agree(self, mode: Mode, name: str, type_name: str) -> None:
@@ -203,7 +203,7 @@ class LocalConnector:
         for goal in left:
             goal.on_report(Report(goal.goal_id, "lost", {}, f"{action} is no longer served"))
 
-    def _forget(self, goal: Goal) -> None:
+    def _forget(self, goal: LocalGoal) -> None:
         with self._lock:
             if self._goals.get(goal.goal_id) is goal:
                 self._ended[goal.goal_id] = self._goals.pop(goal.goal_id)

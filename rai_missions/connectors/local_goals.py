@@ -13,13 +13,13 @@ from collections.abc import Callable
 from rai_missions.connectors.connector import ActionServer, Data, Report
 from rai_missions.redaction import logger
 
-__all__ = ("Goal", "Mailbox")
+__all__ = ("LocalGoal", "SerialQueue")
 
 log = logger(__name__)
 ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
 
 
-class Mailbox:
+class SerialQueue:
     """Runs what is posted one after the other, on the thread that finds it idle.
 
     A post from inside a running piece, or from another thread, is run by whoever is running already.
@@ -48,7 +48,7 @@ class Mailbox:
             return self._waiting.popleft() if self._busy else None
 
 
-class Goal:
+class LocalGoal:
     """A goal that was sent, until its end was reported.
 
     Args:
@@ -65,14 +65,14 @@ class Goal:
         goal_id: str,
         action: str,
         server: ActionServer,
-        calls: Mailbox,
+        calls: SerialQueue,
         on_report: Callable[[Report], None],
         *,
-        ended: Callable[[Goal], None],
+        ended: Callable[[LocalGoal], None],
     ) -> None:
         self.goal_id, self.action = goal_id, action
         self._server, self._calls, self._report, self._ended = server, calls, on_report, ended
-        self._reports = Mailbox()
+        self._reports = SerialQueue()
         self._is_accepted = self._is_over = self._is_unwanted = False
         self.end: Report | None = None
         """How it ended."""

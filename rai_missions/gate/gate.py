@@ -23,10 +23,10 @@ from rai_missions.gate.memory import Memory
 from rai_missions.gate.rules import step
 from rai_missions.gate.state import (
     COMMANDERS,
+    ActuatorCommand,
     Alive,
     Answer,
-    Change,
-    Command,
+    ControlChange,
     Deed,
     Gate,
     GateEvent,
@@ -35,7 +35,7 @@ from rai_missions.gate.state import (
     Publish,
     Refuse,
     Request,
-    Tick,
+    TimePassed,
     status_of,
 )
 from rai_missions.redaction import cut, logger
@@ -156,7 +156,7 @@ class GateAgent:
 
     def tick(self) -> None:
         """Do what is due."""
-        self._take(Tick)
+        self._take(TimePassed)
 
     def ask(self, to: str, by: str) -> Mapping[str, Any]:
         """Ask for control to go to somebody; the answer is a std_srvs/srv/Trigger's."""
@@ -198,7 +198,7 @@ class GateAgent:
 
     def _command(self, who: str, topic: str, message: Message) -> None:
         made = message.at if message.age_s is not None else math.inf
-        self._take(lambda at: Command(at, who, topic, message.data, made))
+        self._take(lambda at: ActuatorCommand(at, who, topic, message.data, made))
 
     # -- what is done ----------------------------------------------------------------------------------------------
 
@@ -233,9 +233,9 @@ class GateAgent:
             if isinstance(deed, Pass):
                 topic = self._topics[deed.command.topic]
                 self._connector.publish(topic.topic, topic.type, deed.command.data)
-            elif isinstance(deed, Change | Halt):
+            elif isinstance(deed, ControlChange | Halt):
                 self._publish_stops()
-                if self._memory is not None and isinstance(deed, Change):
+                if self._memory is not None and isinstance(deed, ControlChange):
                     self._memory.note(deed.holder)
             elif isinstance(deed, Publish):
                 self._publish(deed.gate)
@@ -243,7 +243,7 @@ class GateAgent:
                 self._observe(deed)
         except Exception:
             log.exception("not done: %.200s", deed)
-        if isinstance(deed, Change):
+        if isinstance(deed, ControlChange):
             log.info("control goes from %s to %s: %s", deed.former, deed.holder, deed.why)
         elif isinstance(deed, Refuse):
             log.debug("refused: %s", deed)

@@ -13,10 +13,10 @@ from typing import Any
 from rai_missions.errors import UsageError
 from rai_missions.gate.state import (
     COMMANDERS,
+    ActuatorCommand,
     Alive,
     Answer,
-    Change,
-    Command,
+    ControlChange,
     Deed,
     Gate,
     GateEvent,
@@ -41,12 +41,12 @@ def step(terms: GateRules, gate: Gate, happening: GateEvent) -> Turn:
     gate, lapsed = _lapse(terms, gate._replace(at=max(gate.at, happening.at)))
     if isinstance(happening, Request):
         gate, done = _request(gate, happening)
-    elif isinstance(happening, Command):
+    elif isinstance(happening, ActuatorCommand):
         gate, done = _command(terms, gate, happening)
     else:
         gate, done = (_alive(gate, happening.who) if isinstance(happening, Alive) else gate), ()
     done = (*lapsed, *done)
-    if gate.at >= gate.published + terms.status_s or any(isinstance(each, Change | Answer) for each in done):
+    if gate.at >= gate.published + terms.status_s or any(isinstance(each, ControlChange | Answer) for each in done):
         gate = gate._replace(published=gate.at)
         done = (*done, Publish(gate))
     return gate, done
@@ -84,7 +84,7 @@ def _request(gate: Gate, request: Request) -> Turn:
     return gate, (*changes, Answer(gate.revision, request, ""))
 
 
-def _command(terms: GateRules, gate: Gate, command: Command) -> Turn:
+def _command(terms: GateRules, gate: Gate, command: ActuatorCommand) -> Turn:
     who, command = command.who, command._replace(at=gate.at)
     why = _stops(gate, command) or ("" if command.topic in terms.unlooked else _no_finite(command.data))
     gate = _alive(gate, who)._replace(commanded={**gate.commanded, who: gate.at})
@@ -94,7 +94,7 @@ def _command(terms: GateRules, gate: Gate, command: Command) -> Turn:
     return gate._replace(passed=_counted(gate.passed, who)), (Pass(gate.revision, command),)
 
 
-def _stops(gate: Gate, command: Command) -> str:
+def _stops(gate: Gate, command: ActuatorCommand) -> str:
     """Why a command goes no further; empty if it goes on."""
     if command.who != gate.holder:
         return f"{gate.holder} holds control"
@@ -114,7 +114,7 @@ def _control(gate: Gate) -> Control:
 
 
 def _changed(gate: Gate, control: Control, why: str) -> Turn:
-    change = Change(gate.revision + 1, gate.holder, control.holder, why)
+    change = ControlChange(gate.revision + 1, gate.holder, control.holder, why)
     after = gate._replace(
         holder=control.holder, kept=control.kept, revision=change.revision, since=gate.at, why=why
     )  # fmt: skip

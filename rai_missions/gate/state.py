@@ -14,10 +14,10 @@ from rai_missions.runtime.lifecycle import CONTROLLERS
 
 __all__ = (
     "COMMANDERS",
+    "ActuatorCommand",
     "Alive",
     "Answer",
-    "Change",
-    "Command",
+    "ControlChange",
     "Deed",
     "Gate",
     "GateEvent",
@@ -27,7 +27,7 @@ __all__ = (
     "Publish",
     "Refuse",
     "Request",
-    "Tick",
+    "TimePassed",
     "status_of",
 )  # fmt: skip
 
@@ -60,7 +60,7 @@ class Request(NamedTuple):
     by: str
 
 
-class Command(NamedTuple):
+class ActuatorCommand(NamedTuple):
     """Somebody commands an actuator."""
 
     at: float
@@ -79,19 +79,19 @@ class Alive(NamedTuple):
     who: str
 
 
-class Tick(NamedTuple):
+class TimePassed(NamedTuple):
     """Time has passed."""
 
     at: float
 
 
-GateEvent = Request | Command | Alive | Tick
+GateEvent = Request | ActuatorCommand | Alive | TimePassed
 
 
 # -- what is done ------------------------------------------------------------------------------------------------------
 
 
-class Change(NamedTuple):
+class ControlChange(NamedTuple):
     """Control goes from one to another: the stop is published first."""
 
     revision: int
@@ -110,14 +110,14 @@ class Pass(NamedTuple):
     """A command goes on to the actuators."""
 
     revision: int
-    command: Command
+    command: ActuatorCommand
 
 
 class Refuse(NamedTuple):
     """A command goes no further."""
 
     revision: int
-    command: Command
+    command: ActuatorCommand
     why: str
 
 
@@ -135,7 +135,7 @@ class Publish(NamedTuple):
     gate: Gate
 
 
-Deed = Change | Halt | Pass | Refuse | Answer | Publish
+Deed = ControlChange | Halt | Pass | Refuse | Answer | Publish
 
 
 # -- what is known -----------------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ Reader = Callable[[Any, Fetch], Any]
 Value = TypeVar("Value")
 
 
-class Form(NamedTuple):
+class FieldCodec(NamedTuple):
     """How one field is written and read."""
 
     write: Writer
@@ -36,7 +36,7 @@ def _same(value: Any, _: object) -> Any:
     return value
 
 
-def _checked(*kinds: type) -> Form:
+def _checked(*kinds: type) -> FieldCodec:
     def read(value: Any, fetch: Fetch) -> Any:
         if type(value) not in kinds:
             raise ValueError(
@@ -44,10 +44,10 @@ def _checked(*kinds: type) -> Form:
             )
         return value
 
-    return Form(_same, read)
+    return FieldCodec(_same, read)
 
 
-def _tuple_of(form: Form) -> Form:
+def _tuple_of(form: FieldCodec) -> FieldCodec:
     def write(value: Any, keep: Keep) -> Any:
         return [form.write(item, keep) for item in value]
 
@@ -56,10 +56,10 @@ def _tuple_of(form: Form) -> Form:
             raise ValueError(f"{cut_repr(value, 60)} stands where a list belongs")
         return tuple([form.read(item, fetch) for item in value])
 
-    return Form(write, read)
+    return FieldCodec(write, read)
 
 
-def _pair(second: Form) -> Form:
+def _pair(second: FieldCodec) -> FieldCodec:
     def write(value: Any, keep: Keep) -> Any:
         return [value[0], second.write(value[1], keep)]
 
@@ -67,18 +67,18 @@ def _pair(second: Form) -> Form:
         name, item = value
         return TEXT.read(name, fetch), second.read(item, fetch)
 
-    return Form(write, read)
+    return FieldCodec(write, read)
 
 
 TEXT, INTEGER, NUMBER, TRUTH = _checked(str), _checked(int), _checked(float, int), _checked(bool, type(None))
-VALUE = Form(lambda value, keep: to_json(value), from_json)
+VALUE = FieldCodec(lambda value, keep: to_json(value), from_json)
 """Any value; also the form of every field whose type says no more."""
-SHOWN = Form(to_json, from_json)
+SHOWN = FieldCodec(to_json, from_json)
 """What somebody is asked about: the bytes of its pictures are kept."""
 TEXTS = _tuple_of(TEXT)
 
 
-def _value_of(*kinds: type) -> Form:
+def _value_of(*kinds: type) -> FieldCodec:
     """A value of certain types: who altered a journal may have written another."""
 
     def read(value: Any, fetch: Fetch) -> Any:
@@ -89,10 +89,10 @@ def _value_of(*kinds: type) -> Form:
             )
         return found
 
-    return Form(VALUE.write, read)
+    return FieldCodec(VALUE.write, read)
 
 
-def _word_of(words: Any) -> Form:
+def _word_of(words: Any) -> FieldCodec:
     """One of the words of a `Literal`."""
 
     def read(value: Any, fetch: Fetch) -> Any:
@@ -100,10 +100,10 @@ def _word_of(words: Any) -> Form:
             raise ValueError(f"{cut_repr(value, 60)} stands where one of {', '.join(get_args(words))} belongs")
         return value
 
-    return Form(_same, read)
+    return FieldCodec(_same, read)
 
 
-FORMS: Mapping[Any, Form] = {
+FORMS: Mapping[Any, FieldCodec] = {
     str: _value_of(str),
     int: _value_of(int),
     bool: _value_of(bool),
@@ -117,7 +117,7 @@ FORMS: Mapping[Any, Form] = {
 """A field's type → its form, where a table below does not name another."""
 
 
-def _record(kind: type[Any], /, **forms: Form) -> Form:
+def _record(kind: type[Any], /, **forms: FieldCodec) -> FieldCodec:
     """The form of a named tuple, written as an object of its fields."""
     defaults, hints = kind._field_defaults, get_type_hints(kind)
     table = tuple((name, defaults.get(name, ...), forms.get(name) or _usual(hints[name])) for name in kind._fields)
@@ -139,10 +139,10 @@ def _record(kind: type[Any], /, **forms: Form) -> Form:
             raise ValueError(f"a {kind.__name__} has no {unknown[0]!r}")
         return kind(**{name: by_name[name].read(item, fetch) for name, item in value.items()})
 
-    return Form(write, read)
+    return FieldCodec(write, read)
 
 
-def _usual(hint: Any) -> Form:
+def _usual(hint: Any) -> FieldCodec:
     """The form of a field that no table names, by its type."""
     if get_origin(hint) is Literal:
         return _word_of(hint)
@@ -168,7 +168,7 @@ def _snake(name: str) -> str:
     return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
 
 
-EFFECTS: Mapping[type[Any], tuple[str, Form]] = {
+EFFECTS: Mapping[type[Any], tuple[str, FieldCodec]] = {
     kind: (_snake(kind.__name__), _record(kind, **({"question": QUESTION} if kind is Ask else {})))
     for kind in cast("tuple[type[Any], ...]", Effect.__args__)
 }
@@ -196,7 +196,7 @@ STEP = _record(
     moves=_tuple_of(MOVE),
     guards=_tuple_of(_pair(TRUTH)),
     writes=_tuple_of(_pair(VALUE)),
-    effects=_tuple_of(Form(_write_effect, _read_effect)),
+    effects=_tuple_of(FieldCodec(_write_effect, _read_effect)),
     why=TEXT,
     notes=TEXTS,
     mode=_word_of(Mode),

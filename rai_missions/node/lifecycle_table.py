@@ -8,55 +8,55 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ("ACTS", "STATES", "TRANSITIONS", "State", "Transition", "leaving", "transition")
+__all__ = ("ACTS", "STATES", "TRANSITIONS", "NodeState", "NodeTransition", "leaving", "transition")
 
 
-class State(NamedTuple):
+class NodeState(NamedTuple):
     """A state of the node."""
 
     id: int
     label: str
 
 
-class Transition(NamedTuple):
+class NodeTransition(NamedTuple):
     """A way between two states."""
 
     id: int
     label: str
-    start: State
-    goal: State
+    start: NodeState
+    goal: NodeState
 
 
 UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED = (
-    State(1, "unconfigured"), State(2, "inactive"), State(3, "active"), State(4, "finalized"),
+    NodeState(1, "unconfigured"), NodeState(2, "inactive"), NodeState(3, "active"), NodeState(4, "finalized"),
 )  # fmt: skip
 CONFIGURING, CLEANINGUP, SHUTTINGDOWN, ACTIVATING, DEACTIVATING, ERRORPROCESSING = (
-    State(10, "configuring"), State(11, "cleaningup"), State(12, "shuttingdown"), State(13, "activating"),
-    State(14, "deactivating"), State(15, "errorprocessing"),
+    NodeState(10, "configuring"), NodeState(11, "cleaningup"), NodeState(12, "shuttingdown"),
+    NodeState(13, "activating"), NodeState(14, "deactivating"), NodeState(15, "errorprocessing"),
 )  # fmt: skip
 STATES = (
-    State(0, "unknown"), UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED,
+    NodeState(0, "unknown"), UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED,
     CONFIGURING, CLEANINGUP, SHUTTINGDOWN, ACTIVATING, DEACTIVATING, ERRORPROCESSING,
 )  # fmt: skip
 
 ACTS = (
-    Transition(1, "configure", UNCONFIGURED, CONFIGURING),
-    Transition(2, "cleanup", INACTIVE, CLEANINGUP),
-    Transition(3, "activate", INACTIVE, ACTIVATING),
-    Transition(4, "deactivate", ACTIVE, DEACTIVATING),
-    Transition(5, "shutdown", UNCONFIGURED, SHUTTINGDOWN),
-    Transition(6, "shutdown", INACTIVE, SHUTTINGDOWN),
-    Transition(7, "shutdown", ACTIVE, SHUTTINGDOWN),
+    NodeTransition(1, "configure", UNCONFIGURED, CONFIGURING),
+    NodeTransition(2, "cleanup", INACTIVE, CLEANINGUP),
+    NodeTransition(3, "activate", INACTIVE, ACTIVATING),
+    NodeTransition(4, "deactivate", ACTIVE, DEACTIVATING),
+    NodeTransition(5, "shutdown", UNCONFIGURED, SHUTTINGDOWN),
+    NodeTransition(6, "shutdown", INACTIVE, SHUTTINGDOWN),
+    NodeTransition(7, "shutdown", ACTIVE, SHUTTINGDOWN),
 )
 """What a client may ask for."""
 
 
-def _ends(first_id: int, within: State, success: State, failure: State) -> tuple[Transition, ...]:
+def _ends(first_id: int, within: NodeState, success: NodeState, failure: NodeState) -> tuple[NodeTransition, ...]:
     """How what is done in a state on the way ends."""
     return (
-        Transition(first_id, "transition_success", within, success),
-        Transition(first_id + 1, "transition_failure", within, failure),
-        Transition(first_id + 2, "transition_error", within, ERRORPROCESSING if first_id != 60 else FINALIZED),
+        NodeTransition(first_id, "transition_success", within, success),
+        NodeTransition(first_id + 1, "transition_failure", within, failure),
+        NodeTransition(first_id + 2, "transition_error", within, ERRORPROCESSING if first_id != 60 else FINALIZED),
     )
 
 
@@ -71,12 +71,12 @@ TRANSITIONS = (
 )
 
 
-def leaving(state: State) -> tuple[Transition, ...]:
+def leaving(state: NodeState) -> tuple[NodeTransition, ...]:
     """What a client may ask for in a state."""
     return tuple(each for each in ACTS if each.start == state)
 
 
-def transition(state: State, label: str, number: int = 0) -> Transition | None:
+def transition(state: NodeState, label: str, number: int = 0) -> NodeTransition | None:
     """The way out of a state that has a label, or, without one, a number; None where there is none.
 
     As in rclcpp the label comes first, since one `shutdown` has three numbers.

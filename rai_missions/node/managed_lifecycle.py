@@ -19,8 +19,8 @@ from rai_missions.node.lifecycle_table import (
     STATES,
     TRANSITIONS,
     UNCONFIGURED,
-    State,
-    Transition,
+    NodeState,
+    NodeTransition,
     leaving,
     transition,
 )
@@ -45,10 +45,10 @@ class ManagedLifecycle:
         moved: Told of each move, in order.
     """
 
-    def __init__(self, acts: Mapping[str, Callable[[Finish], None]], moved: Callable[[Transition], None]) -> None:
+    def __init__(self, acts: Mapping[str, Callable[[Finish], None]], moved: Callable[[NodeTransition], None]) -> None:
         self._acts, self._moved = acts, moved
         self._lock = threading.RLock()
-        self.state: State = UNCONFIGURED
+        self.state: NodeState = UNCONFIGURED
         self.fault = ""
         """Why the last transition failed; empty once one has succeeded."""
 
@@ -98,7 +98,7 @@ class ManagedLifecycle:
             else:
                 self._end("transition_success", why)
 
-    def _go(self, way: Transition) -> None:
+    def _go(self, way: NodeTransition) -> None:
         self.state = way.goal
         self._moved(way)
 
@@ -122,19 +122,19 @@ def serve_lifecycle(connector: Connector, name: NodeName, lifecycle: ManagedLife
     ]
 
 
-def event_fields(way: Transition) -> dict[str, Any]:
+def event_fields(way: NodeTransition) -> dict[str, Any]:
     """The fields of a `lifecycle_msgs/msg/TransitionEvent`."""
     return {"timestamp": time.time_ns(), **_description(way)}
 
 
-def _state(state: State) -> dict[str, Any]:
+def _state(state: NodeState) -> dict[str, Any]:
     return {"id": state.id, "label": state.label}
 
 
-def _description(way: Transition) -> dict[str, Any]:
+def _description(way: NodeTransition) -> dict[str, Any]:
     named = {"id": way.id, "label": way.label}
     return {"transition": named, "start_state": _state(way.start), "goal_state": _state(way.goal)}
 
 
-def _described(ways: tuple[Transition, ...]) -> Data:
+def _described(ways: tuple[NodeTransition, ...]) -> Data:
     return {"available_transitions": [_description(way) for way in ways]}

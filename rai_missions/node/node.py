@@ -20,7 +20,7 @@ from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycl
 from rai_missions.node.names import NodeName
 from rai_missions.node.prerequisites import about, readied, robot_of
 from rai_missions.node.publisher import StatusPublisher
-from rai_missions.node.run_host import Host
+from rai_missions.node.run_host import RunHost
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING, serve_orders, serve_typed_orders
 from rai_missions.node.transport import PACKAGE, Carrier, name_of, open_carrier
@@ -59,7 +59,7 @@ class MissionNode:
         ended: Callable[[RunSession], None] = lambda _course: None,
     ) -> None:  # fmt: skip
         robot = robot_of(setting)
-        self._host = Host(setting, robot=robot, journals=journals, operator=operator)
+        self._host = RunHost(setting, robot=robot, journals=journals, operator=operator)
         called, self._about = about(setting.mission)
         self.name: NodeName = name_of(name, called, robot, ros_arguments)
         self._carrier = carrier or open_carrier(robot, self.name, now=self._host.now, ros_arguments=ros_arguments)

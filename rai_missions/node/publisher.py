@@ -18,7 +18,7 @@ from rai_missions.errors import DefinitionError
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.node.command import CommandReply
 from rai_missions.node.diagnostics import array_of
-from rai_missions.node.lifecycle_table import Transition
+from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
 from rai_missions.node.publish_queue import PublishQueue
@@ -116,7 +116,7 @@ class StatusPublisher:
         for line in lines_of(step, self._logger) if step.effects else ():
             self.log(line)
 
-    def moved(self, way: Transition) -> None:
+    def moved(self, way: NodeTransition) -> None:
         """The node's lifecycle has moved."""
         fields = event_fields(way)
         self.outlet.put(lambda: self._publish("transition_event", EVENT_TYPE, fields))

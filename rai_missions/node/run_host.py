@@ -26,12 +26,12 @@ from rai_missions.redaction import logger
 from rai_missions.runtime.clock import Clock, HeardClock, WallClock
 from rai_missions.runtime.lifecycle import Status
 
-__all__ = ("Host",)
+__all__ = ("RunHost",)
 
 log = logger(__name__)
 
 
-class Host:
+class RunHost:
     """Where the runs of a node live.
 
     Args:

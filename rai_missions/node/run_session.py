@@ -19,7 +19,7 @@ from rai_missions.errors import suggestion
 from rai_missions.event import Event
 from rai_missions.keys import stale_at
 from rai_missions.node.command import GOOD_FOR_S, Command, CommandReply, ReplyCallback, lasts, overdue
-from rai_missions.node.status_message import Open
+from rai_missions.node.status_message import OpenQuestion
 from rai_missions.profile import Robot
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.lifecycle import CONTROLLERS, Status, is_operator
@@ -89,11 +89,11 @@ class RunSession:
         """The caller is the run's own thread."""
         return threading.current_thread() is self._thread
 
-    def questions(self) -> tuple[Open, ...]:
+    def questions(self) -> tuple[OpenQuestion, ...]:
         """What is asked now, the oldest first, with the time left; it stands still in a pause, and while it is held."""
         with self._lock:
             asked = () if self.is_over else tuple(self._asked.values())
-        return tuple(Open(question, max(0.0, question.until - self._now_for(question))) for question in asked)
+        return tuple(OpenQuestion(question, max(0.0, question.until - self._now_for(question))) for question in asked)
 
     def _now_for(self, question: Question) -> float:
         """Now, or when the time of its state was stopped: by a pause, or by the operator who took control."""

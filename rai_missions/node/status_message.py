@@ -13,13 +13,13 @@ from rai_missions.engine.step import Step
 from rai_missions.journal.codec import encode
 from rai_missions.redaction import cut
 
-__all__ = ("Open", "StatusMessage", "step_fields", "step_text", "text_of")
+__all__ = ("OpenQuestion", "StatusMessage", "step_fields", "step_text", "text_of")
 
 CUT = 2_000
 """Characters of a text that a bulletin quotes."""
 
 
-class Open(NamedTuple):
+class OpenQuestion(NamedTuple):
     """A question that waits for its answer."""
 
     question: Question
@@ -66,7 +66,7 @@ class StatusMessage(NamedTuple):
     """`idle` before the first run; then one of `lifecycle.MODES`."""
     control: str
     active: tuple[str, ...] = ()
-    questions: tuple[Open, ...] = ()
+    questions: tuple[OpenQuestion, ...] = ()
     outcome: str = ""
     """Said once the run is over, every goal's end included: another may be begun."""
     why: str = ""

@@ -11,7 +11,7 @@ from collections import Counter, deque
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
-__all__ = ("BoundedQueue", "Kind", "Waiting")
+__all__ = ("BoundedQueue", "Kind", "QueuedItem")
 
 Kind = Literal["message", "picture", "row"]
 MOST: dict[Kind, int] = {"message": 20_000, "picture": 20, "row": 100_000}
@@ -21,7 +21,7 @@ GATHER_S = 0.05
 """How long the first who waits, waits for others: one thread is woken once, not for each of them."""
 
 
-class Waiting(NamedTuple):
+class QueuedItem(NamedTuple):
     """Something that is to be recorded."""
 
     kind: Kind
@@ -38,7 +38,7 @@ class BoundedQueue:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._queue: deque[Waiting] = deque()
+        self._queue: deque[QueuedItem] = deque()
         self._count: Counter[str] = Counter()
         self._bytes: Counter[str] = Counter()
         self._some = threading.Event()
@@ -46,7 +46,7 @@ class BoundedQueue:
         self.dropped: Counter[str] = Counter()
         """Name → how many of it found no room."""
 
-    def put(self, waiting: Waiting) -> bool:
+    def put(self, waiting: QueuedItem) -> bool:
         """Let something wait; False if there was no room, or the room is closed."""
         kind = waiting.kind
         with self._lock:
@@ -73,7 +73,7 @@ class BoundedQueue:
         if all(2 * self._count[kind] < most for kind, most in MOST.items() if kind != "picture"):
             self._closing.wait(seconds)
 
-    def take(self) -> Waiting | None:
+    def take(self) -> QueuedItem | None:
         """The one who has waited longest; None if nobody does."""
         with self._lock:
             if not self._queue:

@@ -22,7 +22,7 @@ from rai_missions.journal import Blob, Journal, Raw, Record
 from rai_missions.mission.mission import Mission
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
 from rai_missions.recording.json_messages import image_in, plain, short, status_of, write_of
-from rai_missions.recording.queue import BoundedQueue, Kind, Waiting
+from rai_missions.recording.queue import BoundedQueue, Kind, QueuedItem
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
 from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import Status
@@ -215,7 +215,7 @@ class Recording:
             wall = time.time_ns()
             run_s = self._now() if at is None else at
             run = self._began_ns + round(run_s * 1e9) if math.isfinite(run_s) else wall
-            self._room.put(Waiting(kind, name, size, lambda: write(When(wall, run))))
+            self._room.put(QueuedItem(kind, name, size, lambda: write(When(wall, run))))
 
     # -- on the recording's own thread ---------------------------------------------------------------------------------
 

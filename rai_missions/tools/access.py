@@ -18,7 +18,7 @@ from rai_missions.redaction import cut_repr
 from rai_missions.tools.allowlist import Allowed, Deed
 from rai_missions.tools.latest import Latest
 
-__all__ = ("LONGEST_WAIT_S", "Reach", "Sample", "until")
+__all__ = ("LONGEST_WAIT_S", "AllowedConnector", "Sample", "until")
 
 T = TypeVar("T")
 LONGEST_WAIT_S = 60.0
@@ -48,7 +48,7 @@ def until(timeout_s: float) -> float:
     return time.monotonic() + timeout_s
 
 
-class Reach:
+class AllowedConnector:
     """A connector as far as tools may use it. Safe to use from any thread.
 
     Args:

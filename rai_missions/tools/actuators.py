@@ -13,8 +13,8 @@ from typing import Any
 from rai_missions.connectors.connector import Data, Reply
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut, cut_repr
-from rai_missions.tools.access import Reach, until
-from rai_missions.tools.goals import Goals, GoalState
+from rai_missions.tools.access import AllowedConnector, until
+from rai_missions.tools.goals import GoalState, ToolGoals
 from rai_missions.tools.result import ToolResult
 
 __all__ = ("Acting",)
@@ -37,7 +37,7 @@ class Acting:
         goals: The goals that were started.
     """
 
-    def __init__(self, reach: Reach, goals: Goals) -> None:
+    def __init__(self, reach: AllowedConnector, goals: ToolGoals) -> None:
         self._reach, self._goals = reach, goals
 
     def publish_message(self, topic: str, message: Data, *, type_name: str = "", timeout_s: float = 2.0) -> ToolResult:

@@ -14,10 +14,10 @@ from typing import Any
 from rai_missions.connectors.connector import Message
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
-from rai_missions.tools.access import Reach, Sample, until
+from rai_missions.tools.access import AllowedConnector, Sample, until
 from rai_missions.tools.detections import Detection, detections_of
 from rai_missions.tools.latest import Latest
-from rai_missions.tools.ranging import Camera, Range, camera_of, cloud_points, depth_points, ranged
+from rai_missions.tools.ranging import PinholeCamera, Range, camera_of, cloud_points, depth_points, ranged
 from rai_missions.tools.result import ToolResult
 from rai_missions.tools.transforms import Found, Frames, Transform
 
@@ -36,7 +36,7 @@ class Measuring:
         reach: The way to the robot.
     """
 
-    def __init__(self, reach: Reach) -> None:
+    def __init__(self, reach: AllowedConnector) -> None:
         self._reach = reach
         self._frames = Frames()
         self._news: Latest[int] = Latest()
@@ -101,7 +101,7 @@ class Measuring:
         return ToolResult(words, {"objects": objects, "age_s": age_s, "why": ""}, objects)
 
     def _sight(
-        self, seen: Sample, info: Sample | None, camera: Camera | None, *, is_cloud: bool, ends: float
+        self, seen: Sample, info: Sample | None, camera: PinholeCamera | None, *, is_cloud: bool, ends: float
     ) -> Callable[[Detection], Range]:
         """What measures a detection's box."""
         if not is_cloud and camera is not None:

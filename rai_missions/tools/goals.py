@@ -15,10 +15,10 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.connectors.connector import Data, Report
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut_repr
-from rai_missions.tools.access import Reach
+from rai_missions.tools.access import AllowedConnector
 from rai_missions.tools.latest import Latest
 
-__all__ = ("Goal", "GoalState", "Goals")
+__all__ = ("GoalState", "ToolGoal", "ToolGoals")
 
 State = Literal["sent", "running", "rejected", "succeeded", "aborted", "canceled", "lost"]
 STATES: Mapping[str, State] = {
@@ -73,7 +73,7 @@ class GoalState(NamedTuple):
         return {**self._asdict(), "result": dict(self.result), "is_over": self.is_over}
 
 
-class Goal:
+class ToolGoal:
     """One goal, and who waits for news of it."""
 
     def __init__(self, goal_id: str, action: str) -> None:
@@ -107,23 +107,23 @@ class Goal:
                 self.news.put(self.state_now._replace(cancel="asked"))
 
 
-class Goals:
+class ToolGoals:
     """All goals of one set of tools.
 
     Args:
         reach: The way to the robot.
     """
 
-    def __init__(self, reach: Reach) -> None:
+    def __init__(self, reach: AllowedConnector) -> None:
         self._reach = reach
         self._lock = threading.Lock()
-        self._goals: dict[str, Goal] = {}
+        self._goals: dict[str, ToolGoal] = {}
         self._is_stopped = False
 
     def start(self, action: str, type_name: str, goal: Data, ends: float) -> GoalState:
         """Send a goal, and wait until its server has said whether it takes it."""
         goal_id = f"tool-{uuid.uuid4().hex[:10]}"  # fifteen letters: ROS carries them as they are
-        sent = self._keep(Goal(goal_id, action), goal_id)
+        sent = self._keep(ToolGoal(goal_id, action), goal_id)
         try:
             self._reach.send_goal(action, type_name, goal, goal_id, sent.receive)
         except BaseException:
@@ -169,7 +169,7 @@ class Goals:
             self._reach.done(goal.news)
         return left
 
-    def _keep(self, goal: Goal, goal_id: str) -> Goal:
+    def _keep(self, goal: ToolGoal, goal_id: str) -> ToolGoal:
         with self._lock:
             if self._is_stopped:
                 raise UsageError("the tools were stopped")
@@ -182,7 +182,7 @@ class Goals:
             self._goals[goal_id] = goal
         return goal
 
-    def _known(self, goal_id: str) -> Goal:
+    def _known(self, goal_id: str) -> ToolGoal:
         with self._lock:
             goal = self._goals.get(goal_id)
             known = ", ".join(list(self._goals)[-5:]) or "none was started"

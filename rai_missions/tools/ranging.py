@@ -20,7 +20,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.redaction import cut_repr
 from rai_missions.tools.transforms import Transform, Vector
 
-__all__ = ("Camera", "Range", "camera_of", "cloud_points", "depth_points", "ranged")
+__all__ = ("PinholeCamera", "Range", "camera_of", "cloud_points", "depth_points", "ranged")
 
 Sample = tuple[float, float, Vector]
 """Column, row, and the point in the camera's optical frame (x right, y down, z ahead), in metres."""
@@ -37,7 +37,7 @@ NUMBERS = {1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 8: "d"}
 """sensor_msgs/msg/PointField's datatypes, as `struct` calls them."""
 
 
-class Camera(NamedTuple):
+class PinholeCamera(NamedTuple):
     """A pinhole camera, in pixels of its picture; lenses that bend are not undone."""
 
     width: int
@@ -69,7 +69,7 @@ class Range(NamedTuple):
     """Why it is unknown."""
 
 
-def camera_of(info: Mapping[str, Any]) -> Camera:
+def camera_of(info: Mapping[str, Any]) -> PinholeCamera:
     """The camera of a sensor_msgs/msg/CameraInfo.
 
     Raises:
@@ -77,7 +77,7 @@ def camera_of(info: Mapping[str, Any]) -> Camera:
     """
     try:
         k = [float(each) for each in info["k"]]
-        camera = Camera(int(info["width"]), int(info["height"]), k[0], k[4], k[2], k[5])
+        camera = PinholeCamera(int(info["width"]), int(info["height"]), k[0], k[4], k[2], k[5])
     except (KeyError, TypeError, ValueError, IndexError) as fault:
         raise ConnectorError(f"{cut_repr(info, 80)} is no sensor_msgs/msg/CameraInfo: {cut_repr(fault, 60)}") from None
     if not (camera.fx > 0 and camera.fy > 0 and all(map(math.isfinite, camera[2:])) and min(camera[:2]) > 0):
@@ -85,7 +85,7 @@ def camera_of(info: Mapping[str, Any]) -> Camera:
     return camera
 
 
-def depth_points(image: Mapping[str, Any], camera: Camera, box: Sequence[float]) -> tuple[list[Sample], int]:
+def depth_points(image: Mapping[str, Any], camera: PinholeCamera, box: Sequence[float]) -> tuple[list[Sample], int]:
     """The points that a depth image shows in the middle of a box, and how many pixels were looked at.
 
     Args:
@@ -136,7 +136,7 @@ def _depths(image: Mapping[str, Any]) -> tuple[int, int, Any]:
 
 
 def cloud_points(
-    cloud: Mapping[str, Any], camera: Camera | None, box: Sequence[float], to_camera: Transform | None = None
+    cloud: Mapping[str, Any], camera: PinholeCamera | None, box: Sequence[float], to_camera: Transform | None = None
 ) -> tuple[list[Sample], int]:
     """The points of a cloud in the middle of a box, and how many were to be expected there.
 

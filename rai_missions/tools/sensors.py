@@ -12,7 +12,7 @@ from typing import Any
 from rai_missions.connectors.connector import Mode
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut_repr
-from rai_missions.tools.access import Reach, Sample, until
+from rai_missions.tools.access import AllowedConnector, Sample, until
 from rai_missions.tools.images import block, image_of
 from rai_missions.tools.result import ToolResult, at_path
 
@@ -28,7 +28,7 @@ class Looking:
         reach: The way to the robot.
     """
 
-    def __init__(self, reach: Reach) -> None:
+    def __init__(self, reach: AllowedConnector) -> None:
         self._reach = reach
 
     def list_topics(self, containing: str = "") -> ToolResult:

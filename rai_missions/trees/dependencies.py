@@ -28,12 +28,12 @@ from rai_missions.trees.nodes import (
 )
 from rai_missions.trees.tick import TickView
 
-__all__ = ("Looked", "Watch")
+__all__ = ("BehaviourWatch", "TickReads")
 
 Call = tuple[str, str, str]
 
 
-class Looked(NamedTuple):
+class TickReads(NamedTuple):
     """What a tick may look at."""
 
     watched: frozenset[str]
@@ -41,11 +41,11 @@ class Looked(NamedTuple):
     instants: tuple[Instant, ...]
 
 
-def _of(site: Site) -> Looked:
-    return Looked(site.watched, tuple(site.instants))
+def _of(site: Site) -> TickReads:
+    return TickReads(site.watched, tuple(site.instants))
 
 
-class Watch:
+class BehaviourWatch:
     """Over the live behaviours of one tree.
 
     Args:
@@ -55,9 +55,9 @@ class Watch:
     def __init__(self, planted: Mapping[str, BuiltNode]) -> None:
         sites = {each.behaviour: each.site for each in planted.values() if each.site}
         self.holds = {name: test for site in sites.values() for name, test in site.holds.items()}
-        self.depends: dict[Any, Looked] = {node: _of(site) for node, site in sites.items() if not site.holds}
+        self.depends: dict[Any, TickReads] = {node: _of(site) for node, site in sites.items() if not site.holds}
         held = [_of(site) for site in sites.values() if site.holds]
-        self.held_by = Looked(
+        self.held_by = TickReads(
             frozenset[str]().union(*(each.watched for each in held)),
             tuple(instant for each in held for instant in each.instants),
         )
@@ -77,7 +77,7 @@ class Watch:
                     held.pop(name, None)
         return sight
 
-    def looked_at(self, root: Behaviour) -> Looked:
+    def looked_at(self, root: Behaviour) -> TickReads:
         """What the next tick may look at if nothing but facts and time change, and on what a duration depends."""
         keys, instants, rest = set(self.held_by.watched), list(self.held_by.instants), [root]
         while rest:
@@ -87,7 +87,7 @@ class Watch:
             if found is not None and looks(node):
                 keys |= found.watched
                 instants += found.instants
-        return Looked(frozenset(keys), tuple(instants))
+        return TickReads(frozenset(keys), tuple(instants))
 
     @staticmethod
     def wake_at(root: Behaviour, sight: TickView, instants: Iterable[Instant]) -> float:
@@ -123,7 +123,7 @@ class Watch:
         return tuple(begun), tuple(rounds)
 
 
-class Turn(NamedTuple):
+class LoopTurn(NamedTuple):
     """The child of a loop: each of its runs is a round."""
 
     child: Any
@@ -131,11 +131,11 @@ class Turn(NamedTuple):
     counted: bool
 
 
-def _turns(planted: Mapping[str, BuiltNode]) -> Iterator[tuple[str, Turn]]:
+def _turns(planted: Mapping[str, BuiltNode]) -> Iterator[tuple[str, LoopTurn]]:
     for path, each in planted.items():
         loop = each.behaviour.parent
         if isinstance(loop, LOOPS) or (isinstance(loop, Parallel) and not loop.policy.synchronise):
-            yield path, Turn(each.behaviour, loop, _counted(loop))
+            yield path, LoopTurn(each.behaviour, loop, _counted(loop))
 
 
 def _counted(loop: Any) -> bool:

@@ -14,7 +14,7 @@ from rai_missions.guards.guard import View
 from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees.builder import TreeBuilder
-from rai_missions.trees.dependencies import Looked, Watch
+from rai_missions.trees.dependencies import BehaviourWatch, TickReads
 from rai_missions.trees.leaves import ActivityLeaf, Ask
 from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, Live
 from rai_missions.trees.tick import Tick, TickView
@@ -41,10 +41,10 @@ class TreeTicker:
         self.root: Any = planter.plant(root)
         self.live: dict[str, Live] = {path: planted.behaviour for path, planted in planter.planted.items()}
         self.errands = [node for node in self.live.values() if isinstance(node, ActivityLeaf | Ask)]
-        self.watch = Watch(planter.planted)
+        self.watch = BehaviourWatch(planter.planted)
         self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None
-        self._looked: tuple[TreeState | None, Looked | None] = (None, None)
+        self._looked: tuple[TreeState | None, TickReads | None] = (None, None)
         """What was worked out last, and of which state."""
 
     def tick(
@@ -74,7 +74,7 @@ class TreeTicker:
     def reads(self, state: TreeState) -> frozenset[str]:
         return self._looked_at(state).watched
 
-    def _looked_at(self, state: TreeState) -> Looked:
+    def _looked_at(self, state: TreeState) -> TickReads:
         of, looked = self._looked
         if of is not state or looked is None:
             self._recall(state)

@@ -18,7 +18,7 @@ from rai_missions.testing import (
     ChatteringAnswerer,
     LateAnswerer,
     RaisingAnswerer,
-    ReplyCallback,
+    ReplyCollector,
     SilentAnswerer,
     answer_fault,
     check_agent,
@@ -106,7 +106,7 @@ def test_an_agent_that_leaves_a_thread_behind_does_not_pass() -> None:
 
 
 def test_a_late_answer_comes_when_the_test_says_so_withdrawn_or_not() -> None:
-    late, reported = LateAnswerer(), ReplyCallback()
+    late, reported = LateAnswerer(), ReplyCollector()
     late.ask(QUESTION, reported)
     late.withdraw(1)
     assert (reported.all, late.withdrawn) == ([], [1])

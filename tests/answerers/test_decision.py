@@ -26,7 +26,7 @@ from rai_missions.testing import (
     HangingModel,
     LyingModel,
     RaisingModel,
-    ReplyCallback,
+    ReplyCollector,
     ScriptedModel,
     SilentModel,
     ToolFloodModel,
@@ -64,7 +64,7 @@ def asked(model: DoubleModel, question: Question = QUESTION, **words: Any) -> di
 
 
 def answer(model: DoubleModel, question: Question = QUESTION, **words: Any) -> dict[str, Any]:
-    agent, reported = DecisionAgent(model, **words), ReplyCallback()
+    agent, reported = DecisionAgent(model, **words), ReplyCollector()
     agent.ask(question, reported)
     reply = dict(reported.wait())
     agent.stop(within_s=0.1)
@@ -159,7 +159,7 @@ def test_a_mode_that_the_server_refuses_gives_way_to_the_next_and_is_not_tried_a
     )
     agent = DecisionAgent(model)
     for calls in (2, 1):
-        reported = ReplyCallback()
+        reported = ReplyCollector()
         agent.ask(QUESTION, reported)
         reply = reported.wait()
         assert (reply["option"], reply["usage"]["calls"]) == ("abort", calls)
@@ -211,14 +211,14 @@ def test_a_model_that_does_not_answer_is_told_as_what_it_did(model: DoubleModel,
 def test_a_model_that_claims_success_only_wishes_for_what_is_not_offered() -> None:
     agent = DecisionAgent(LyingModel(), mode="text")
     for _ in range(5):
-        reported = ReplyCallback()
+        reported = ReplyCollector()
         agent.ask(QUESTION, reported)
         assert reported.wait().get("option") in (None, "succeeded", "done")
 
 
 def test_a_stream_that_nobody_waits_for_ends_without_a_word(caplog: pytest.LogCaptureFixture) -> None:
     model = BabblingModel(word="")
-    agent, reported = DecisionAgent(model), ReplyCallback()
+    agent, reported = DecisionAgent(model), ReplyCollector()
     agent.ask(QUESTION, reported)
     agent.withdraw(QUESTION.number)
     assert model.ended.wait(10)
@@ -239,7 +239,7 @@ def test_a_model_that_hangs_is_given_up_when_its_time_is_over(hanging: HangingMo
 
 
 def test_what_comes_after_the_time_is_over_is_dropped(hanging: HangingModel) -> None:
-    agent, reported = DecisionAgent(hanging), ReplyCallback()
+    agent, reported = DecisionAgent(hanging), ReplyCollector()
     agent.ask(QUESTION._replace(budget=Limits(seconds=0.05)), reported)
     reported.wait()
     hanging.release()
@@ -248,7 +248,7 @@ def test_what_comes_after_the_time_is_over_is_dropped(hanging: HangingModel) -> 
 
 
 def test_what_comes_after_the_question_is_withdrawn_is_dropped(hanging: HangingModel) -> None:
-    agent, reported = DecisionAgent(hanging), ReplyCallback()
+    agent, reported = DecisionAgent(hanging), ReplyCollector()
     agent.ask(QUESTION, reported)
     agent.withdraw(QUESTION.number)
     hanging.release()
@@ -257,9 +257,9 @@ def test_what_comes_after_the_question_is_withdrawn_is_dropped(hanging: HangingM
 
 
 def test_a_model_that_hangs_holds_up_neither_the_next_question_nor_the_end(hanging: HangingModel) -> None:
-    agent, last = DecisionAgent(hanging, at_once=2), ReplyCallback()
+    agent, last = DecisionAgent(hanging, at_once=2), ReplyCollector()
     for number in (1, 2):
-        agent.ask(QUESTION._replace(number=number), ReplyCallback())
+        agent.ask(QUESTION._replace(number=number), ReplyCollector())
     agent.ask(QUESTION._replace(number=3), last)
     assert last.wait() == {"absent": "the model has not come back from 2 earlier questions"}
     agent.stop(within_s=0.01)
@@ -280,7 +280,7 @@ def test_a_model_that_hangs_does_not_keep_the_program_from_ending() -> None:
 
 
 def test_a_model_that_comes_back_is_asked_again(hanging: HangingModel) -> None:
-    agent, first, second = DecisionAgent(hanging, at_once=1), ReplyCallback(), ReplyCallback()
+    agent, first, second = DecisionAgent(hanging, at_once=1), ReplyCollector(), ReplyCollector()
     agent.ask(QUESTION, first)
     hanging.release()
     first.wait()
@@ -302,7 +302,7 @@ class Nameless(HangingModel):
 
 
 def test_a_model_that_cannot_say_its_name_is_given_up_in_time_all_the_same() -> None:
-    model, reported = Nameless(), ReplyCallback()
+    model, reported = Nameless(), ReplyCollector()
     agent = DecisionAgent(model, mode="text", longest_s=0.05)
     try:
         agent.ask(QUESTION._replace(until=QUESTION.at), reported)
@@ -388,7 +388,7 @@ def test_a_model_that_is_given_tools_and_does_not_call_them_is_asked_in_another_
 def test_a_small_model_on_this_machine_wishes_for_an_option_that_is_offered() -> None:
     from rai_missions.answerers.model.local_server import local_model
 
-    reported = ReplyCallback()
+    reported = ReplyCollector()
     DecisionAgent(local_model()).ask(QUESTION._replace(until=120.0, budget=Limits()), reported)
     reply = reported.wait(120)
     assert reply["option"] in ("replan", "signal", "abort")

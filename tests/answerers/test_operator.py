@@ -19,7 +19,7 @@ from rai_missions.answerers.question_text import Blank, blanks, chosen, question
 from rai_missions.answerers.terminal_input import LineReader, printable
 from rai_missions.answerers.terminal_operator import OperatorAgent
 from rai_missions.engine.decision import Evidence, Limits, Offer, Question
-from rai_missions.testing import QUESTION, ReplyCallback, answer_fault, check_agent, check_answerer
+from rai_missions.testing import QUESTION, ReplyCollector, answer_fault, check_agent, check_answerer
 
 DEPTH = {
     "type": "object",
@@ -62,8 +62,8 @@ class Desk:
         self.screen = Screen()
         self.agent = OperatorAgent(self.source, self.screen)
 
-    def ask(self, question: Question = QUESTION) -> ReplyCallback:
-        reported = ReplyCallback()
+    def ask(self, question: Question = QUESTION) -> ReplyCollector:
+        reported = ReplyCollector()
         self.agent.ask(question, reported)
         return reported
 
@@ -249,7 +249,7 @@ def test_stopping_frees_the_terminal(desk: Desk) -> None:
 
 @pytest.mark.parametrize("source", [io.StringIO("1\n"), io.BytesIO(b"1\n")])
 def test_what_is_no_terminal_is_absent(source: IO[Any]) -> None:
-    screen, reported = Screen(), ReplyCallback()
+    screen, reported = Screen(), ReplyCollector()
     OperatorAgent(source, screen).ask(QUESTION, reported)
     assert reported.all == [{"absent": "no terminal"}]
     assert screen.getvalue() == ""
@@ -257,7 +257,7 @@ def test_what_is_no_terminal_is_absent(source: IO[Any]) -> None:
 
 def test_a_pipe_is_no_terminal() -> None:
     reading, writing = os.pipe()
-    reported = ReplyCallback()
+    reported = ReplyCollector()
     with os.fdopen(reading, "rb") as source, os.fdopen(writing, "wb"):
         OperatorAgent(source, Screen()).ask(QUESTION, reported)
     assert reported.all == [{"absent": "no terminal"}]

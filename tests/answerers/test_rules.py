@@ -17,7 +17,7 @@ from rai_missions.engine.decision import Question
 from rai_missions.guards import Compare, Fresh, Guard, Named, Not
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Blackboard, Key, Stamped
-from rai_missions.testing import QUESTION, ReplyCallback, answer_fault, check_answerer
+from rai_missions.testing import QUESTION, ReplyCollector, answer_fault, check_answerer
 
 KEYS = {"height": Key(float, source="robot", max_age_s=1)}
 LOW = Compare(key="height", less=0.2)
@@ -40,7 +40,7 @@ class Seen:
 
 
 def answered(rows: list[tuple[Guard | None, str]], seen: Seen, question: Question = QUESTION) -> Mapping[str, Any]:
-    reported = ReplyCallback()
+    reported = ReplyCollector()
     RulesAnswerer({"assessing": rows}, lambda: seen, keys=KEYS).ask(question, reported)
     (reply,) = reported.all
     assert not answer_fault(reply)
@@ -102,7 +102,7 @@ def test_rules_keep_the_contract(rows: list[tuple[Guard | None, str]]) -> None:
 
 
 def test_a_script_is_followed_and_then_absent() -> None:
-    script, reported = ScriptAnswerer({"assessing": ["replan", {"failed": "a cold"}, None]}), ReplyCallback()
+    script, reported = ScriptAnswerer({"assessing": ["replan", {"failed": "a cold"}, None]}), ReplyCollector()
     for number in range(4):
         script.ask(QUESTION._replace(number=number), reported)
     script.withdraw(2)

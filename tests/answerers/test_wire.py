@@ -17,7 +17,7 @@ from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.answerers.model.output_modes import calls_tools, fills_schemas, takes_images
 from rai_missions.engine.decision import Evidence, Limits, Question
 from rai_missions.event import Image
-from rai_missions.testing import QUESTION, ReplyCallback, answer_fault
+from rai_missions.testing import QUESTION, ReplyCollector, answer_fault
 
 if TYPE_CHECKING:
     from langchain_openai import ChatOpenAI
@@ -92,7 +92,7 @@ def refused(status: int, text: str) -> Reply:
 
 
 def answer(model: ChatOpenAI, question: Question = QUESTION, **words: Any) -> dict[str, Any]:
-    agent, reported = DecisionAgent(model, **words), ReplyCallback()
+    agent, reported = DecisionAgent(model, **words), ReplyCollector()
     agent.ask(question, reported)
     reply = dict(reported.wait())
     agent.stop(within_s=0.1)

@@ -27,7 +27,7 @@ from tests.visualize.live.stage import Run
 from tests.visualize.live.test_scene import play
 from tests.visualize.page.reading import HOSTILE, answered, journal_of
 from tests.visualize.runs import ROOT, tractor
-from visualize.live import JournalFeed, LivePage, Place
+from visualize.live import JournalFeed, LivePage, PageAddress
 
 TRACTOR = ROOT / "missions/tractor"
 Look = Callable[..., Any]
@@ -239,7 +239,7 @@ def test_after_the_end_nothing_looks_as_if_it_went_on(look: Look) -> None:
 def test_a_run_that_was_cut_short_is_shown_so(look: Look, tmp_path: Path) -> None:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     feed = JournalFeed(journal_of(tmp_path / "a.journal", tractor(), answered(tractor())[:3]))
-    page = LivePage(Place(port=0))
+    page = LivePage(PageAddress(port=0))
     page.start(feed.mission, feed)
     try:
         window = look(page)
@@ -326,7 +326,7 @@ class Tractor:
     def __init__(self, journal: Path) -> None:
         profile = parse_json((TRACTOR / "robot.sim.json").read_bytes(), "robot.sim.json")
         profile["connector"] |= {"alleys": 1, "obstacles": ["branch"]}
-        self.page, self.journal = LivePage(Place(port=0)), journal
+        self.page, self.journal = LivePage(PageAddress(port=0)), journal
         setting = RunConfig(
             TRACTOR / "mission.json", Robot.model_validate(profile), {"alleys": 1}, journal=journal, speed=4.0
         )

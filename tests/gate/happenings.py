@@ -10,7 +10,17 @@ from typing import NamedTuple
 from hypothesis import strategies as st
 
 from rai_missions.gate.rules import step
-from rai_missions.gate.state import COMMANDERS, Alive, Command, Deed, Gate, GateEvent, GateRules, Request, Tick
+from rai_missions.gate.state import (
+    COMMANDERS,
+    ActuatorCommand,
+    Alive,
+    Deed,
+    Gate,
+    GateEvent,
+    GateRules,
+    Request,
+    TimePassed,
+)
 from rai_missions.runtime.lifecycle import CONTROLLERS
 
 __all__ = ("Lived", "happenings", "live", "terms")
@@ -29,9 +39,9 @@ def _made(at: float) -> st.SearchStrategy[float]:
     return st.one_of(st.just(math.inf), st.floats(0, 0.5).map(lambda age: at - age))
 
 
-def _command(at: float) -> st.SearchStrategy[Command]:
+def _command(at: float) -> st.SearchStrategy[ActuatorCommand]:
     return st.builds(
-        Command, st.just(at), WHO, st.sampled_from(["/cmd_vel", "/arm"]), st.just({}), _made(at)
+        ActuatorCommand, st.just(at), WHO, st.sampled_from(["/cmd_vel", "/arm"]), st.just({}), _made(at)
     )  # fmt: skip
 
 
@@ -41,7 +51,7 @@ def _one(at: float) -> st.SearchStrategy[GateEvent]:
         _command(at),
         st.builds(Request, st.just(at), st.sampled_from([*CONTROLLERS, "bob"]), st.sampled_from([*COMMANDERS, "eve"])),
         st.builds(Alive, st.just(at), WHO),
-        st.builds(Tick, st.just(at)),
+        st.builds(TimePassed, st.just(at)),
     )
 
 

@@ -14,10 +14,10 @@ from rai_missions.gate.config import gate_words
 from rai_missions.gate.rules import step
 from rai_missions.gate.state import (
     COMMANDERS,
+    ActuatorCommand,
     Alive,
     Answer,
-    Change,
-    Command,
+    ControlChange,
     Deed,
     Gate,
     GateEvent,
@@ -26,7 +26,7 @@ from rai_missions.gate.state import (
     Publish,
     Refuse,
     Request,
-    Tick,
+    TimePassed,
     status_of,
 )
 from rai_missions.runtime.lifecycle import CONTROLLERS, Control
@@ -45,7 +45,7 @@ def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
 ) -> None:
     holder, revision = given_.safe, 0
     for deed in deeds(given_, happened):
-        if isinstance(deed, Change):
+        if isinstance(deed, ControlChange):
             assert deed.former == holder != deed.holder and deed.holder in CONTROLLERS
             assert deed.revision == revision + 1
             holder, revision = deed.holder, deed.revision
@@ -60,7 +60,7 @@ def test_only_the_holder_s_commands_go_through_and_none_made_before_its_grant(
     holder, since = given_.safe, 0.0
     for moment in live(given_, happened):
         for deed in moment.done:
-            if isinstance(deed, Change):
+            if isinstance(deed, ControlChange):
                 holder, since = deed.holder, moment.after.at
             if isinstance(deed, Pass):
                 assert deed.command.who == holder and deed.command.made >= since
@@ -74,7 +74,7 @@ def test_a_command_goes_through_or_is_refused_once_and_each_is_counted(
     passed, refused = Counter[str](), Counter[str]()
     for moment in lived:
         verdicts = [each for each in moment.done if isinstance(each, Pass | Refuse)]
-        assert len(verdicts) == isinstance(moment.happened, Command)
+        assert len(verdicts) == isinstance(moment.happened, ActuatorCommand)
         for verdict in verdicts:
             (passed if isinstance(verdict, Pass) else refused)[verdict.command.who] += 1
     if lived:
@@ -90,7 +90,7 @@ def test_whose_lease_has_run_out_loses_control_before_anything_else_is_done(
     for before, _, after, done in live(given_, happened):
         if after.at >= before.lapses_at(given_):
             safe = given_.safe if before.holder not in (given_.safe, "operator") else "nobody"
-            assert isinstance(done[0], Change) and (done[0].former, done[0].holder) == (before.holder, safe)
+            assert isinstance(done[0], ControlChange) and (done[0].former, done[0].holder) == (before.holder, safe)
 
 
 @given(terms, happenings)
@@ -98,7 +98,7 @@ def test_control_changes_by_a_granted_request_or_by_silence_alone(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
     for before, what, after, done in live(given_, happened):
-        changes = [each for each in done if isinstance(each, Change)]
+        changes = [each for each in done if isinstance(each, ControlChange)]
         lapsed = after.at >= before.lapses_at(given_)
         granted = any(isinstance(each, Answer) and not each.why for each in done)
         assert len(changes) <= lapsed + granted
@@ -135,7 +135,7 @@ def test_every_change_and_every_answer_is_told_and_the_status_is_never_older_tha
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
     for moment in live(given_, happened):
-        if any(isinstance(each, Change | Answer) for each in moment.done):
+        if any(isinstance(each, ControlChange | Answer) for each in moment.done):
             assert moment.done[-1] == Publish(moment.after)
         assert moment.after.at < moment.after.published + given_.status_s
         assert moment.after.wake_at(given_) > moment.after.at
@@ -143,7 +143,7 @@ def test_every_change_and_every_answer_is_told_and_the_status_is_never_older_tha
 
 @given(terms, happenings)
 def test_telling_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
-    ticked = [each for one in happened for each in (Tick(one.at), one, Tick(one.at))]
+    ticked = [each for one in happened for each in (TimePassed(one.at), one, TimePassed(one.at))]
     plain, often = (
         [each for each in deeds(given_, all_) if not isinstance(each, Publish)] for all_ in (happened, ticked)
     )
@@ -151,22 +151,30 @@ def test_telling_the_time_more_often_changes_no_verdict(given_: GateRules, happe
 
 
 def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None:
-    done = deeds(AGENT_ALONE, [Request(1.0, "agent", "agent"), Command(1.4, "agent", "/c", {}), Tick(1.8), Tick(1.9)])
-    assert [type(each) for each in done if not isinstance(each, Publish)] == [Change, Answer, Pass, Change]
-    late = [Request(1.0, "agent", "agent"), Command(1.5, "agent", "/c", {})]
+    done = deeds(
+        AGENT_ALONE,
+        [Request(1.0, "agent", "agent"), ActuatorCommand(1.4, "agent", "/c", {}), TimePassed(1.8), TimePassed(1.9)],
+    )
+    assert [type(each) for each in done if not isinstance(each, Publish)] == [
+        ControlChange,
+        Answer,
+        Pass,
+        ControlChange,
+    ]
+    late = [Request(1.0, "agent", "agent"), ActuatorCommand(1.5, "agent", "/c", {})]
     *_, change, refusal, _ = deeds(AGENT_ALONE, late)
-    assert isinstance(change, Change) and change.why == "agent was silent for 0.5 s"
+    assert isinstance(change, ControlChange) and change.why == "agent was silent for 0.5 s"
     assert isinstance(refusal, Refuse) and refusal.why == "autonomy holds control"
 
 
 def test_a_heartbeat_keeps_control_and_a_stranger_s_does_not() -> None:
     asked = Request(0.0, "agent", "agent")
-    assert live(AGENT_ALONE, [asked, Alive(0.4, "agent"), Tick(0.8)])[-1].after.holder == "agent"
-    assert live(AGENT_ALONE, [asked, Alive(0.4, "operator"), Tick(0.8)])[-1].after.holder == "autonomy"
+    assert live(AGENT_ALONE, [asked, Alive(0.4, "agent"), TimePassed(0.8)])[-1].after.holder == "agent"
+    assert live(AGENT_ALONE, [asked, Alive(0.4, "operator"), TimePassed(0.8)])[-1].after.holder == "autonomy"
 
 
 def test_the_safe_one_that_falls_silent_leaves_nobody() -> None:
-    lived = live(GateRules(leases={"autonomy": 1.0}), [Tick(1.0)])
+    lived = live(GateRules(leases={"autonomy": 1.0}), [TimePassed(1.0)])
     assert lived[-1].after.holder == "nobody"
 
 
@@ -181,7 +189,7 @@ def test_an_operator_who_fell_silent_leaves_nobody_and_only_the_operator_lifts_i
 
 
 def test_a_command_made_before_the_grant_is_refused_though_its_maker_holds_control() -> None:
-    *_, refusal = deeds(AGENT_ALONE, [Request(1.0, "agent", "agent"), Command(1.1, "agent", "/c", {}, 0.8)])
+    *_, refusal = deeds(AGENT_ALONE, [Request(1.0, "agent", "agent"), ActuatorCommand(1.1, "agent", "/c", {}, 0.8)])
     assert isinstance(refusal, Refuse)
     assert refusal.why == "it was made 0.2 s before control was handed over, or by another clock"
 
@@ -202,14 +210,14 @@ def test_a_request_of_strangers_or_for_strangers_is_refused_with_who_there_is(to
 
 def test_a_request_of_the_holder_for_what_it_has_changes_no_grant() -> None:
     gate, done = step(AGENT_ALONE, Gate(), Request(0.0, "autonomy", "autonomy"))
-    assert gate.revision == 0 and not any(isinstance(each, Change) for each in done)
+    assert gate.revision == 0 and not any(isinstance(each, ControlChange) for each in done)
 
 
 @pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf")])
 def test_a_number_that_is_not_finite_goes_no_further_and_is_counted(number: float) -> None:
     holds = Gate(holder="agent")
     data = {"linear": {"x": 0.1}, "points": [{"effort": array("d", [1.0, number])}]}
-    after, done = step(AGENT_ALONE, holds, Command(0.1, "agent", "/arm", data))
+    after, done = step(AGENT_ALONE, holds, ActuatorCommand(0.1, "agent", "/arm", data))
     assert [type(each) for each in done if not isinstance(each, Publish)] == [Refuse]
     assert after.refused == {"agent": 1} and after.passed == {}
     assert after.last_refusal == f"agent on /arm: 'points.0.effort.1' is {number}, which is no finite number"
@@ -221,5 +229,5 @@ def test_a_topic_may_let_numbers_through_that_are_not_finite() -> None:
         {"commands": [{"topic": "/arm", "type": "a/msg/B", "finite": False}, {"topic": "/b", "type": "t"}]}
     )
     for topic, sort in (("/arm", Pass), ("/b", Refuse)):
-        _, done = step(words.terms, Gate(holder="agent"), Command(0.1, "agent", topic, {"x": float("nan")}))
+        _, done = step(words.terms, Gate(holder="agent"), ActuatorCommand(0.1, "agent", topic, {"x": float("nan")}))
         assert sort in map(type, done)

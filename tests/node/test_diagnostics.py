@@ -10,13 +10,13 @@ import pytest
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
 from rai_missions.node.diagnostics import ERROR, OK, WARN, array_of, level
-from rai_missions.node.status_message import Open, StatusMessage
+from rai_missions.node.status_message import OpenQuestion, StatusMessage
 from rai_missions.runtime.readings import SourceState
 
 RUNNING = StatusMessage(3, "/errand", "ab", "active", "errand", "1.0", "r1", "running", "autonomy", ("moving",))
 LOOSE = (OpenGoal(3, "drive", "moving", "refused"),)
 MOVING = "the robot may still move: goal 3 of 'drive' (its server refuses to cancel it)"
-ASKED = (Open(Question(4, "asking", "operator", "Which way?", ()), 5.0),)
+ASKED = (OpenQuestion(Question(4, "asking", "operator", "Which way?", ()), 5.0),)
 
 
 @pytest.mark.parametrize(

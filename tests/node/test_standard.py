@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from rai_missions.node.lifecycle_table import ACTS, STATES, TRANSITIONS, Transition, leaving, transition
+from rai_missions.node.lifecycle_table import ACTS, STATES, TRANSITIONS, NodeTransition, leaving, transition
 from rai_missions.node.managed_lifecycle import ManagedLifecycle
 
 LABELS = ("configure", "activate", "deactivate", "cleanup", "shutdown", "create", "transition_success", "")
@@ -31,7 +31,7 @@ def test_the_ids_are_those_of_lifecycle_msgs() -> None:
         assert reported[f"TRANSITION_{_constant(way).upper()}"] == way.id, way
 
 
-def _constant(way: Transition) -> str:
+def _constant(way: NodeTransition) -> str:
     """The name that a transition has in `lifecycle_msgs`."""
     if way in ACTS:
         return f"{way.start.label}_{way.label}" if way.label == "shutdown" else way.label
@@ -53,9 +53,9 @@ def test_the_node_moves_along_the_table_alone(asked: list[tuple[str, str]]) -> N
     assert later or at in ("unconfigured", "inactive", "active", "finalized"), "nothing stays on its way unasked"
 
 
-def walk(asked: list[tuple[str, str]]) -> tuple[list[Transition], bool]:
+def walk(asked: list[tuple[str, str]]) -> tuple[list[NodeTransition], bool]:
     """Ask for transitions whose acts end as said; the moves made, and whether one is still under way."""
-    moves: list[Transition] = []
+    moves: list[NodeTransition] = []
     how = ["success"]
     waiting: list[Callable[[str], None]] = []
 
@@ -85,7 +85,7 @@ def walk(asked: list[tuple[str, str]]) -> tuple[list[Transition], bool]:
 
 
 def test_a_transition_that_ends_later_is_under_way_until_then() -> None:
-    moves: list[Transition] = []
+    moves: list[NodeTransition] = []
     ends: list[Callable[[str], None]] = []
     lifecycle = ManagedLifecycle({"configure": ends.append}, moves.append)
     assert lifecycle.change("configure") and lifecycle.state.label == "configuring"

@@ -24,7 +24,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.recording import Recording, check_name, journal_of
 from rai_missions.recording import queue as rooms
-from rai_missions.recording.queue import BoundedQueue, Waiting
+from rai_missions.recording.queue import BoundedQueue, QueuedItem
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Runner
 from tests.recording.kept import LAMP, kept
@@ -196,16 +196,16 @@ def test_a_room_holds_so_many_and_counts_the_others(monkeypatch: pytest.MonkeyPa
     monkeypatch.setitem(rooms.MOST_BYTES, "picture", 100)
     room, done = BoundedQueue(), []
     for number in range(5):
-        room.put(Waiting("message", "/a", 1, lambda number=number: done.append(number)))  # type: ignore[misc]
-    assert not room.put(Waiting("picture", "/big", 101, lambda: None))
-    assert room.put(Waiting("picture", "/small", 100, lambda: None))
+        room.put(QueuedItem("message", "/a", 1, lambda number=number: done.append(number)))  # type: ignore[misc]
+    assert not room.put(QueuedItem("picture", "/big", 101, lambda: None))
+    assert room.put(QueuedItem("picture", "/small", 100, lambda: None))
     assert room.dropped == {"/a": 3, "/big": 1}
     while (waiting := room.take()) is not None:
         waiting.write()
     assert done == [0, 1]
-    assert room.put(Waiting("picture", "/small", 100, lambda: None)), "there is room again"
+    assert room.put(QueuedItem("picture", "/small", 100, lambda: None)), "there is room again"
     room.close()
-    assert not room.put(Waiting("message", "/a", 1, lambda: None)) and room.take() is not None
+    assert not room.put(QueuedItem("message", "/a", 1, lambda: None)) and room.take() is not None
 
 
 def test_a_picture_that_takes_long_holds_up_nobody_and_what_is_dropped_is_said(

@@ -44,7 +44,7 @@ from tests.node.scenes import Client
 from tests.rigs.journals import steps_of
 from tests.security.test_secrets import texts
 from visualize import difference, draw, draw_difference, draw_review
-from visualize.live import LivePage, Place
+from visualize.live import LivePage, PageAddress
 from visualize.notebook import show
 
 VARIABLES = {
@@ -260,7 +260,7 @@ def test_a_run_that_cannot_be_begun_by_a_node_says_why_without_secrets(
 def test_nothing_that_the_live_page_is_sent_holds_a_secret(
     robot: Loud, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    page = LivePage(Place(port=0))
+    page = LivePage(PageAddress(port=0))
     setting = RunConfig(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
     watch = Watch(page, setting, operator=False)
     received: dict[str, bytes] = {}

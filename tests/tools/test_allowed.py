@@ -15,7 +15,7 @@ from rai_missions.connectors.connector import Close, Data, Message, Mode, Reply,
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.tools import Allowed, Toolbox
-from rai_missions.tools.access import Reach
+from rai_missions.tools.access import AllowedConnector
 
 NAMES = ("/a", "/a/b", "/a/b/e_stop", "/cmd_vel", "/cmd_vel/request", "/tf", "/tf_static", "/x")
 PATTERNS = ("*", "/a", "/a/*", "*/e_stop", "/cmd_vel", "/tf*", "/?")
@@ -128,7 +128,7 @@ def test_what_is_allowed_is_touched() -> None:
 def test_the_way_to_the_robot_judges_each_name_itself() -> None:
     connector = Noting()
     connector.start()
-    reach = Reach(connector, Allowed(read=("/x",)), time.monotonic)
+    reach = AllowedConnector(connector, Allowed(read=("/x",)), time.monotonic)
     attempts: list[Callable[[], object]] = [
         lambda: reach.publish("/x", "t", {}),
         lambda: reach.call("/x", "t", {}, 0.0),

@@ -24,7 +24,7 @@ from rai_missions.event import Image
 from rai_missions.journal import read
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.testing import QUESTION, ReplyCallback, ScriptedModel, ToolFloodModel, answer_fault, call
+from rai_missions.testing import QUESTION, ReplyCollector, ScriptedModel, ToolFloodModel, answer_fault, call
 from rai_missions.tools import Toolbox
 from tests.tools.conftest import PATIENCE_S, Replying, Tried
 
@@ -125,7 +125,7 @@ def test_a_flood_of_calls_stops_at_the_budget(budget: int, at_once: int) -> None
     connector.start()
     box = Toolbox(connector, now=time.monotonic)
     model = ToolFloodModel(tool="list_topics", at_once=at_once)
-    agent, results = DecisionAgent(model, tools=box.read_only), ReplyCallback()
+    agent, results = DecisionAgent(model, tools=box.read_only), ReplyCollector()
     agent.ask(QUESTION._replace(tools=("list_topics",), budget=Limits(calls=budget)), results)
     reported = results.wait(PATIENCE_S)
     agent.stop()
@@ -173,7 +173,7 @@ def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local
         ]
     )
     box = local.box()
-    agent, results = DecisionAgent(model, tools=box.read_only, images=images), ReplyCallback()
+    agent, results = DecisionAgent(model, tools=box.read_only, images=images), ReplyCollector()
     with Replying(local.connector, "/camera", "", lambda: {"data": picture}):
         agent.ask(QUESTION._replace(tools=("get_image",), until=QUESTION.at + PATIENCE_S), results)
         reported = results.wait(PATIENCE_S)

@@ -15,7 +15,7 @@ from rai_missions.connectors.contract import ENDS, Inbox, PatientServer
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import MissionError
 from rai_missions.tools import Toolbox
-from rai_missions.tools.goals import Goal
+from rai_missions.tools.goals import ToolGoal
 from tests.tools.conftest import PATIENCE_S, Replying, Tried
 
 STRING, TRIGGER, FIBONACCI = "std_msgs/msg/String", "std_srvs/srv/Trigger", "test_msgs/action/Fibonacci"
@@ -244,7 +244,7 @@ def test_stop_cancels_what_still_runs_and_names_what_nobody_confirmed(tried: Tri
 @given(st.lists(st.sampled_from([move for move in MOVES if move != "cancel"])))
 def test_after_its_end_nothing_changes_how_a_goal_stands(status: list[Any]) -> None:
     """Even if a connector went on telling."""
-    goal = Goal("g", "/a")
+    goal = ToolGoal("g", "/a")
     for each in status:
         goal.receive(Report("other", each, {}))
         goal.receive(Report("g", each, {"n": each}))

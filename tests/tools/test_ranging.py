@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools.detections import detections_of
-from rai_missions.tools.ranging import Camera, camera_of, cloud_points, depth_points, ranged
+from rai_missions.tools.ranging import PinholeCamera, camera_of, cloud_points, depth_points, ranged
 from rai_missions.tools.transforms import Transform
 from tests.tools.conftest import PATIENCE_S, Replying, Tried
 from tests.tools.test_transforms import stamped, turn
@@ -166,7 +166,7 @@ def test_what_stands_before_a_small_part_of_an_object_does_not_count(scene: Scen
 
 def test_a_depth_image_of_another_size_is_scaled() -> None:
     scene = Scene((16, 12, 48, 36), 4.0)
-    large = Camera(640, 480, 600.0, 600.0, 319.5, 239.5)
+    large = PinholeCamera(640, 480, 600.0, 600.0, 319.5, 239.5)
     found = ranged(*depth_points(depth_image(scene, "16UC1"), large, (160, 120, 480, 360)))
     assert found.distance_m == pytest.approx(4.0, rel=0.05)
     assert found.position == pytest.approx((0, 0, 4.0), abs=0.1)

@@ -15,7 +15,7 @@ from rai_missions.worlds.house.costmap import CELL_M, Costmap
 from rai_missions.worlds.house.layout import DOORS, FURNITURE, PLACES, WALLS
 from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.planner import Cell, plan
-from rai_missions.worlds.house.rosbot import Pose
+from rai_missions.worlds.house.rosbot import RobotPose
 
 
 @st.composite
@@ -113,7 +113,7 @@ def test_a_cell_and_its_middle_agree() -> None:
 
 
 def test_a_way_that_is_seen_to_be_blocked_is_not_driven_on() -> None:
-    navigator, here = Navigator(recoveries=3), Pose(6.0, 2.0, 0.0, 0.0, 0.0)
+    navigator, here = Navigator(recoveries=3), RobotPose(6.0, 2.0, 0.0, 0.0, 0.0)
     navigator.begin(PLACES["pantry"], turns=False, at=0.0)
     assert navigator.step(here, 0.0)[0] > 0 and navigator.left_m > 2
     navigator.see(here[:2], here.heading, np.linspace(-math.pi, math.pi, 360, endpoint=False), np.full(360, 1.2))

@@ -13,7 +13,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.states import Decision, State, Transition
 from visualize.build import parents_of
-from visualize.diff.similarity import Known, alike_keys, alike_options, alike_states
+from visualize.diff.similarity import ComparedMissions, alike_keys, alike_options, alike_states
 
 __all__ = ("Renamed", "aligned", "original_place", "paired")
 
@@ -39,7 +39,7 @@ def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
             found.append(Renamed(sort, was, now, score))
     old = _called(old, {each.old: each.new for each in found if each.sort == "key"},
                   {each.old: each.new for each in found if each.sort == "event"}, {})  # fmt: skip
-    known = Known(old, new, parents_of(old), parents_of(new))
+    known = ComparedMissions(old, new, parents_of(old), parents_of(new))
     states = alike_states(known)
     found += [Renamed("state", was, now, score) for (was, now), score in states.items()]
     old = _called(old, {}, {}, dict(states.keys()))

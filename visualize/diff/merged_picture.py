@@ -8,7 +8,7 @@ from typing import Protocol
 
 from rai_missions.mission.mission import Mission
 from visualize.diff.align import paired
-from visualize.model import Choice, Edge, Mark, Node, Picture, Twig
+from visualize.model import Choice, Mark, Picture, PictureEdge, PictureNode, Twig
 
 __all__ = ("merged",)
 
@@ -40,7 +40,7 @@ def merged(old: Picture, new: Picture, compared: Compared) -> Picture:
     return new._replace(nodes=tuple(nodes), edges=edges, initials=tuple(initials), compared=compared.versions[0])
 
 
-def _node(old: Node | None, new: Node, was: str) -> Node:
+def _node(old: PictureNode | None, new: PictureNode, was: str) -> PictureNode:
     if old is None:
         return new._replace(mark="+")
     left = {choice.name: choice for choice in old.choices}
@@ -52,7 +52,7 @@ def _node(old: Node | None, new: Node, was: str) -> Node:
     return new._replace(mark="" if same else "~", was=was, choices=tuple(choices), twigs=_twigs(old, new))
 
 
-def _lines(node: Node) -> Node:
+def _lines(node: PictureNode) -> PictureNode:
     """A state as far as it is drawn, wherever it stands in the file."""
     return node._replace(
         place="",
@@ -68,7 +68,7 @@ def _choice(old: Choice | None, new: Choice) -> Choice:
     return new._replace(mark=mark)
 
 
-def _twigs(old: Node, new: Node) -> tuple[Twig, ...]:
+def _twigs(old: PictureNode, new: PictureNode) -> tuple[Twig, ...]:
     left, right = {twig.path: twig for twig in old.twigs}, {twig.path: twig for twig in new.twigs}
     found = []
     for path, twig in right.items():
@@ -80,7 +80,7 @@ def _twigs(old: Node, new: Node) -> tuple[Twig, ...]:
     return tuple(found)
 
 
-def _edges(old: Picture, new: Picture, compared: Compared) -> Iterator[Edge]:
+def _edges(old: Picture, new: Picture, compared: Compared) -> Iterator[PictureEdge]:
     """The new edges in their order, each with those that are gone from its state behind it."""
     before, after = _by_row(old), _by_row(new)
     rows = {name: state.transitions for _, name, state in compared.old.walk()} | {"": compared.old.transitions}
@@ -96,15 +96,15 @@ def _edges(old: Picture, new: Picture, compared: Compared) -> Iterator[Edge]:
                     yield edge._replace(mark="-")
 
 
-def _mark(old: Edge | None, new: Edge) -> Mark:
+def _mark(old: PictureEdge | None, new: PictureEdge) -> Mark:
     if old is None:
         return "+"
     return "" if old._replace(place="") == new._replace(place="") else "~"
 
 
-def _by_row(picture: Picture) -> Mapping[tuple[str, int | None], Mapping[str, Edge]]:
+def _by_row(picture: Picture) -> Mapping[tuple[str, int | None], Mapping[str, PictureEdge]]:
     """(state, number of its row) → target → edge."""
-    found: dict[tuple[str, int | None], dict[str, Edge]] = {}
+    found: dict[tuple[str, int | None], dict[str, PictureEdge]] = {}
     for edge in picture.edges:
         number = int(edge.place.rpartition("/")[2])
         found.setdefault((edge.source, number), {})[edge.target] = edge

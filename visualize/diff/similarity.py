@@ -19,7 +19,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.states import Decision, State
 
-__all__ = ("CLEARLY", "ENOUGH", "Known", "alike_keys", "alike_options", "alike_states")
+__all__ = ("CLEARLY", "ENOUGH", "ComparedMissions", "alike_keys", "alike_options", "alike_states")
 
 ENOUGH, CLEARLY = 0.6, 0.05
 MOST = 40_000
@@ -28,7 +28,7 @@ Scores = dict[tuple[str, str], float]
 Facts = Counter[tuple[str, str]]
 
 
-class Known(NamedTuple):
+class ComparedMissions(NamedTuple):
     """Two missions, and the parents of their states."""
 
     old: Mission
@@ -37,7 +37,7 @@ class Known(NamedTuple):
     after: Mapping[str, str]
 
 
-def alike_states(known: Known) -> Scores:
+def alike_states(known: ComparedMissions) -> Scores:
     """Old and new name of the states that are called otherwise → how alike they are."""
     gone, come = known.before.keys() - known.after.keys(), known.after.keys() - known.before.keys()
     if not gone or not come:

@@ -9,6 +9,6 @@ Imports `engine`, `journal` and `mission`, and the modules of the root.
 from visualize.live.feed import Feed, RunFeed
 from visualize.live.journal_feed import JournalFeed
 from visualize.live.run_view import RunScene
-from visualize.live.server import CommandSink, LivePage, Place
+from visualize.live.server import CommandSink, LivePage, PageAddress
 
-__all__ = ("CommandSink", "Feed", "JournalFeed", "LivePage", "Place", "RunFeed", "RunScene")
+__all__ = ("CommandSink", "Feed", "JournalFeed", "LivePage", "PageAddress", "RunFeed", "RunScene")

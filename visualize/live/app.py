@@ -26,7 +26,7 @@ from rai_missions.mission.mission import Mission
 from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
-from visualize.live.images import Camera
+from visualize.live.images import ImageStream
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 from visualize.page.html import asset, bundle
@@ -108,7 +108,7 @@ class Pages:
     def __init__(self, mission: Mission, hub: Hub, desk: CommandSink | None, about: Json) -> None:
         self._hub, self._desk = hub, desk
         self._mission = {"chart": chart_data(picture(mission), mission), "acts": desk is not None, **about}
-        self._cameras: OrderedDict[tuple[str, int], Camera] = OrderedDict()
+        self._cameras: OrderedDict[tuple[str, int], ImageStream] = OrderedDict()
         self._orders, self._stops = Allowance(0.2, 20), Allowance(0.5, 10)
 
     def routes(self) -> list[Route]:
@@ -147,7 +147,7 @@ class Pages:
         question = int(number) if number.isascii() and number.isdigit() and len(number) < 10 else -1
         if self._hub.scene.picture(key, question) is None:
             return _refused(404, "there is no such picture now")
-        camera = self._cameras.setdefault((key, question), Camera())
+        camera = self._cameras.setdefault((key, question), ImageStream())
         self._cameras.move_to_end((key, question))
         while len(self._cameras) > MOST_CAMERAS:
             self._cameras.popitem(last=False)

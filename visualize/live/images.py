@@ -13,7 +13,7 @@ from collections.abc import Callable
 from rai_missions.event import Image
 from rai_missions.image import png
 
-__all__ = ("Camera",)
+__all__ = ("ImageStream",)
 
 PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
 EVERY_S = 0.25
@@ -23,7 +23,7 @@ Shown = tuple[str, bytes]
 """Media type and bytes; for one that cannot be shown an empty type and why."""
 
 
-class Camera:
+class ImageStream:
     """What one key shows. All of it is called on the server's loop; encoding is done on a thread beside it."""
 
     def __init__(self) -> None:

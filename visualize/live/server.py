@@ -22,14 +22,14 @@ from visualize.live.auth import Door, is_loopback
 from visualize.live.feed import Feed
 from visualize.live.hub import Hub
 
-__all__ = ("PORT", "CommandSink", "LivePage", "Place")
+__all__ = ("PORT", "CommandSink", "LivePage", "PageAddress")
 
 PORT = 8765
 STALLED_MS = 10_000
 """A browser that takes nothing for so long is cut off."""
 
 
-class Place(NamedTuple):
+class PageAddress(NamedTuple):
     """Where the page is served."""
 
     host: str = "127.0.0.1"
@@ -52,8 +52,8 @@ class LivePage:
         UsageError: Nothing can be served there, or only unprotected.
     """
 
-    def __init__(self, place: Place | None = None, *, token: str = "") -> None:
-        self.place = place or Place()
+    def __init__(self, place: PageAddress | None = None, *, token: str = "") -> None:
+        self.place = place or PageAddress()
         self.token = token or secrets.token_urlsafe(32)
         self._tls = bool(self.place.certificate or self.place.key)
         _check(self.place)
@@ -158,7 +158,7 @@ class LivePage:
         self._socket.close()
 
 
-def _check(place: Place) -> None:
+def _check(place: PageAddress) -> None:
     if bool(place.certificate) != bool(place.key):
         raise UsageError("TLS takes both a certificate and its key: --tls-cert FILE --tls-key FILE")
     if not place.certificate and not is_loopback(place.host):
@@ -170,7 +170,7 @@ def _check(place: Place) -> None:
         raise UsageError(f"there is no port {place.port}; give one from 1 to 65535, or 0 for any that is free")
 
 
-def _context(place: Place) -> ssl.SSLContext:
+def _context(place: PageAddress) -> ssl.SSLContext:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     for file in (place.certificate, place.key):
@@ -184,7 +184,7 @@ def _context(place: Place) -> ssl.SSLContext:
     return context
 
 
-def _bound(place: Place) -> socket.socket:
+def _bound(place: PageAddress) -> socket.socket:
     try:
         family, kind, _, _, address = socket.getaddrinfo(
             place.host.strip("[]"), place.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE

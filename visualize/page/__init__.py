@@ -7,13 +7,13 @@ Imports `engine`, `guards`, `journal`, `mission` and `states`, and the modules o
 """
 
 from visualize.page.chart_data import chart_data
-from visualize.page.data import Finding, Journal, review, review_data
+from visualize.page.data import Journal, PageFinding, review, review_data
 from visualize.page.html import document
 from visualize.page.runs import Run, read_run, run_data, run_of_steps
 
 __all__ = (
-    "Finding",
     "Journal",
+    "PageFinding",
     "Run",
     "chart_data",
     "document",

@@ -12,7 +12,7 @@ from typing import Any
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Decision, State
 from rai_missions.states.state import descendants
-from visualize.model import Edge, Node, Picture
+from visualize.model import Picture, PictureEdge, PictureNode
 from visualize.page.as_json import Json, plain, without_empty
 
 __all__ = ("chart_data",)
@@ -68,7 +68,7 @@ def _written(state: State) -> Json:
     return {"behaviour": state.program(), **found} if state.program() else found
 
 
-def _state(node: Node, written: Json, mission: Mission) -> Json:
+def _state(node: PictureNode, written: Json, mission: Mission) -> Json:
     reads, writes = keys_of(written, mission.blackboard)
     fields = node._asdict()
     fields["choices"] = [without_empty(choice._asdict()) for choice in node.choices]
@@ -82,7 +82,7 @@ def _state(node: Node, written: Json, mission: Mission) -> Json:
     return without_empty({**fields, "definition": written, "reads": reads, "writes": writes})
 
 
-def _row(edge: Edge, source: State | None) -> Json:
+def _row(edge: PictureEdge, source: State | None) -> Json:
     fields = edge._asdict()
     fields.pop("taken")
     fields.pop("option")

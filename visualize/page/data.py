@@ -21,13 +21,13 @@ from visualize.page.images import Gallery
 from visualize.page.lenses import lenses
 from visualize.page.runs import Run, read_run, run_data
 
-__all__ = ("Finding", "Journal", "review", "review_data")
+__all__ = ("Journal", "PageFinding", "review", "review_data")
 
 Journal = Path | str | tuple[str, Path | str]
 """A file, or a name and the file."""
 
 
-class Finding(Protocol):
+class PageFinding(Protocol):
     """What a check found."""
 
     @property
@@ -43,7 +43,7 @@ class Finding(Protocol):
 
 
 def review(
-    mission: Mission, journals: Iterable[Journal] = (), findings: Iterable[Finding] = (),
+    mission: Mission, journals: Iterable[Journal] = (), findings: Iterable[PageFinding] = (),
     runs: Iterable[Run] = (),
 ) -> bytes:  # fmt: skip
     """The review page of a mission.
@@ -66,7 +66,7 @@ def review(
 
 
 def review_data(
-    mission: Mission, runs: Sequence[Run] = (), findings: Iterable[Finding] = (), gallery: Gallery | None = None
+    mission: Mission, runs: Sequence[Run] = (), findings: Iterable[PageFinding] = (), gallery: Gallery | None = None
 ) -> Json:
     """All that the review page shows."""
     gallery = gallery or Gallery()

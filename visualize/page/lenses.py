@@ -13,7 +13,7 @@ from rai_missions.guards.in_state import In
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Decision, DecisionSpec, Final, Tree
 from rai_missions.states.tree import DecisionLeaf, tree_paths
-from visualize.model import Edge, Picture
+from visualize.model import Picture, PictureEdge
 from visualize.page.as_json import Json
 from visualize.page.reachability import Reached, Roads
 from visualize.text import child_pointer
@@ -196,7 +196,7 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     )  # fmt: skip
 
 
-def _told(each: DecisionSite, edges: list[Edge], roads: Roads) -> Iterator[Json]:
+def _told(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterator[Json]:
     asked = each.asked
     often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
     yield item(f"bounded: asks {', then '.join(asked.ask)}, {often} each, {_within(asked)}", state=each.state)

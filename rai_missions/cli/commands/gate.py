@@ -17,7 +17,7 @@ from rai_missions.gate import GateAgent, GateWords, gate_words, read_gate
 from rai_missions.gate.bypass_monitor import BypassMonitor
 from rai_missions.gate.config import command_topic, leases_of
 from rai_missions.gate.memory import Memory, usual_path
-from rai_missions.gate.state import COMMANDERS, Answer, Change, Deed, Halt, Pass, Publish, Refuse
+from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, Deed, Halt, Pass, Publish, Refuse
 from rai_missions.runtime.clock import WallClock
 
 __all__ = ("gate",)
@@ -98,7 +98,7 @@ def _opening(words: GateWords, holder: str) -> str:
 
 def _observer(log: TextIO | None, *, quiet: bool, clock: WallClock) -> Callable[[Deed], None]:
     def observe(deed: Deed) -> None:
-        if isinstance(deed, Change) and not quiet:
+        if isinstance(deed, ControlChange) and not quiet:
             print(f"{clock.now():10.3f}  {deed.former} → {deed.holder} (grant {deed.revision}): {deed.why}", flush=True)
         elif isinstance(deed, Answer) and deed.why and not quiet:
             print(f"{clock.now():10.3f}  refused to {deed.request.by}: {deed.why}", flush=True)
@@ -118,7 +118,7 @@ def _row(deed: Deed) -> dict[str, Any] | None:
         did = {"did": "passed"} if isinstance(deed, Pass) else {"did": "refused", "why": deed.why}
         command = deed.command
         return {**did, "grant": deed.revision, "who": command.who, "topic": command.topic, "data": command.data}
-    if isinstance(deed, Change):
+    if isinstance(deed, ControlChange):
         return {"did": "changed", "grant": deed.revision, "from": deed.former, "to": deed.holder, "why": deed.why}
     if isinstance(deed, Answer):
         asked = deed.request

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rai_missions.node.run_session import RunSession
     from rai_missions.runtime.lifecycle import Status
     from rai_missions.runtime.runner import Result, Runner
-    from visualize.live import LivePage, Place, RunFeed, RunScene
+    from visualize.live import LivePage, PageAddress, RunFeed, RunScene
 
 __all__ = ("Watch", "opened", "place_of", "run_file", "sort_out", "watched")
 
@@ -45,15 +45,15 @@ def sort_out(given: argparse.Namespace) -> None:
         raise UsageError("--watch is of one run; a managed node has many: drop it or --managed")
 
 
-def place_of(given: argparse.Namespace, port: str | int) -> Place:
+def place_of(given: argparse.Namespace, port: str | int) -> PageAddress:
     """Where the page is to be served, by the words of the command line."""
     _door()
-    from visualize.live import Place
+    from visualize.live import PageAddress
 
-    return Place(given.host or "127.0.0.1", int(port), given.tls_cert or "", given.tls_key or "")
+    return PageAddress(given.host or "127.0.0.1", int(port), given.tls_cert or "", given.tls_key or "")
 
 
-def opened(place: Place) -> LivePage:
+def opened(place: PageAddress) -> LivePage:
     """An address for the page; nothing is shown there yet.
 
     Raises:

@@ -24,7 +24,7 @@ from rai_missions.connectors.ros2.node_thread import Work, guarded
 from rai_missions.connectors.ros2.rivals import Sightings
 from rai_missions.redaction import logger
 
-__all__ = ("End", "Goal")
+__all__ = ("ClientGoal", "End")
 
 log = logger(__name__)
 
@@ -39,7 +39,7 @@ ENDS: dict[int, End] = {
 }
 
 
-class Goal:
+class ClientGoal:
     """One goal on its way. On its runtime's thread only.
 
     Args:
@@ -50,7 +50,7 @@ class Goal:
     """
 
     def __init__(
-        self, client: GoalClient, goal_id: str, on_report: Callable[[Report], None], ended: Callable[[Goal], None]
+        self, client: GoalClient, goal_id: str, on_report: Callable[[Report], None], ended: Callable[[ClientGoal], None]
     ) -> None:
         self._client, self.goal_id, self._report, self._ended = client, goal_id, on_report, ended
         self.uuid = goal_id_to_bytes(goal_id)

@@ -13,7 +13,7 @@ from rclpy.action.client import ClientGoalHandle
 from rclpy.qos import qos_profile_action_status_default
 
 from rai_missions.connectors.connector import Report
-from rai_missions.connectors.ros2.action_client import End, Goal
+from rai_missions.connectors.ros2.action_client import ClientGoal, End
 from rai_missions.connectors.ros2.node_thread import Work
 
 __all__ = ("RecoveredGoal",)
@@ -21,8 +21,8 @@ __all__ = ("RecoveredGoal",)
 RUNNING = frozenset({GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING})
 
 
-class RecoveredGoal(Goal):
-    """One goal of another process. On its runtime's thread only; arguments as `Goal` has them."""
+class RecoveredGoal(ClientGoal):
+    """One goal of another process. On its runtime's thread only; arguments as `ClientGoal` has them."""
 
     _ears: tuple[Work, ...] = ()
     _is_known = False

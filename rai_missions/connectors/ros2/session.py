@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, RawMessage, Reply, Report
-from rai_missions.connectors.ros2.action_client import Goal
+from rai_missions.connectors.ros2.action_client import ClientGoal
 from rai_missions.connectors.ros2.action_server import Served
 from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.goal_client import GoalClient
@@ -27,7 +27,7 @@ from rai_missions.redaction import logger
 
 __all__ = ("Session",)
 
-Kind = TypeVar("Kind", bound=Goal)
+Kind = TypeVar("Kind", bound=ClientGoal)
 
 log = logger(__name__)
 
@@ -54,7 +54,7 @@ class Session:
         self._served: dict[str, Service | Served] = {}
         self._calls: set[_Once] = set()
         self._goals: dict[str, Callable[[str], None]] = {}
-        self._sent: dict[str, Goal] = {}
+        self._sent: dict[str, ClientGoal] = {}
         self._is_silent = False
         self.runtime = Runtime(options, lambda: self._give_up("ROS was shut down"))
         self._subscriptions = Subscriptions(self.runtime, options.quality, self._date)
@@ -168,7 +168,7 @@ class Session:
             on_result("")
 
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
-        self._pursue(goal_id, on_report, lambda: self._goal(action, cls, goal_id, on_report, Goal).send(goal))
+        self._pursue(goal_id, on_report, lambda: self._goal(action, cls, goal_id, on_report, ClientGoal).send(goal))
 
     def find_goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
         self._pursue(goal_id, on_report, lambda: self._goal(action, cls, goal_id, on_report, RecoveredGoal).find())
@@ -196,7 +196,7 @@ class Session:
         if not self._is_silent:
             on_report(one)
 
-    def _forget(self, goal: Goal) -> None:
+    def _forget(self, goal: ClientGoal) -> None:
         self._sent.pop(goal.goal_id, None)
         with self._lock:
             self._goals.pop(goal.goal_id, None)

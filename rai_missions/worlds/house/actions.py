@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.connectors.connector import Data, Report
-from rai_missions.worlds.house.layout import PLACES, Place
+from rai_missions.worlds.house.layout import PLACES, NamedPose
 from rai_missions.worlds.house.navigator import Navigator
-from rai_missions.worlds.house.rosbot import FASTEST_MPS, Pose
+from rai_missions.worlds.house.rosbot import FASTEST_MPS, RobotPose
 from rai_missions.worlds.messages import pose_stamped, stamp
 
 __all__ = ("DOCK", "NAVIGATE", "DockRobot", "NavigateToPose", "Server")
@@ -32,16 +32,16 @@ Later = Callable[[Callable[[], None]], None]
 Status = Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
 
 
-class Wanted(NamedTuple):
+class NavigationRequest(NamedTuple):
     """What a goal asks for."""
 
-    place: Place
+    place: NamedPose
     turns: bool = True
     """Its heading is meant too."""
 
 
 @dataclass
-class Running:
+class RunningNavigation:
     """The goal being pursued."""
 
     goal_id: str
@@ -63,7 +63,7 @@ class Server:
 
     def __init__(self, navigator: Navigator, later: Later) -> None:
         self.navigator, self._later = navigator, later
-        self.running: Running | None = None
+        self.running: RunningNavigation | None = None
         self.at = 0.0
 
     def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
@@ -73,7 +73,7 @@ class Server:
             return
         self._replace()
         number = self.navigator.begin(wanted.place, turns=wanted.turns, at=self.at)
-        self.running = Running(goal_id, report, self.at, number)
+        self.running = RunningNavigation(goal_id, report, self.at, number)
         self._report(self.running, "accepted")
 
     def cancel(self, goal_id: str) -> None:
@@ -83,7 +83,7 @@ class Server:
             if running.number == self.navigator.number:
                 self.navigator.stop()
 
-    def step(self, at: float, pose: Pose, *, charging: bool) -> None:
+    def step(self, at: float, pose: RobotPose, *, charging: bool) -> None:
         """Report what has come about."""
         self.at, running = at, self.running
         if running is None:
@@ -104,7 +104,7 @@ class Server:
             running.next_feedback = at + FEEDBACK_S
             self._report(running, "feedback", self.feedback(pose, at - running.begun))
 
-    def wanted(self, goal: Data) -> Wanted | str:
+    def wanted(self, goal: Data) -> NavigationRequest | str:
         """What a goal asks for, or why it is rejected."""
         raise NotImplementedError
 
@@ -112,7 +112,7 @@ class Server:
         """How a goal ends whose robot has arrived, why, and the error's number; empty while that is open."""
         return "succeeded", "", 0
 
-    def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
+    def feedback(self, pose: RobotPose, taken_s: float) -> dict[str, Any]:
         raise NotImplementedError
 
     def result(self, error: int, why: str) -> dict[str, Any]:
@@ -122,18 +122,18 @@ class Server:
         if self.running is not None:
             self._end(self.running, "failed", "a newer goal replaced this one", 0)
 
-    def _end(self, running: Running, status: Status, why: str, error: int) -> None:
+    def _end(self, running: RunningNavigation, status: Status, why: str, error: int) -> None:
         self.running = None
         self._report(running, status, self.result(error, why), why)
 
-    def _report(self, running: Running, status: Status, data: Data | None = None, why: str = "") -> None:
+    def _report(self, running: RunningNavigation, status: Status, data: Data | None = None, why: str = "") -> None:
         self._later(lambda: running.report(Report(running.goal_id, status, data or {}, why)))
 
 
 class NavigateToPose(Server):
     """nav2_msgs/action/NavigateToPose: to a pose on the map."""
 
-    def wanted(self, goal: Data) -> Wanted | str:
+    def wanted(self, goal: Data) -> NavigationRequest | str:
         pose = _pose(goal)
         if isinstance(pose, str):
             return pose
@@ -145,7 +145,7 @@ class NavigateToPose(Server):
             return f"({place.x:.2f}, {place.y:.2f}) is too close to a wall or to furniture"
         return pose
 
-    def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
+    def feedback(self, pose: RobotPose, taken_s: float) -> dict[str, Any]:
         left = self.navigator.left_m
         return {
             "current_pose": pose_stamped(*pose[:3], self.at),
@@ -159,18 +159,18 @@ class NavigateToPose(Server):
 class DockRobot(Server):
     """nav2_msgs/action/DockRobot: to the dock, until it charges."""
 
-    def wanted(self, goal: Data) -> Wanted | str:
+    def wanted(self, goal: Data) -> NavigationRequest | str:
         dock = goal.get("dock_id") or "dock"
         if goal.get("use_dock_id") is False:
             return "docks are known by 'dock_id' here; there is: dock"
-        return Wanted(PLACES["dock"]) if dock == "dock" else f"there is no dock '{dock}'; there is: dock"
+        return NavigationRequest(PLACES["dock"]) if dock == "dock" else f"there is no dock '{dock}'; there is: dock"
 
     def arrived(self, since_s: float, *, charging: bool) -> tuple[Status | Literal[""], str, int]:
         if charging:
             return "succeeded", "", 0
         return ("failed", "the charger does not notice the robot", NOT_CHARGED) if since_s > CHARGE_S else ("", "", 0)
 
-    def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
+    def feedback(self, pose: RobotPose, taken_s: float) -> dict[str, Any]:
         return {"state": 1, "docking_time": stamp(taken_s), "num_retries": self.navigator.recoveries}
 
     def result(self, error: int, why: str) -> dict[str, Any]:
@@ -179,7 +179,7 @@ class DockRobot(Server):
         return {"success": not why, "error_code": error, "num_retries": retries, "error_msg": why}
 
 
-def _pose(goal: Data) -> Wanted | str:
+def _pose(goal: Data) -> NavigationRequest | str:
     """The goal's geometry_msgs/msg/PoseStamped; an orientation of zeros leaves the heading open."""
     stamped: Any = goal.get("pose")
     if not isinstance(stamped, Mapping):
@@ -193,4 +193,4 @@ def _pose(goal: Data) -> Wanted | str:
     if not all(map(math.isfinite, numbers)):
         return "the goal's pose is not finite"
     x, y, z, w = numbers
-    return Wanted(Place(x, y, 2 * math.atan2(z, w)), turns=bool(z or w))
+    return NavigationRequest(NamedPose(x, y, 2 * math.atan2(z, w)), turns=bool(z or w))

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rai_missions.worlds import messages
-from rai_missions.worlds.house.layout import Place
+from rai_missions.worlds.house.layout import NamedPose
 from rai_missions.worlds.house.lidar import BEAMS, NEAREST_M, REACH_M
-from rai_missions.worlds.house.rosbot import Pose
+from rai_missions.worlds.house.rosbot import RobotPose
 
 __all__ = ("CAMERA", "CMD_VEL", "TOPICS", "laser_scan", "located", "odometry")
 
@@ -45,12 +45,12 @@ def laser_scan(ranges: NDArray[np.float64], at: float, scan_s: float) -> dict[st
     }
 
 
-def located(pose: Pose, at: float) -> dict[str, Any]:
+def located(pose: RobotPose, at: float) -> dict[str, Any]:
     """A geometry_msgs/msg/PoseWithCovarianceStamped in the frame `map`, certain of itself."""
     return {"header": messages.header(at, "map"), "pose": {"pose": messages.pose(*pose[:3])}}
 
 
-def odometry(pose: Pose, start: Place, at: float) -> dict[str, Any]:
+def odometry(pose: RobotPose, start: NamedPose, at: float) -> dict[str, Any]:
     """A nav_msgs/msg/Odometry, from where it set out."""
     dx, dy = pose.x - start.x, pose.y - start.y
     cos, sin = math.cos(start.heading), math.sin(start.heading)

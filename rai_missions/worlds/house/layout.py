@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-__all__ = ("CRATE", "DEPTH_M", "DOORS", "FURNITURE", "PLACES", "WALLS", "WIDTH_M", "Box", "Place")
+__all__ = ("CRATE", "DEPTH_M", "DOORS", "FURNITURE", "PLACES", "WALLS", "WIDTH_M", "Box", "NamedPose")
 
 WIDTH_M, DEPTH_M = 10.0, 8.0
 
@@ -30,7 +30,7 @@ class Box(NamedTuple):
         return (self.west + self.east) / 2, (self.south + self.north) / 2
 
 
-class Place(NamedTuple):
+class NamedPose(NamedTuple):
     """A pose with a name."""
 
     x: float
@@ -77,11 +77,11 @@ FURNITURE: tuple[Box, ...] = (
     Box(9.4, 0.1, 9.9, 2.6, 1.8, ".75 .72 .65"),  # shelf
 )
 
-PLACES: Mapping[str, Place] = {
-    "dock": Place(0.6, 2.6),
-    "kitchen": Place(3.9, 3.1),
-    "living_room": Place(1.8, 6.9, 1.57),
-    "bedroom": Place(7.2, 6.6),
-    "study": Place(6.2, 0.9, -1.57),
-    "pantry": Place(8.7, 3.2),
+PLACES: Mapping[str, NamedPose] = {
+    "dock": NamedPose(0.6, 2.6),
+    "kitchen": NamedPose(3.9, 3.1),
+    "living_room": NamedPose(1.8, 6.9, 1.57),
+    "bedroom": NamedPose(7.2, 6.6),
+    "study": NamedPose(6.2, 0.9, -1.57),
+    "pantry": NamedPose(8.7, 3.2),
 }

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rai_missions.worlds.house.costmap import CELL_M, Costmap
-from rai_missions.worlds.house.layout import Place
+from rai_missions.worlds.house.layout import NamedPose
 from rai_missions.worlds.house.planner import plan
 from rai_missions.worlds.house.recovery import Recovery, sort_of
-from rai_missions.worlds.house.rosbot import FASTEST_MPS, Pose
+from rai_missions.worlds.house.rosbot import FASTEST_MPS, RobotPose
 
 __all__ = ("NO_PROGRESS", "NO_WAY", "Navigator")
 
@@ -42,7 +42,7 @@ class Navigator:
 
     def __init__(self, recoveries: int) -> None:
         self.costmap = Costmap()
-        self.goal: Place | None = None
+        self.goal: NamedPose | None = None
         self.number = 0
         """Of the goals that were begun: whose number it is not has been replaced."""
         self.outcome: Outcome = ""
@@ -65,7 +65,7 @@ class Navigator:
         """Along the way."""
         return sum(math.dist(one, other) for one, other in zip(self._way, self._way[1:], strict=False))
 
-    def begin(self, goal: Place, *, turns: bool, at: float) -> int:
+    def begin(self, goal: NamedPose, *, turns: bool, at: float) -> int:
         """Set out; the goal's number.
 
         Args:
@@ -105,7 +105,7 @@ class Navigator:
         if any(math.isinf(self.costmap.cost[self.costmap.cell(*point)]) for point in self._way[3:]):
             self._next_plan = 0.0
 
-    def step(self, pose: Pose, at: float) -> tuple[float, float]:
+    def step(self, pose: RobotPose, at: float) -> tuple[float, float]:
         """Speed (m/s) and turn (rad/s) from here."""
         if self.goal is None:
             return 0.0, 0.0
@@ -125,7 +125,7 @@ class Navigator:
             return self._recover("no progress on the way to {}", NO_PROGRESS, at)
         return self._follow(pose, left)
 
-    def _plan(self, pose: Pose, at: float) -> bool:
+    def _plan(self, pose: RobotPose, at: float) -> bool:
         assert self.goal is not None
         grid = self.costmap
         cells = plan(grid.cost, grid.cell(pose.x, pose.y), grid.cell(*self.goal[:2]))
@@ -152,24 +152,24 @@ class Navigator:
             self._best_m, self._best_at = left, at
         return at - self._best_at < PATIENCE_S
 
-    def _pass(self, pose: Pose) -> None:
+    def _pass(self, pose: RobotPose) -> None:
         """Drop what of the way lies behind."""
         ahead = self._way[:12]
         nearest = min(range(len(ahead)), key=lambda index: math.dist(ahead[index], pose[:2]))
         del self._way[:nearest]
 
-    def _aim(self, pose: Pose) -> float:
+    def _aim(self, pose: RobotPose) -> float:
         """The angle to the point that it aims at, from straight ahead."""
         index = min(len(self._way) - 1, max(1, round(AHEAD_M / CELL_M)))
         x, y = self._way[index]
         return _wrapped(math.atan2(y - pose.y, x - pose.x) - pose.heading)
 
-    def _follow(self, pose: Pose, left: float) -> tuple[float, float]:
+    def _follow(self, pose: RobotPose, left: float) -> tuple[float, float]:
         aside = self._aim(pose)
         speed = FASTEST_MPS * max(0.0, math.cos(aside)) ** 2 * min(1.0, left / 0.3 + 0.1)
         return speed, 2.5 * aside
 
-    def _turn(self, pose: Pose) -> tuple[float, float]:
+    def _turn(self, pose: RobotPose) -> tuple[float, float]:
         assert self.goal is not None
         self._way = []
         aside = _wrapped(self.goal.heading - pose.heading) if self._turns else 0.0

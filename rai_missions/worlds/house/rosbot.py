@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rai_missions.worlds.house.layout import Place
+from rai_missions.worlds.house.layout import NamedPose
 
-__all__ = ("ACTUATORS", "RADIUS_M", "Pose", "Rosbot", "body")
+__all__ = ("ACTUATORS", "RADIUS_M", "RobotPose", "Rosbot", "body")
 
 WHEEL_M, TRACK_M = 0.048, 0.27
 SKID = 1.55
@@ -26,7 +26,7 @@ GHOST = 'contype="0" conaffinity="0" mass=".01"'
 ACTUATORS = "".join(f'<velocity name="{name}" joint="{name}" kv="1.2" forcerange="-3 3"/>' for name in WHEELS)
 
 
-class Pose(NamedTuple):
+class RobotPose(NamedTuple):
     """Where the robot is, and how it moves."""
 
     x: float
@@ -39,7 +39,7 @@ class Pose(NamedTuple):
     """rad/s, counter-clockwise."""
 
 
-def body(start: Place) -> str:
+def body(start: NamedPose) -> str:
     """The robot's MJCF: base, lidar, camera and wheels."""
     wheels = "".join(
         f'<body name="{name}" pos="{x} {y} 0"><joint name="{name}" axis="0 1 0" damping=".02" armature=".005"/>'
@@ -77,12 +77,12 @@ class Rosbot:
         self._speed = self._turn = 0.0
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> RobotPose:
         x, y, _ = self._data.xpos[self.body_id]
         ahead = self._data.xmat[self.body_id][[0, 3]]
         velocity = self._data.qvel[self._first_dof : self._first_dof + 6]
         heading = math.atan2(ahead[1], ahead[0])
-        return Pose(float(x), float(y), heading, float(velocity[:2] @ ahead), float(velocity[5]))
+        return RobotPose(float(x), float(y), heading, float(velocity[:2] @ ahead), float(velocity[5]))
 
     @property
     def power_w(self) -> float:

@@ -26,7 +26,7 @@ from rai_missions.worlds.house.doors import Blocked, Doors
 from rai_missions.worlds.house.layout import DOORS, PLACES
 from rai_missions.worlds.house.lidar import Lidar
 from rai_missions.worlds.house.navigator import Navigator
-from rai_missions.worlds.house.rosbot import Pose, Rosbot
+from rai_missions.worlds.house.rosbot import RobotPose, Rosbot
 from rai_missions.worlds.publish_queue import Guarded, Outbox
 
 __all__ = ("House",)
@@ -92,7 +92,7 @@ class House:
         return round(self._start_s + self._steps * self.period_s, 9)
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> RobotPose:
         return self.rosbot.pose
 
     @property

@@ -16,7 +16,7 @@ from rai_missions.worlds.messages import pose_stamped, stamp
 from rai_missions.worlds.orchard.autonomy import Autonomy
 from rai_missions.worlds.orchard.crossing_judge import Judge
 from rai_missions.worlds.orchard.planner import Lattice
-from rai_missions.worlds.orchard.tractor import Pose
+from rai_missions.worlds.orchard.tractor import TractorPose
 
 __all__ = ("Cross", "NavigateToPose")
 
@@ -27,7 +27,7 @@ ARRIVED_M = 1.0
 
 
 @dataclass
-class Running:
+class RunningGoal:
     """The goal being pursued."""
 
     goal_id: str
@@ -50,11 +50,11 @@ class OneGoal:
 
     def __init__(self, autonomy: Autonomy, later: Later) -> None:
         self.autonomy, self._later = autonomy, later
-        self.running: Running | None = None
+        self.running: RunningGoal | None = None
         self.at = 0.0
 
     def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
-        running = Running(goal_id, report, self.at)
+        running = RunningGoal(goal_id, report, self.at)
         why = f"{self.name} pursues another goal" if self.running else self.begin(goal, running)
         if why:
             self._later(lambda: report(Report(goal_id, "rejected", {}, why)))
@@ -67,7 +67,7 @@ class OneGoal:
             self.running.is_unwanted = True
             self.autonomy.stop()
 
-    def step(self, at: float, pose: Pose) -> None:
+    def step(self, at: float, pose: TractorPose) -> None:
         """Report what has come about."""
         self.at, running = at, self.running
         if running is None:
@@ -82,18 +82,18 @@ class OneGoal:
             running.next_feedback = at + 0.5
             self.report(running, "feedback", self.feedback(pose, at - running.begun))
 
-    def report(self, running: Running, status: Status, data: Data | None = None, why: str = "") -> None:
+    def report(self, running: RunningGoal, status: Status, data: Data | None = None, why: str = "") -> None:
         self._later(lambda: running.report(Report(running.goal_id, status, data or {}, why)))
 
-    def begin(self, goal: Data, running: Running) -> str:
+    def begin(self, goal: Data, running: RunningGoal) -> str:
         """Set out; why not, if not."""
         raise NotImplementedError
 
-    def end(self, running: Running, pose: Pose) -> tuple[str, str]:
+    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[str, str]:
         """How the goal has ended and why, or empty."""
         raise NotImplementedError
 
-    def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
+    def feedback(self, pose: TractorPose, taken_s: float) -> dict[str, Any]:
         raise NotImplementedError
 
     def result(self, taken_s: float, status: str) -> dict[str, Any]:
@@ -112,7 +112,7 @@ class NavigateToPose(OneGoal):
         super().__init__(autonomy, later)
         self._lattice = lattice
 
-    def begin(self, goal: Data, running: Running) -> str:
+    def begin(self, goal: Data, running: RunningGoal) -> str:
         x, y = _position(goal) or self._lattice.layout.home[:2]
         running.place = self._lattice.position(self._lattice.nearest(x, y))
         return self.set_out(x, y)
@@ -128,14 +128,14 @@ class NavigateToPose(OneGoal):
             return f"({x:.2f}, {y:.2f}) is not on a headland; the nearest place that is: ({near})"
         return "" if self.autonomy.go_to(place) else "no way leads there"
 
-    def end(self, running: Running, pose: Pose) -> tuple[str, str]:
+    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[str, str]:
         if self.autonomy.is_homing:
             return "", ""
         if math.dist((pose.x, pose.y), running.place) <= ARRIVED_M:
             return ("succeeded", "") if abs(pose.speed) < 0.05 else ("", "")
         return "failed", "the tractor was stopped on the way"
 
-    def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
+    def feedback(self, pose: TractorPose, taken_s: float) -> dict[str, Any]:
         return {
             "current_pose": pose_stamped(*pose[:3], self.at),
             "navigation_time": stamp(taken_s),
@@ -157,7 +157,7 @@ class Cross(OneGoal):
         self._judge = judge
         self._start = (0.0, 0.0)
 
-    def begin(self, goal: Data, running: Running) -> str:
+    def begin(self, goal: Data, running: RunningGoal) -> str:
         return self.set_out()
 
     def set_out(self) -> str:
@@ -169,7 +169,7 @@ class Cross(OneGoal):
         self._start = self.autonomy.pose[:2]
         return "" if self.autonomy.proceed(over=True) else "the tractor does not drive on"
 
-    def end(self, running: Running, pose: Pose) -> tuple[str, str]:
+    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[str, str]:
         crossing = self._judge.crossing
         if crossing is None or crossing.outcome == "passed":
             return "succeeded", ""
@@ -177,7 +177,7 @@ class Cross(OneGoal):
             return "failed", crossing.why
         return ("", "") if self.autonomy.is_driving else ("failed", "the tractor was stopped on the way")
 
-    def feedback(self, pose: Pose, taken_s: float) -> dict[str, Any]:
+    def feedback(self, pose: TractorPose, taken_s: float) -> dict[str, Any]:
         return {"distance_traveled": round(math.dist(pose[:2], self._start), 2)}
 
     def result(self, taken_s: float, status: str) -> dict[str, Any]:

@@ -12,14 +12,14 @@ from collections.abc import Callable
 from typing import Literal
 
 from rai_missions.worlds.orchard.path_follower import Follower
-from rai_missions.worlds.orchard.planner import Lattice, Move, Place, straight
-from rai_missions.worlds.orchard.tractor import NOSE_M, Pose
+from rai_missions.worlds.orchard.planner import Lattice, LatticePlace, PathSegment, straight
+from rai_missions.worlds.orchard.tractor import NOSE_M, TractorPose
 
 __all__ = ("Autonomy", "Word")
 
 Word = Literal["STOPPED", "DRIVING", "REVERSING", "CHANGING_PATH", "FINISHED"]
 """The states of the upstream demo."""
-Starts = list[tuple[tuple[Move, ...], Place]]
+Starts = list[tuple[tuple[PathSegment, ...], LatticePlace]]
 STOP_AT_M, WAIT_AT_M = 5.0, 1.5
 """In an alley it hands over for what is nearer than the first; on a headland it waits while something is nearer than
 the second."""
@@ -45,7 +45,7 @@ class Autonomy:
     def __init__(self, lattice: Lattice, *, attempts: int, handed_over: Callable[[float], None]) -> None:
         self._lattice, self._attempts, self._handed_over = lattice, attempts, handed_over
         self._follower = Follower()
-        self._here: Place = lattice.nearest(*lattice.layout.home[:2])
+        self._here: LatticePlace = lattice.nearest(*lattice.layout.home[:2])
         self._tries = [0] * lattice.layout.alleys
         self._from_east = [False] * lattice.layout.alleys
         self._undone = set(range(lattice.layout.alleys))
@@ -56,7 +56,7 @@ class Autonomy:
         self._accepted: tuple[float, float, float] | None = None
         self._looks_s = 0.0
         self.word: Word = "CHANGING_PATH"
-        self.pose = Pose(*lattice.layout.home, 0.0)
+        self.pose = TractorPose(*lattice.layout.home, 0.0)
         self.range_m: float | None = None
 
     @property
@@ -127,7 +127,7 @@ class Autonomy:
         self._publish()
         return True
 
-    def go_to(self, goal: Place) -> bool:
+    def go_to(self, goal: LatticePlace) -> bool:
         """Leave the alleys for a place on a headland, whatever the heading there."""
         found = self._lattice.way(self._starts(), lambda place: place[:2] == goal[:2], self._is_passable)
         if found is None:
@@ -137,7 +137,7 @@ class Autonomy:
         self._publish()
         return True
 
-    def step(self, pose: Pose, range_m: float | None, period_s: float) -> tuple[float, float]:
+    def step(self, pose: TractorPose, range_m: float | None, period_s: float) -> tuple[float, float]:
         """The speed (m/s) and curvature (1/m) to command now."""
         self.pose, self.range_m = pose, range_m
         if self._is_parked:
@@ -156,7 +156,7 @@ class Autonomy:
         self._publish()
         return (min(speed, CROSSING_MPS) if self.is_crossing else speed), bend
 
-    def _note_progress(self, before: Move | None) -> None:
+    def _note_progress(self, before: PathSegment | None) -> None:
         after = self._follower.move
         if before is not None and before is not after:
             self._here = before.end
@@ -170,10 +170,10 @@ class Autonomy:
         elif not self._is_homing and (after is None or (len(self._follower.moves) == 1 and self._nears_an_end(after))):
             self._plan_next()
 
-    def _nears_an_end(self, move: Move) -> bool:
+    def _nears_an_end(self, move: PathSegment) -> bool:
         return move.alley is not None and move.ahead > 0 and self._follower.left_m < ENTERED_M
 
-    def _mouth_distance(self, move: Move) -> float:
+    def _mouth_distance(self, move: PathSegment) -> float:
         return self.pose.x - self._lattice.position(move.end)[0]
 
     def _plan_next(self) -> None:
@@ -193,7 +193,7 @@ class Autonomy:
         if leaving is None:
             self._is_parked, self.word = True, "FINISHED"
 
-    def _way_into(self, alley: int, starts: Starts) -> tuple[float, tuple[Move, ...]] | None:
+    def _way_into(self, alley: int, starts: Starts) -> tuple[float, tuple[PathSegment, ...]] | None:
         """To one of an alley's mouths – after a failed attempt the other one – and through it."""
         ends = (not self._from_east[alley],) if self._tries[alley] else (True, False)
         mouths = {self._lattice.mouth(alley, east=east, heading=2 if east else 0) for east in ends}
@@ -220,10 +220,10 @@ class Autonomy:
         if rest is not None and not (move.ahead > 0 and move.alley in self._blocked):
             starts.append(((rest,), rest.end))
         if move.alley is not None and move.ahead > 0:
-            back = Place(7 - move.end.column, move.end.row, move.end.heading)
+            back = LatticePlace(7 - move.end.column, move.end.row, move.end.heading)
             x, y = self._lattice.position(back)
             points = straight(self.pose.x, y, x, y, back.heading * math.pi / 2)
-            starts.append(((Move(points, -1, back, move.alley),), back))
+            starts.append(((PathSegment(points, -1, back, move.alley),), back))
         return starts
 
     def _is_in_the_way(self) -> bool:

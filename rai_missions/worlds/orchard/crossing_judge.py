@@ -15,7 +15,7 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
-from rai_missions.worlds.orchard.tractor import TAIL_M, Pose, Tractor
+from rai_missions.worlds.orchard.tractor import TAIL_M, Tractor, TractorPose
 
 __all__ = ("Crossing", "Judge", "Outcome")
 
@@ -85,7 +85,7 @@ class Judge:
         self.touched: set[int] = set()
         """The living obstacles that were touched, ever."""
 
-    def begin(self, pose: Pose, distance_m: float) -> None:
+    def begin(self, pose: TractorPose, distance_m: float) -> None:
         """The tractor handed over for something so far ahead of its nose."""
         along = (math.cos(pose.heading), math.sin(pose.heading))
         ahead = [n for n in range(len(self._bodies)) if self._is_ahead(n, pose, along)]
@@ -99,7 +99,7 @@ class Judge:
         if self.crossing is not None and self.crossing.outcome == "open":
             self.crossing.outcome = "left"
 
-    def watch(self, pose: Pose, period_s: float, *, driving: bool) -> None:
+    def watch(self, pose: TractorPose, period_s: float, *, driving: bool) -> None:
         """Look at the contacts of this instant."""
         forces = self._contacts()
         touched = {number for number, _, _ in forces if self._living[number]}
@@ -157,7 +157,7 @@ class Judge:
             return f"struck the chassis with {crossing.chassis_n / 1000:.0f} kN"
         return "stuck" if crossing.stuck_s > STUCK_S else ""
 
-    def _is_behind(self, crossing: Crossing, pose: Pose) -> bool:
+    def _is_behind(self, crossing: Crossing, pose: TractorPose) -> bool:
         tail = pose.x * crossing.along[0] + pose.y * crossing.along[1] - TAIL_M
         if tail < crossing.far_m:
             return False
@@ -165,7 +165,7 @@ class Judge:
             return True
         return tail > self._reach(crossing.number, crossing.along)[1]
 
-    def _is_ahead(self, number: int, pose: Pose, along: tuple[float, float]) -> bool:
+    def _is_ahead(self, number: int, pose: TractorPose, along: tuple[float, float]) -> bool:
         x, y = self._place(number)
         ahead = (x - pose.x) * along[0] + (y - pose.y) * along[1]
         return 0 < ahead < 14 and abs((y - pose.y) * along[0] - (x - pose.x) * along[1]) < 2.2

@@ -20,7 +20,7 @@ from rai_missions.errors import UsageError
 from rai_missions.worlds.camera import Camera, Frame, Moment, Sight
 from rai_missions.worlds.orchard.bodies import FIGURES, LIVING
 from rai_missions.worlds.orchard.obstacles import Obstacle
-from rai_missions.worlds.orchard.tractor import NOSE_M, Pose
+from rai_missions.worlds.orchard.tractor import NOSE_M, TractorPose
 
 __all__ = ("Detector", "Errors")
 
@@ -72,7 +72,7 @@ class Detector:
         self._taken_for: dict[int, str] = {}
         self._last: tuple[NDArray[np.float64], dict[int, tuple[float, float]]] | None = None
 
-    def look(self, moment: Moment, places: NDArray[np.float64], pose: Pose) -> dict[str, Any] | None:
+    def look(self, moment: Moment, places: NDArray[np.float64], pose: TractorPose) -> dict[str, Any] | None:
         """The nearest obstacle in the tractor's way, as it seems; None: the way looks free.
 
         Args:
@@ -91,7 +91,7 @@ class Detector:
             return None
         return self._fact(kind, *seen[number])
 
-    def _may_see(self, places: NDArray[np.float64], pose: Pose) -> bool:
+    def _may_see(self, places: NDArray[np.float64], pose: TractorPose) -> bool:
         if len(places) == 0:
             return False
         dx, dy = places[:, 0] - pose.x, places[:, 1] - pose.y
@@ -99,7 +99,9 @@ class Detector:
         aside = np.abs(dy * math.cos(pose.heading) - dx * math.sin(pose.heading))
         return bool(np.any((ahead > -2) & (ahead < RANGE_M + 1) & (aside < 2.5)))
 
-    def _measured(self, moment: Moment, places: NDArray[np.float64], pose: Pose) -> dict[int, tuple[float, float]]:
+    def _measured(
+        self, moment: Moment, places: NDArray[np.float64], pose: TractorPose
+    ) -> dict[int, tuple[float, float]]:
         """Distance and height of what is in sight; nothing is rendered while nothing has moved."""
         key = np.append(places.ravel(), pose[:3])
         if self._last is not None and np.allclose(self._last[0], key, rtol=0, atol=MOVED_M):
@@ -109,7 +111,7 @@ class Detector:
         self._last = key, found
         return found
 
-    def _extent(self, number: int, frame: Frame, sight: Sight, pose: Pose) -> tuple[float, float] | None:
+    def _extent(self, number: int, frame: Frame, sight: Sight, pose: TractorPose) -> tuple[float, float] | None:
         rows, columns = np.nonzero(frame.body == self._bodies[number])
         if len(rows) < FEWEST_PIXELS:
             return None

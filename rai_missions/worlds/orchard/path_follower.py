@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rai_missions.worlds.orchard.planner import Move
-from rai_missions.worlds.orchard.tractor import Pose
+from rai_missions.worlds.orchard.planner import PathSegment
+from rai_missions.worlds.orchard.tractor import TractorPose
 
 __all__ = ("Follower",)
 
@@ -28,26 +28,26 @@ class Follower:
     """Drives moves one after the other; those that go the same way are one line without a stop."""
 
     def __init__(self) -> None:
-        self.moves: tuple[Move, ...] = ()
+        self.moves: tuple[PathSegment, ...] = ()
         self._index = 0
         self._points = np.zeros((0, 4))
         self._left = np.zeros(0)
         self._ends: list[int] = []
         self._begun = 0
 
-    def take(self, moves: Sequence[Move]) -> None:
+    def take(self, moves: Sequence[PathSegment]) -> None:
         """Forget what was to be driven, and drive these."""
         self.moves, self._index, self._begun = tuple(moves), 0, 0
         self._gather()
 
-    def extend(self, moves: Sequence[Move]) -> None:
+    def extend(self, moves: Sequence[PathSegment]) -> None:
         """Drive these after what is still to be driven."""
         self.moves += tuple(moves)
         self._index -= self._begun
         self._gather()
 
     @property
-    def move(self) -> Move | None:
+    def move(self) -> PathSegment | None:
         """The move under the rear axle."""
         return self.moves[0] if self.moves else None
 
@@ -61,14 +61,14 @@ class Follower:
         """To the end of everything."""
         return self.left_m + sum(move.length_m for move in self.moves[1:])
 
-    def off_m(self, pose: Pose) -> float:
+    def off_m(self, pose: TractorPose) -> float:
         """How far the tractor is from where it should be."""
         if not self.moves:
             return 0.0
         x, y = self._points[self._index, :2]
         return math.hypot(pose.x - x, pose.y - y)
 
-    def rest_of_move(self) -> Move | None:
+    def rest_of_move(self) -> PathSegment | None:
         """What is left of the present move, to be driven on later."""
         if not self.moves:
             return None
@@ -77,7 +77,7 @@ class Follower:
             points=points if len(points) > 1 else self._points[self._index - 1 : self._index + 1]
         )
 
-    def step(self, pose: Pose) -> tuple[float, float]:
+    def step(self, pose: TractorPose) -> tuple[float, float]:
         """The speed (m/s) and curvature (1/m) to command now; speed 0 at the end of everything."""
         self._advance(pose)
         if not self.moves:
@@ -96,7 +96,7 @@ class Follower:
         top = BACKWARDS_MPS if ahead < 0 else TURN_MPS if np.any(np.abs(soon) > 0.05) else CRUISE_MPS
         return max(0.15, min(top, math.sqrt(2 * BRAKE_MPS2 * float(self._left[self._index]))))
 
-    def _advance(self, pose: Pose) -> None:
+    def _advance(self, pose: TractorPose) -> None:
         if not self.moves:
             return
         window = self._points[self._index : self._index + 15, :2]
@@ -111,7 +111,7 @@ class Follower:
 
     def _gather(self) -> None:
         """Make one line of the first moves that go the same way, the part already driven left in place."""
-        same: list[Move] = []
+        same: list[PathSegment] = []
         for move in self.moves:
             if same and move.ahead != same[0].ahead:
                 break

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rai_missions.worlds.orchard.layout import Layout
 
-__all__ = ("Lattice", "Move", "Place", "straight")
+__all__ = ("Lattice", "LatticePlace", "PathSegment", "straight")
 
 BACKWARDS_COSTS, CHANGE_COSTS_M = 1.4, 3.0
 SAMPLE_M = 0.1
@@ -27,7 +27,7 @@ STEP = ((1, 0), (0, 1), (-1, 0), (0, -1))
 """Unit steps by heading: east, north, west, south."""
 
 
-class Place(NamedTuple):
+class LatticePlace(NamedTuple):
     """A place of the lattice: column (0-3 west, 4-7 east, 3 and 4 are the mouths), row (two a alley), heading."""
 
     column: int
@@ -35,14 +35,14 @@ class Place(NamedTuple):
     heading: int
 
 
-class Move(NamedTuple):
+class PathSegment(NamedTuple):
     """A way from one place to another, sampled."""
 
     points: NDArray[np.float64]
     """Rows of x, y, the tractor's heading, and curvature (1/m, left positive, as driven)."""
     ahead: int
     """1 forwards, -1 backwards."""
-    end: Place
+    end: LatticePlace
     alley: int | None = None
     """The alley that it lies in."""
 
@@ -67,26 +67,26 @@ class Lattice:
         r = layout.radius_m
         self._xs = [west - k * r for k in (3, 2, 1, 0)] + [east + k * r for k in (0, 1, 2, 3)]
         self._rows = range(-3, 2 * layout.alleys + 2)
-        self._turns: dict[Place, tuple[tuple[Move, float], ...]] = {}
+        self._turns: dict[LatticePlace, tuple[tuple[PathSegment, float], ...]] = {}
 
-    def position(self, place: Place) -> tuple[float, float]:
+    def position(self, place: LatticePlace) -> tuple[float, float]:
         return self._xs[place.column], place.row * self.layout.radius_m
 
-    def mouth(self, alley: int, *, east: bool, heading: int) -> Place:
-        return Place(4 if east else 3, 2 * alley, heading)
+    def mouth(self, alley: int, *, east: bool, heading: int) -> LatticePlace:
+        return LatticePlace(4 if east else 3, 2 * alley, heading)
 
-    def nearest(self, x: float, y: float) -> Place:
+    def nearest(self, x: float, y: float) -> LatticePlace:
         """The place nearest to a point, looking east."""
         column = min(range(8), key=lambda k: abs(self._xs[k] - x))
         row = min(self._rows, key=lambda k: abs(k * self.layout.radius_m - y))
-        return Place(column, row, 0)
+        return LatticePlace(column, row, 0)
 
     def way(
         self,
-        starts: list[tuple[tuple[Move, ...], Place]],
-        is_goal: Callable[[Place], bool],
+        starts: list[tuple[tuple[PathSegment, ...], LatticePlace]],
+        is_goal: Callable[[LatticePlace], bool],
         passable: Callable[[int], bool],
-    ) -> tuple[float, tuple[Move, ...]] | None:
+    ) -> tuple[float, tuple[PathSegment, ...]] | None:
         """The cheapest way to a goal: its cost and its moves, those of its start included.
 
         Args:
@@ -97,7 +97,7 @@ class Lattice:
         order = itertools.count()
         queue = [(_cost(moves), next(order), place, moves) for moves, place in starts]
         heapq.heapify(queue)
-        seen: set[tuple[Place, int]] = set()
+        seen: set[tuple[LatticePlace, int]] = set()
         while queue:
             cost, _, place, moves = heapq.heappop(queue)
             if is_goal(place):
@@ -111,13 +111,13 @@ class Lattice:
                 heapq.heappush(queue, (cost + more, next(order), move.end, (*moves, move)))
         return None
 
-    def through(self, alley: int, start: Place) -> Move:
+    def through(self, alley: int, start: LatticePlace) -> PathSegment:
         """From one mouth of an alley (or of a lane beside the orchard) to the other, forwards."""
-        (x, y), end = self.position(start), Place(7 - start.column, start.row, start.heading)
+        (x, y), end = self.position(start), LatticePlace(7 - start.column, start.row, start.heading)
         points = straight(x, y, self._xs[end.column], y, start.heading * math.pi / 2)
-        return Move(points, 1, end, alley if 0 <= alley < self.layout.alleys else None)
+        return PathSegment(points, 1, end, alley if 0 <= alley < self.layout.alleys else None)
 
-    def _moves(self, place: Place, passable: Callable[[int], bool]) -> Iterator[tuple[Move, float]]:
+    def _moves(self, place: LatticePlace, passable: Callable[[int], bool]) -> Iterator[tuple[PathSegment, float]]:
         """The moves from a place, each with its length in m."""
         if place not in self._turns:  # every way leads past the same places
             self._turns[place] = tuple((move, move.length_m) for move in self._on_headland(place))
@@ -128,24 +128,26 @@ class Lattice:
             move = self.through(alley, place)
             yield move, move.length_m
 
-    def _on_headland(self, place: Place) -> Iterator[Move]:
+    def _on_headland(self, place: LatticePlace) -> Iterator[PathSegment]:
         for ahead in (1, -1):
             yield from self._straight(place, ahead)
             yield from (self._arc(place, ahead, left) for left in (1, -1) if self._arc_end(place, ahead, left))
 
-    def _straight(self, place: Place, ahead: int) -> Iterator[Move]:
+    def _straight(self, place: LatticePlace, ahead: int) -> Iterator[PathSegment]:
         dx, dy = STEP[place.heading]
-        end = Place(place.column + ahead * dx, place.row + ahead * dy, place.heading)
+        end = LatticePlace(place.column + ahead * dx, place.row + ahead * dy, place.heading)
         if self._exists(place, end):
-            yield Move(straight(*self.position(place), *self.position(end), place.heading * math.pi / 2), ahead, end)
+            yield PathSegment(
+                straight(*self.position(place), *self.position(end), place.heading * math.pi / 2), ahead, end
+            )
 
-    def _arc_end(self, place: Place, ahead: int, left: int) -> Place | None:
+    def _arc_end(self, place: LatticePlace, ahead: int, left: int) -> LatticePlace | None:
         dx, dy = STEP[place.heading]
         column, row = place.column + ahead * dx - left * dy, place.row + ahead * dy + left * dx
-        end = Place(column, row, (place.heading + ahead * left) % 4)
+        end = LatticePlace(column, row, (place.heading + ahead * left) % 4)
         return end if self._exists(place, end) else None
 
-    def _arc(self, place: Place, ahead: int, left: int) -> Move:
+    def _arc(self, place: LatticePlace, ahead: int, left: int) -> PathSegment:
         """A quarter circle; backwards to the left, the tail goes to the left."""
         end = self._arc_end(place, ahead, left)
         assert end is not None
@@ -154,21 +156,21 @@ class Lattice:
         u, v = ahead * r * np.sin(turn), left * r * (1 - np.cos(turn))
         c, s = math.cos(heading), math.sin(heading)
         bend = np.full(len(turn), left / r)
-        return Move(
+        return PathSegment(
             np.column_stack([x + u * c - v * s, y + u * s + v * c, heading + ahead * left * turn, bend]), ahead, end
         )
 
-    def _exists(self, place: Place, end: Place) -> bool:
+    def _exists(self, place: LatticePlace, end: LatticePlace) -> bool:
         same_side = (place.column < 4) == (end.column < 4) and 0 <= end.column < 8
         return same_side and end.row in self._rows
 
 
-def _step_cost(move: Move, length_m: float, ahead: int) -> float:
+def _step_cost(move: PathSegment, length_m: float, ahead: int) -> float:
     back = BACKWARDS_COSTS if move.ahead < 0 else 1.0
     return length_m * back + (CHANGE_COSTS_M if move.ahead != ahead else 0.0)
 
 
-def _cost(moves: tuple[Move, ...]) -> float:
+def _cost(moves: tuple[PathSegment, ...]) -> float:
     total, ahead = 0.0, moves[0].ahead if moves else 1
     for move in moves:
         total, ahead = total + _step_cost(move, move.length_m, ahead), move.ahead

@@ -13,7 +13,7 @@ import numpy as np
 
 from rai_missions.worlds.orchard.meshes import Mesh, turned
 
-__all__ = ("ACTUATORS", "CONTACT", "NOSE_M", "TAIL_M", "Pose", "Tractor", "body", "meshes")
+__all__ = ("ACTUATORS", "CONTACT", "NOSE_M", "TAIL_M", "Tractor", "TractorPose", "body", "meshes")
 
 WHEELBASE_M, TRACK_M, FRONT_TRACK_M = 2.0, 1.7, 1.5
 REAR_RADIUS_M, FRONT_RADIUS_M = 0.78, 0.5
@@ -38,7 +38,7 @@ CONTACT = """
 GHOST = 'contype="0" conaffinity="0" mass="0"'
 
 
-class Pose(NamedTuple):
+class TractorPose(NamedTuple):
     """Where the tractor is: the middle of the rear axle, and how fast it goes ahead."""
 
     x: float
@@ -69,11 +69,11 @@ class Tractor:
         self._speed = self._trim = 0.0
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> TractorPose:
         x, y, _ = self._data.xpos[self.body_id]
         ahead = self._data.xmat[self.body_id][[0, 3]]
         velocity = self._data.qvel[self._first_dof : self._first_dof + 2]
-        return Pose(float(x), float(y), math.atan2(ahead[1], ahead[0]), float(velocity @ ahead))
+        return TractorPose(float(x), float(y), math.atan2(ahead[1], ahead[0]), float(velocity @ ahead))
 
     @property
     def tilt_deg(self) -> tuple[float, float]:

@@ -29,7 +29,7 @@ from rai_missions.worlds.orchard.layout import Layout
 from rai_missions.worlds.orchard.obstacles import Walker, place
 from rai_missions.worlds.orchard.planner import Lattice
 from rai_missions.worlds.orchard.range_sensor import Beams
-from rai_missions.worlds.orchard.tractor import Pose, Tractor
+from rai_missions.worlds.orchard.tractor import Tractor, TractorPose
 from rai_missions.worlds.publish_queue import Guarded, Outbox
 
 __all__ = ("Orchard",)
@@ -113,7 +113,7 @@ class Orchard:
         return round(self._start_s + self._steps * self.period_s, 9)
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> TractorPose:
         return self.tractor.pose
 
     @property
@@ -238,7 +238,7 @@ class Orchard:
         if crossing is not None:
             self._outbox.put("crossing", (crossing.start, crossing.outcome), messages.text(crossing.facts()))
 
-    def _look(self, pose: Pose) -> None:
+    def _look(self, pose: TractorPose) -> None:
         if self.camera is None or self._detector is None:
             return
         moment = self.camera.moment(self.data)

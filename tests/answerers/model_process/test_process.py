@@ -30,7 +30,7 @@ from rai_missions.node import MissionNode
 from rai_missions.node.transport import Carrier
 from rai_missions.profile import Robot
 from rai_missions.runtime.result import Result
-from rai_missions.testing import QUESTION, ReplyCallback, check_answerer
+from rai_missions.testing import QUESTION, ReplyCollector, check_answerer
 from tests.answerers.model_process.processes import EXIT_S, PROVIDERS, ROBOT, asking, left_of, patient, talking_robot
 from tests.providers.langchain_hostile import DEEDS, FORGED
 
@@ -137,14 +137,14 @@ def test_one_that_holds_its_interpreter_s_lock_is_replaced(mark: str, tmp_path: 
     """The first attempt is lost; the second one meets another process."""
     agent = DecisionAgent(ModelProcess(f"hostile:holds_once:{tmp_path / 'held'}"))
     patience = QUESTION._replace(until=PATIENT_S, at=0.01)
-    first = ReplyCallback()
+    first = ReplyCollector()
     agent.ask(patience, first)
     until = time.monotonic() + PATIENT_S
     while not (tmp_path / "held").exists():
         assert time.monotonic() < until
         os.sched_yield()
     agent.withdraw(patience.number)
-    agent.ask(patience._replace(number=2), second := ReplyCallback())
+    agent.ask(patience._replace(number=2), second := ReplyCollector())
     assert "option" in second.wait(PATIENT_S)
     assert first.all == []
     began = time.monotonic()

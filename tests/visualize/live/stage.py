@@ -18,7 +18,7 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Lifecycle
 from rai_missions.trees import PyTrees
-from visualize.live import LivePage, Place, RunFeed, RunScene
+from visualize.live import LivePage, PageAddress, RunFeed, RunScene
 
 __all__ = ("PATIENCE_S", "Run", "Viewer", "ask", "folded", "until")
 
@@ -42,7 +42,7 @@ class Run:
         self.mission, self.desk, self.about = mission, desk, dict[str, Any](about or {})
 
     def __enter__(self) -> Run:
-        self.page = LivePage(Place(port=0))
+        self.page = LivePage(PageAddress(port=0))
         self.page.start(self.mission, self.feed, self.desk, self.about)
         return self
 

@@ -26,7 +26,7 @@ from rai_missions.journal import read
 from rai_missions.runtime.runner import Result
 from tests.node.scenes import StandIn, mission, robot
 from tests.visualize.live.stage import Viewer, ask, until
-from visualize.live import LivePage, Place
+from visualize.live import LivePage, PageAddress
 
 ROOT = Path(__file__).parents[3]
 
@@ -41,7 +41,7 @@ class Watched:
         connector = LocalConnector(now=lambda: time.monotonic() - begun)
         connector.start()
         self.robot, self.journal = StandIn(connector), folder / "a.journal"
-        self.page = LivePage(Place(port=0))
+        self.page = LivePage(PageAddress(port=0))
         setting = RunConfig(
             mission(), robot({"kind": "local"}), connector=connector, journal=self.journal, operator=terminal
         )
@@ -237,7 +237,7 @@ def test_the_run_file_is_its_owner_s_alone_and_goes_with_the_run(tmp_path: Path)
             path = tmp_path / "a.journal.watch"
             assert stat.S_IMODE(path.stat().st_mode) == 0o600
             assert room.serving(journal) is None  # nobody listens there
-            with LivePage(Place(port=0))._socket as listening:
+            with LivePage(PageAddress(port=0))._socket as listening:
                 path.write_text(json.dumps({"url": f"http://127.0.0.1:{listening.getsockname()[1]}/#token=x"}))
                 assert room.serving(journal) is not None
                 path.chmod(0o644)
@@ -255,7 +255,7 @@ def test_watch_prints_the_page_of_the_run_that_goes_on(
     for name in ("old", "new"):
         (tmp_path / f"journals/{name}.journal").write_text("")
     os.utime(tmp_path / "journals/old.journal", (1, 1))
-    with LivePage(Place(port=0))._socket as listening:
+    with LivePage(PageAddress(port=0))._socket as listening:
         url = f"http://127.0.0.1:{listening.getsockname()[1]}/#token=x"
         with run_file("journals/old.journal", {"url": url}):
             assert main(["watch"]) == 0
@@ -273,7 +273,7 @@ def test_watch_finds_a_run_that_writes_its_journal_elsewhere_below(
     for folder in ("journals", "field/monday", "too/deep/by/far"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "journals/old.journal").write_text("")
-    with LivePage(Place(port=0))._socket as listening:
+    with LivePage(PageAddress(port=0))._socket as listening:
         url = f"http://127.0.0.1:{listening.getsockname()[1]}/#token="
         with ExitStack() as files:
             for name in ("field/monday/a", "b", "too/deep/by/far/c"):
@@ -301,7 +301,7 @@ def test_watch_without_any_run_says_how_to_begin_one(
 
 
 def test_a_port_in_use_stops_a_run_before_it_begins(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with LivePage(Place(port=0))._socket as listening:
+    with LivePage(PageAddress(port=0))._socket as listening:
         port = str(listening.getsockname()[1])
         command = ["run", str(ROOT / "missions/tractor/mission.json"), "--journal", str(tmp_path / "a.journal")]
         command += ["--robot", str(ROOT / "missions/tractor/robot.sim.json"), "--watch", port]

@@ -18,7 +18,7 @@ from rai_missions.runtime.result import Result
 from tests.node.scenes import mission
 from tests.rigs.journals import raw_rows_of
 from tests.visualize.live.stage import Viewer, ask, until
-from visualize.live import LivePage, Place
+from visualize.live import LivePage, PageAddress
 
 
 def cut_short(journal: Path, *names: tuple[str, str]) -> None:
@@ -40,7 +40,7 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_go
     pytest.importorskip("mcap")
     journal, recording = tmp_path / "a.journal", tmp_path / "a.mcap"
     cut_short(journal, ("ask", "event"), *([("pause", "command")] if is_paused else []))
-    page, ended = LivePage(Place(port=0)), list[Result]()
+    page, ended = LivePage(PageAddress(port=0)), list[Result]()
     watch = Watch(page, RunConfig(None, journal=journal, resume=journal, record=recording))
 
     def run() -> None:

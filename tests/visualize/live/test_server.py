@@ -18,7 +18,7 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Image
 from rai_missions.image import png
 from tests.visualize.live.stage import Run, Viewer, ask, until
-from visualize.live import LivePage, Place, hub
+from visualize.live import LivePage, PageAddress, hub
 from visualize.live import timeouts as impatient
 
 WITH_TOKEN = [("GET", "/mission"), ("GET", "/events"), ("GET", "/picture?key=camera"), ("POST", "/orders")]
@@ -225,25 +225,25 @@ def test_a_viewer_is_not_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_port_in_use_is_told_with_a_way_out(run: Run) -> None:
     with pytest.raises(UsageError, match=rf"port {run.page.port} is in use on 127.0.0.1.*--watch PORT.*0 for any"):
-        LivePage(Place(port=run.page.port))
+        LivePage(PageAddress(port=run.page.port))
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.0.2.1", "robot.example"])
 def test_another_address_than_loopback_wants_tls(host: str) -> None:
     with pytest.raises(UsageError, match=f"on '{host}' others on the network .* --tls-cert FILE .* ssh -L"):
-        LivePage(Place(host, 0))
+        LivePage(PageAddress(host, 0))
 
 
 def test_an_address_that_is_not_there_or_a_certificate_that_is_none_is_told(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="both a certificate and its key"):
-        LivePage(Place(port=0, certificate="a.pem"))
+        LivePage(PageAddress(port=0, certificate="a.pem"))
     with pytest.raises(UsageError, match=r"TLS cannot use .*a\.pem"):
-        LivePage(Place(port=0, certificate=tmp_path / "a.pem", key=tmp_path / "b.pem"))
+        LivePage(PageAddress(port=0, certificate=tmp_path / "a.pem", key=tmp_path / "b.pem"))
     os.mkfifo(tmp_path / "pipe.pem")
     with pytest.raises(UsageError, match=r"TLS cannot use .*pipe\.pem: that is no regular file"):
-        LivePage(Place(port=0, certificate=tmp_path / "pipe.pem", key=tmp_path / "b.pem"))
+        LivePage(PageAddress(port=0, certificate=tmp_path / "pipe.pem", key=tmp_path / "b.pem"))
     with pytest.raises(UsageError, match="there is no port 70000"):
-        LivePage(Place(port=70_000))
+        LivePage(PageAddress(port=70_000))
 
 
 def test_over_tls_the_page_is_served_and_its_origin_is_https(tmp_path: Path) -> None:
@@ -258,7 +258,7 @@ def test_over_tls_the_page_is_served_and_its_origin_is_https(tmp_path: Path) -> 
     from tests.visualize.runs import tractor
 
     one = Run(tractor())
-    page = LivePage(Place(port=0, certificate=tmp_path / "cert.pem", key=tmp_path / "key.pem"))
+    page = LivePage(PageAddress(port=0, certificate=tmp_path / "cert.pem", key=tmp_path / "key.pem"))
     page.start(one.mission, one.feed)
     try:
         assert page.url.startswith("https://127.0.0.1:")
