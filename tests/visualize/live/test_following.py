@@ -20,13 +20,13 @@ from tests.visualize.live.stage import Run, Viewer, ask, until
 from tests.visualize.live.test_scene import play
 from tests.visualize.page.reading import answered, journal_of
 from tests.visualize.runs import ROOT, tractor
-from visualize.live import JournalFeed, LivePage, Place
+from visualize.live import JournalFeed, LivePage, PageAddress
 
 
 @pytest.fixture
 def page() -> Iterator[LivePage]:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
-    made = LivePage(Place(port=0))
+    made = LivePage(PageAddress(port=0))
     yield made
     made.stop()
 
