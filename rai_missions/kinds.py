@@ -1,21 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the fields of a written thing refer to, as their annotations say: states, keys, events, timers, paths.
+"""What each kind of thing has: what its fields refer to, and where one of another package is found.
 
 Rule: nothing lists fields by name. A field that refers to something carries a `Refers`; what it holds of further
-written things is found by its type.
+written things is found by its type. Nothing of another package is loaded before a file or an option names it.
 """
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+
+from rai_missions.errors import UsageError
+
+if TYPE_CHECKING:
+    from importlib.metadata import Distribution
 
 __all__ = (
-    "EVENT", "HELD", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse", "Reference",
-    "Refers", "escaped", "fields_of", "found", "inside", "rewritten",
+    "EVENT", "HELD", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse", "Offer",
+    "Reference", "Refers", "escaped", "fields_of", "found", "inside", "lacking", "named", "offered", "offers",
+    "rewritten",
 )  # fmt: skip
 
 Sort = Literal["state", "key", "event", "timer", "trigger", "path", "template", "operand", "predicate"]
@@ -206,3 +215,118 @@ def _referring(given: Any, sort: Sort, change: Callable[[Sort, Any], Any]) -> An
         word = _other(given)
         return given if word is None else {word: change("path", given[word])}
     return change(sort, given)
+
+
+# -- what other packages offer -----------------------------------------------------------------------------------------
+
+OURS = "rai-missions"
+
+
+class Offer(NamedTuple):
+    """Something that a package offers under a name, by an entry point."""
+
+    group: str
+    """`rai_missions.guards`, `.activities`, `.connectors`, `.worlds` or `.exporters`."""
+    name: str
+    package: str
+    version: str
+    value: str
+    """`module:attribute`."""
+
+    def __str__(self) -> str:
+        return f"the {self.group.partition('.')[2].rstrip('s')} '{self.name}' of {self.package} {self.version}"
+
+    def load(self) -> Any:
+        """What is offered.
+
+        Raises:
+            UsageError: It does not load.
+        """
+        from importlib.metadata import EntryPoint
+
+        try:
+            return EntryPoint(self.name, self.value, self.group).load()
+        except Exception as error:
+            raise UsageError(f"{self} does not load ({type(error).__name__}: {error})") from error
+
+
+def offered(group: str, name: str, ours: Mapping[str, str]) -> Offer | None:
+    """Who offers a name: this package itself, which no other can shadow, else an installed one; None if none does.
+
+    Args:
+        group: Of entry points.
+        name: What a file or an option names.
+        ours: Name → `module:attribute`, of this package's own.
+
+    Raises:
+        UsageError: Two packages offer it.
+    """
+    if name in ours:
+        return Offer(group, name, OURS, "", ours[name])
+    found = [each for each in offers(group) if each.name == name]
+    if len(found) > 1:
+        both = " and ".join(sorted(f"{each.package} {each.version}" for each in found))
+        raise UsageError(f"{group.partition('.')[2].rstrip('s')} '{name}' is offered by {both}; uninstall one of them")
+    return found[0] if found else None
+
+
+def offers(group: str) -> tuple[Offer, ...]:
+    """What installed packages offer in a group; nothing of it is loaded."""
+    return tuple(each for each in _offers(_places()) if each.group == group)
+
+
+def _places() -> tuple[str, ...]:
+    """Where packages are installed: the working directory is no such place."""
+    here = Path.cwd()
+    return tuple(each for each in sys.path if each and Path(each) != here)
+
+
+@cache
+def _offers(path: tuple[str, ...]) -> tuple[Offer, ...]:
+    return tuple(
+        Offer(entry.group, entry.name, name, distribution.version, entry.value)
+        for name, distribution in _installed(path).items()
+        for entry in distribution.entry_points
+        if entry.group.startswith("rai_missions.") and name != OURS
+    )
+
+
+@cache
+def _installed(path: tuple[str, ...]) -> Mapping[str, Distribution]:
+    """Package → its metadata."""
+    from importlib.metadata import distributions  # slow to import
+
+    found: dict[str, Distribution] = {}
+    for distribution in distributions(path=list(path)):
+        name = distribution.metadata["Name"]
+        if name:
+            found.setdefault(_normal(name), distribution)  # as with modules, the first on the path counts
+    return found
+
+
+def _normal(name: str) -> str:
+    """A package's name as names are compared (PEP 503)."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def named(requirement: str) -> str:
+    """The package that a requirement names, as packages are compared."""
+    return _normal(re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0])
+
+
+def lacking(requirement: str) -> str:
+    """Why a requirement, `package>=1`, is not met here; empty if it is."""
+    from packaging.requirements import InvalidRequirement, Requirement
+
+    try:
+        wanted = Requirement(requirement)
+    except InvalidRequirement:
+        return f"'{requirement}' names no package; write 'package' or 'package>=1'"
+    if wanted.url or wanted.marker or wanted.extras:
+        return f"'{requirement}' says more than a package and its version; write 'package>=1'"
+    there = _installed(_places()).get(_normal(wanted.name))
+    if there is None:
+        return f"the package '{wanted.name}' is not installed; pip install '{requirement}'"
+    if not wanted.specifier.contains(there.version, prereleases=True):
+        return f"the package '{wanted.name}' is installed in version {there.version}, and {wanted.specifier} is needed"
+    return ""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -29,8 +30,8 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from rai_missions.errors import DefinitionError, suggestion
-from rai_missions.kinds import EVENT, KEY, PATH, STATE, TIMER, Reference, found, inside
+from rai_missions.errors import DefinitionError, UsageError, suggestion
+from rai_missions.kinds import EVENT, KEY, PATH, STATE, TIMER, Offer, Reference, found, inside, offered
 from rai_missions.validation_errors import faults_of
 
 __all__ = (
@@ -212,22 +213,65 @@ FAMILY = "x-family"
 
 
 class TaggedModel(MissionModel):
-    """A family of written things that are told apart by a word each of them must have.
+    """A family of written things, each distinguished by a word that it must have.
 
     A family derives from `TaggedModel` with `family="guard"`; each kind of it derives from the family and has a word.
+    Where the family has a `group`, other packages offer further kinds under it by entry points.
     """
 
     kinds: ClassVar[dict[str, type[Any]]]
+    """The format's own: word → kind."""
+    foreign: ClassVar[set[type[Any]]]
+    """Kinds of other packages that were imported."""
     word: ClassVar[str] = ""
     family: ClassVar[str] = ""
+    group: ClassVar[str] = ""
+    """The group of entry points for kinds of other packages; empty where there are none."""
 
-    def __init_subclass__(cls, *, family: str = "", word: str | None = None, **rest: Any) -> None:
+    def __init_subclass__(cls, *, family: str = "", word: str | None = None, group: str = "", **rest: Any) -> None:
         super().__init_subclass__(**rest)
         if family:
-            cls.family, cls.kinds = family, {}
-        if word is not None:
-            cls.word = word
+            cls.family, cls.kinds, cls.foreign, cls.group = family, {}, set(), group
+        if word is None:
+            return
+        cls.word = word
+        if cls.__module__.partition(".")[0] == __name__.partition(".")[0]:
             cls.kinds[word] = cls
+        elif word in cls.kinds or not re.match(NAME, word):
+            owner = "is a word of the format" if word in cls.kinds else "is no name"
+            raise TypeError(f"the {cls.family} '{word}' of {cls.__module__}: '{word}' {owner}; choose another")
+        else:
+            cls.foreign.add(cls)
+
+    @classmethod
+    def admit(cls, kind: type[Any]) -> str:
+        """Why a kind of another package may not be used; empty if it may."""
+        return "" if issubclass(kind, cls) else f"it is no {cls.family}"
+
+    @classmethod
+    def offer(cls, word: str) -> Offer | None:
+        """Which other package offers the kind of a word.
+
+        Raises:
+            UsageError: Several do.
+        """
+        return offered(cls.group, word, {}) if cls.group and word not in cls.kinds else None
+
+    @classmethod
+    def kind(cls, word: str) -> type[Any] | None:
+        """The kind of a word: the format's own, else that of an installed package.
+
+        Raises:
+            PydanticCustomError: The package's does not load, or may not be used.
+        """
+        if word in cls.kinds:
+            return cls.kinds[word]
+        try:
+            offer = cls.offer(word)
+            family: Any = cls
+            return None if offer is None else _admitted(family, offer)
+        except UsageError as error:
+            raise fault("package", str(error)) from None
 
     @classmethod
     def choose(cls, data: Mapping[str, Any]) -> str:
@@ -237,6 +281,7 @@ class TaggedModel(MissionModel):
             PydanticCustomError: No word or several.
         """
         given = [word for word in cls.kinds if word and word in data]
+        given = given or [word for word in map(str, data) if cls.kind(word) is not None]
         if len(given) == 1:
             return given[0]
         if not given and "" in cls.kinds:
@@ -258,7 +303,24 @@ class TaggedModel(MissionModel):
             return data
         if not isinstance(data, Mapping):
             raise fault("object", f"a {cls.family} is an object, not {data!r}")
-        return cls.kinds[cls.choose(data)].model_validate(data)
+        kind = cls.kind(cls.choose(data))
+        assert kind is not None
+        return kind.model_validate(data)
+
+
+@cache
+def _admitted(family: Any, offer: Offer) -> Any:
+    """The kind that a package offers.
+
+    Raises:
+        UsageError: It does not load, or may not be used.
+    """
+    kind = offer.load()
+    why: str = family.admit(kind) if isinstance(kind, type) else f"it is no {family.family}"
+    why = why or ("" if offer.name == kind.word else f"its word is '{kind.word}'")
+    if why:
+        raise UsageError(f"{offer} cannot be used: {why}")
+    return kind
 
 
 def kind_of(family: type[TaggedModel]) -> Any:

@@ -11,8 +11,9 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
+from visualize import style
 from visualize.model import Choice, Picture, PictureEdge, PictureNode, Twig
-from visualize.style import INK, LOOKS, MARKS, MUTED, OUTCOMES, Look, clean, width, wrapped
+from visualize.style import INK, LOOKS, MARKS, MUTED, Look, clean, width, wrapped
 
 __all__ = (
     "anywhere_table", "cluster_table", "decision_table", "edge_table", "look_of", "row_text", "state_table",
@@ -60,7 +61,7 @@ def table(rows: Iterable[str], more: str = 'border="0" cellborder="0" cellspacin
 
 def look_of(node: PictureNode) -> Look:
     """How a state looks."""
-    return OUTCOMES[node.outcome] if node.kind == "final" else LOOKS[node.kind]
+    return style.look_of(node.kind, node.outcome)
 
 
 def marked(mark: str, text: str) -> str:

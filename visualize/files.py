@@ -10,10 +10,11 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
+from rai_missions.kinds import offered
 from rai_missions.mission.mission import Mission
 from visualize.build import picture
 from visualize.diff import Difference
@@ -53,12 +54,20 @@ def drawn(given: Picture, form: str) -> bytes:
     Raises:
         UsageError: There is no such form, or no Graphviz for it.
     """
-    writer = FORMATS.get(form.removeprefix(".").lower())
+    writer = _writer(form.removeprefix(".").lower())
     if writer is None:
         raise UsageError(
             f"pictures are not drawn as '{form}'; the endings are {', '.join(f'.{each}' for each in FORMATS)}"
         )
     return writer(given)
+
+
+def _writer(form: str) -> Callable[[Picture], bytes] | None:
+    """What makes the bytes of a picture: ours, or an installed package's; None where there is none for an ending."""
+    if form in FORMATS:
+        return FORMATS[form]
+    offer = offered("rai_missions.exporters", form, {}) if form and form not in (PAGE, *COMPARED) else None
+    return None if offer is None else cast("Callable[[Picture], bytes]", offer.load())
 
 
 def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] = ()) -> Path:
@@ -140,7 +149,7 @@ def _ending(path: str | os.PathLike[str]) -> str:
 
 def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[[str], bytes]) -> Path:
     target, ending = Path(path), _ending(path)
-    if ending not in endings:
+    if ending not in endings and (FORMATS.keys().isdisjoint(endings) or _writer(ending) is None):
         listed = ", ".join(f".{each}" for each in endings)
         raise UsageError(f"'{target}' does not end in a form of picture; the endings are {listed}")
     data = made(ending)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from visualize.dot_labels import row_text
 from visualize.model import Picture, PictureEdge, PictureNode
-from visualize.style import LOOKS, OUTCOMES, clean, wrapped
+from visualize.style import clean, look_of, wrapped
 
 __all__ = ("MOST", "mermaid", "oversize")
 
@@ -83,9 +83,7 @@ def _lines(picture: Picture) -> Iterator[str]:
 
 
 def _classes(picture: Picture) -> Iterator[str]:
-    looks = {
-        _class(node): OUTCOMES[node.outcome] if node.kind == "final" else LOOKS[node.kind] for node in picture.nodes
-    }
+    looks = {_class(node): look_of(node.kind, node.outcome) for node in picture.nodes}
     for name, look in looks.items():
         line = ",stroke-dasharray:6 3" if name == "decision" else ""
         yield f"    classDef {name} fill:{look.fill},stroke:{look.pen},stroke-width:1.5px,color:#1A1A1A{line}"

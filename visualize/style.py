@@ -12,7 +12,20 @@ import unicodedata
 from collections.abc import Mapping
 from typing import NamedTuple
 
-__all__ = ("FONT", "FONTS", "INK", "LOOKS", "MARKS", "MUTED", "OUTCOMES", "Look", "clean", "width", "wrapped")
+__all__ = (
+    "FONT",
+    "FONTS",
+    "INK",
+    "LOOKS",
+    "MARKS",
+    "MUTED",
+    "OUTCOMES",
+    "Look",
+    "clean",
+    "look_of",
+    "width",
+    "wrapped",
+)
 
 FONT = "Helvetica"
 """In DOT: the one name whose measures every Graphviz knows."""
@@ -54,6 +67,13 @@ OUTCOMES: Mapping[str, Look] = {
     "aborted": Look("aborted", VERMILLION, "#FCEBE1", "octagon"),
     "canceled": Look("canceled", PURPLE, "#FBF1F6", "hexagon"),
 }
+
+
+def look_of(kind: str, outcome: str) -> Look:
+    """How a state of a kind looks, a final by its outcome; one of another package's kind as one that waits."""
+    return OUTCOMES[outcome] if kind == "final" else LOOKS.get(kind, LOOKS[""])
+
+
 MARKS: Mapping[str, tuple[str, str, str]] = {
     "+": (BLUE, "bold", "added"),
     "-": (VERMILLION, "dashed", "removed"),

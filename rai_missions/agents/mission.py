@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import threading
 import uuid
@@ -15,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.check import check, faults_of
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.embodiment import Identity
 from rai_missions.engine import Named
 from rai_missions.engine.decision import Answerer
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import Header, Journal, make_way, versions
+from rai_missions.kinds import Offer
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
@@ -33,7 +34,7 @@ from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result, Runner
-from rai_missions.worlds.world import World, open_world
+from rai_missions.worlds.world import World, open_world, world_offer
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
@@ -84,16 +85,14 @@ class RunConfig:
     on_status: Callable[[Status], None] | None = None
 
 
-REMOTE = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
-"""Kind of connector → the module that opens it; its libraries are loaded then."""
-
-
 class PreparedRun:
     """A run that is ready to begin, and what must be closed after it. A context manager."""
 
     def __init__(self, setting: RunConfig) -> None:
         self.setting = setting
         self._closes: list[Callable[[], None]] = []
+        self._packages: dict[str, str] = {}
+        """Other packages that the run is made with, and their versions."""
         given = load(setting.mission) if isinstance(setting.mission, str | Path) else setting.mission
         self.robot, self._folder = _profile(setting.robot)
         self._taken: OpenedRun | None = None
@@ -166,10 +165,12 @@ class PreparedRun:
             return None, setting.connector, self._continued(setting.clock or WallClock())
         options = dict(self.robot.connector)
         kind, world_name = options.pop("kind"), options.pop("world", None)
-        if kind in REMOTE:
+        offer = connector_offer(str(kind))
+        if offer is not None:
+            self._made_with(offer)
             heard = HeardClock() if setting.clock is None and options.get("sim_time") is True else None
             clock = self._continued(heard or setting.clock or WallClock())
-            room = importlib.import_module(REMOTE[kind])
+            room = offer.load()
             opened: Connector = room.open_connector(options, now=clock.now)
             if hasattr(room, "why_absent"):
                 faults = (
@@ -182,7 +183,7 @@ class PreparedRun:
                 self._follow(heard, opened)
             return None, opened, clock
         if kind != "local":
-            raise UsageError(f"no connector of kind '{kind}'{suggestion(str(kind), ('local', *REMOTE))}")
+            raise UsageError(f"no connector of kind '{kind}'{suggestion(str(kind), ('local', *CONNECTORS))}")
         if world_name is None:
             clock = self._continued(setting.clock or WallClock())
             return None, LocalConnector(now=clock.now), clock
@@ -190,11 +191,17 @@ class PreparedRun:
             options["seed"] = setting.seed
         if self._taken is not None:  # its clock goes on, and all else in it starts anew
             options["start_s"] = self._taken.resumption.at
+        if (found := world_offer(str(world_name))) is not None:
+            self._made_with(found)
         world = open_world(str(world_name), **options)
         self._closes.append(world.close)
         connector = LocalConnector(now=lambda: world.at)
         world.open(connector)
         return world, connector, setting.clock or SimulatedClock(world, setting.speed)
+
+    def _made_with(self, offer: Offer) -> None:
+        if offer.version:
+            self._packages[offer.package] = offer.version
 
     def _continued(self, clock: Clock) -> Clock:
         """A run that goes on has the time that it had left."""
@@ -248,6 +255,7 @@ class PreparedRun:
         if self._taken is not None:
             return self._taken.record.header
         header = Header("", dump_profile(self.robot) if self.robot is not None else "", dict(self.setting.arguments))
+        header = header._replace(versions=self._packages | dict(self.mission.packages()))
         if self.setting.journal is None and self.setting.record is None:
             return header
         if not self.mission.behaviours():  # one with behaviours in Python has no JSON; a replay is given its file
@@ -258,7 +266,11 @@ class PreparedRun:
         """Closed after the journal, whose last rows it still takes, and before the world, whose pictures it renders."""
         if self.setting.record is None:
             return None
-        about = {"robot": self.robot.name if self.robot else "", "run": self._header.run, "versions": versions()}
+        about = {
+            "robot": self.robot.name if self.robot else "",
+            "run": self._header.run,
+            "versions": versions() | dict(self._header.versions),
+        }
         words = {"mission": self.mission, "about": about, "now": clock.now, "clean": self._clean}
         of_ros = isinstance(
             connector, SupportsRawMessages

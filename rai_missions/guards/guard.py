@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from rai_missions.guards.form import Form, opaque
+from rai_missions.guards.purity import impurity
 from rai_missions.keys import Blackboard, Key
 from rai_missions.model import TaggedModel
 
@@ -155,7 +156,7 @@ class Misfit(NamedTuple):
     sentence: str
 
 
-class Guard(TaggedModel, family="guard"):
+class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
     """A condition as data. `&`, `|` and `~` combine guards; `held_for(2)` wants one to have been true for 2 s.
 
     A kind says in its file all that is special about it. What is not overridden is true of any guard: it is not taken
@@ -247,6 +248,10 @@ class Guard(TaggedModel, family="guard"):
     def held_for(self, seconds: float) -> Guard:
         """True once this has been true for so long without a break."""
         return made("held", held=self, for_s=seconds)
+
+    @classmethod
+    def admit(cls, kind: type[Any]) -> str:
+        return super().admit(kind) or impurity(kind)
 
     @classmethod
     def choose(cls, data: Mapping[str, Any]) -> str:

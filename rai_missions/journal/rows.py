@@ -58,7 +58,7 @@ class Header(NamedTuple):
     started: str = ""
     """Wall time at the start, ISO 8601 with its zone; filled in where it is empty."""
     versions: Mapping[str, str] = {}
-    """`rai_missions`, `python` and whatever else may explain a difference; filled in where it is empty."""
+    """`rai_missions`, `python` and each package that offers a kind, connector or world; the first two are added."""
     migrated: Mapping[str, str] = {}
     """Of a run that another mission began: the `journal` of that one, its `seal` then, and the `map`."""
 

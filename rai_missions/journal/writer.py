@@ -214,7 +214,7 @@ def _filled(header: Header) -> Header:
     return header._replace(
         run=header.run or uuid.uuid4().hex,
         started=header.started or datetime.datetime.now(datetime.UTC).isoformat(timespec="milliseconds"),
-        versions=header.versions or versions(),
+        versions=versions() | dict(header.versions),
     )
 
 

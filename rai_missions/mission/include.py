@@ -38,6 +38,7 @@ class Brought(NamedTuple):
     keys: Mapping[str, Key]
     events: Mapping[str, Any]
     invariants: Mapping[str, Guard]
+    uses: tuple[str, ...]
 
 
 def read_mission(file: Path) -> Mission:
@@ -91,6 +92,7 @@ def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
     if faults:
         raise DefinitionError(faults, source)
     return mission.model_copy(update={
+        "uses": tuple(dict.fromkeys((*mission.uses, *(u for each in brought.values() for u in each.uses)))),
         "states": _replaced(mission.states, brought),
         "blackboard": {**mission.blackboard, **{k: key for each in brought.values() for k, key in each.keys.items()}},
         "events": {**mission.events, **{e: event for each in brought.values() for e, event in each.events.items()}},
@@ -181,7 +183,7 @@ def _compound(name: str, include: Include, inner: Mission) -> Brought:
     }
     events = {names.event(each): event for each, event in inner.events.items() if each not in include.with_}
     invariants = {f"{name}/{each}": Not(guard=here) | renamed(guard, names) for each, guard in inner.invariants.items()}
-    return Brought(compound, keys, events, invariants)
+    return Brought(compound, keys, events, invariants, inner.uses)
 
 
 def _until(over: list[In], row: Transition) -> Transition:

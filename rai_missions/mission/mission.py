@@ -7,17 +7,32 @@ Rule: whatever a mission means stands in it as data; nothing in it can be execut
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard
 from rai_missions.keys import Key
-from rai_missions.model import EventName, KeyName, MissionModel, Name, OneOf, Seconds, StateName, StateNames, Text
+from rai_missions.kinds import Offer, lacking, named
+from rai_missions.model import (
+    EventName,
+    KeyName,
+    MissionModel,
+    Name,
+    OneOf,
+    Seconds,
+    StateName,
+    StateNames,
+    TaggedModel,
+    Text,
+    fault,
+)
 from rai_missions.states.state import Rows, State, States, descendants
 from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf, Tree, tree_paths
 
+FAMILIES: tuple[type[TaggedModel], ...] = (Guard, State)
+"""The families of which other packages may offer kinds."""
 __all__ = ("BUILT_IN_EVENTS", "EventSpec", "Mission")
 
 BUILT_IN_EVENTS = ("call_failed", "orphaned", "uncertain")
@@ -41,6 +56,19 @@ def _events(given: Any) -> Any:
     return {name: {} for name in given} if listed else given
 
 
+def _listed(given: Any) -> Any:
+    return tuple(given) if isinstance(given, list) else given
+
+
+def _met(given: str) -> str:
+    if why := lacking(given):
+        raise fault("package", why)
+    return given
+
+
+Requirement = Annotated[Text, AfterValidator(_met)]
+
+
 def _keys(given: Any) -> Any:
     return given.__keys__ if hasattr(given, "__keys__") else given
 
@@ -54,6 +82,8 @@ class Mission(MissionModel):
     name: Name
     version: Text = "0.0.0"
     about: Text = ""
+    uses: Annotated[tuple[Requirement, ...], BeforeValidator(_listed)] = ()
+    """The packages whose guards and activities it uses, each with its version: `orchard_kinds>=1`."""
     blackboard: Annotated[dict[KeyName, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
     events: Annotated[dict[EventName, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
     initial: StateNames
@@ -85,6 +115,37 @@ class Mission(MissionModel):
         if isinstance(given, Mapping) and "$schema" in given:
             return {word: value for word, value in given.items() if word != "$schema"}
         return given
+
+    @model_validator(mode="after")
+    def _names_packages(self) -> Self:
+        """A kind of another package is used under that package's name and version."""
+        named_here = {named(each) for each in self.uses}
+        for place, offer in self.foreign():
+            if offer.package not in named_here:
+                remedy = f'"uses": ["{offer.package}>={offer.version}"]'
+                raise fault("uses", f"{offer} is used at {place}, and the mission does not say so; add {remedy}")
+        return self
+
+    def foreign(self) -> Iterator[tuple[str, Offer]]:
+        """What it uses of other packages, each with its JSON pointer.
+
+        Raises:
+            PydanticCustomError: No installed package offers the kind, which was made in Python.
+        """
+        rest: list[tuple[str, Any]] = [("", self)] if any(each.foreign for each in FAMILIES) else []
+        while rest:
+            place, thing = rest.pop()
+            rest += thing.inside(place)
+            if isinstance(thing, TaggedModel) and type(thing) in thing.foreign:
+                offer = thing.offer(thing.word)
+                if offer is None or thing.kind(thing.word) is not type(thing):
+                    what = f"the {thing.family} '{thing.word}' at {place} is of {type(thing).__module__}"
+                    raise fault("package", f"{what}, and no installed package offers it: give it an entry point")
+                yield place, offer
+
+    def packages(self) -> Mapping[str, str]:
+        """The packages whose kinds it uses, and their versions here."""
+        return {offer.package: offer.version for _, offer in self.foreign()}
 
     def walk(self) -> Iterator[tuple[str, str, State]]:
         """Every state in document order as (JSON pointer, name, state), outer before inner."""

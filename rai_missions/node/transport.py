@@ -6,13 +6,12 @@ Rule: what must be known before a connector opens is told to it here: names, arg
 
 from __future__ import annotations
 
-import importlib
 import importlib.util
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from rai_missions.agents.mission import REMOTE
 from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.registry import connector_offer
 from rai_missions.errors import UsageError
 from rai_missions.node.names import NodeName, node_name
 from rai_missions.profile import Robot
@@ -43,7 +42,8 @@ def name_of(given: str, mission: str, robot: Robot | None, ros_arguments: Sequen
     Raises:
         UsageError: ROS takes no node of that name.
     """
-    said = robot.connector if robot is not None and robot.connector["kind"] in REMOTE else {}
+    is_remote = robot is not None and connector_offer(str(robot.connector["kind"])) is not None
+    said = robot.connector if robot is not None and is_remote else {}
     name = given or str(said.get("node") or "") or mission
     return node_name(name, namespace=str(said.get("namespace") or ""), ros_arguments=ros_arguments)
 
@@ -64,14 +64,16 @@ def open_carrier(
     """
     options = dict(robot.connector) if robot is not None else {"kind": "local"}
     kind = str(options.pop("kind"))
-    is_robots = kind in REMOTE
-    if not is_robots:
-        kind, options = "ros2", {}
+    offer = connector_offer(kind)
+    is_robots = offer is not None
+    if offer is None:
+        kind, options, offer = "ros2", {}, connector_offer("ros2")
+    assert offer is not None
     if kind == "ros2":
         options = _of_ros(options, name, ros_arguments)
     elif ros_arguments:
         raise UsageError(f"--ros-args: the profile's connector is of kind '{kind}', which takes none")
-    connector: Connector = importlib.import_module(REMOTE[kind]).open_connector(options, now=now if is_robots else None)
+    connector: Connector = offer.load().open_connector(options, now=now if is_robots else None)
     return Carrier(connector, is_robots, kind == "ros2" and importlib.util.find_spec(PACKAGE) is not None)
 
 

@@ -176,7 +176,8 @@ class Abstraction:
 
     def _rest_activities(self, running: dict[str, Any]) -> dict[str, Any]:
         machines = self._chart.program.machines
-        return {name: rested(activity, machines[name], self._longest_s) for name, activity in running.items()}
+        view = self._chart.state
+        return {name: rested(each, machines[name], self._longest_s, view) for name, each in running.items()}
 
     # -- what there may be any number of --------------------------------------------------------------------------
 

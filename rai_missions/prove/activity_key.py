@@ -10,6 +10,7 @@ from typing import Any
 from rai_missions.engine.activities.action import GoalActivity
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity
+from rai_missions.guards.guard import View
 from rai_missions.prove.nondeterminism import OpenFields
 from rai_missions.prove.open_world import NOW
 
@@ -20,7 +21,7 @@ SOON = NOW + 1.0
 DIGITS = 6
 
 
-def rested(state: Any, machine: Any, longest_s: float) -> Any:
+def rested(state: Any, machine: Any, longest_s: float, view: View) -> Any:
     """A machine's state with its timers at the same distance as ever.
 
     What a tree remembers to have begun, or to have been true since, is no longer ago than any guard asks for.
@@ -35,14 +36,15 @@ def rested(state: Any, machine: Any, longest_s: float) -> Any:
     if isinstance(state, TreeActivity):
         leaves = {
             path: RunningLeaf(
-                rested(tended.state, machine.limbs[path].machine, longest_s),
+                rested(tended.state, machine.limbs[path].machine, longest_s, view),
                 SOON if tended.deadline != math.inf else math.inf,
             )
             for path, tended in state.leaves.items()
         }
         nodes = {path: _no_older(memory, NOW - longest_s) for path, memory in state.tree.nodes.items()}
         return state._replace(leaves=leaves, tree=state.tree._replace(nodes=nodes))
-    return state
+    wake = machine.wake_at(state, view)
+    return machine.shifted(state, SOON - wake) if NOW < wake < math.inf else state
 
 
 def _no_older(memory: Mapping[str, Any], least: float) -> Mapping[str, Any]:
@@ -70,7 +72,9 @@ def told(state: Any) -> Any:
         return ("asking", tuple(offer.name for offer in question.options), state.turn, question.attempt)
     if isinstance(state, TreeActivity):
         return _told_tree(state)
-    return type(state).__name__ if getattr(state, "number", None) is not None else repr(state)
+    fields = state._asdict()
+    numbered = {"number": bool(fields["number"])} if "number" in fields else {}
+    return (type(state).__name__, _rounded(fields | numbered))
 
 
 def _told_tree(state: TreeActivity) -> Any:

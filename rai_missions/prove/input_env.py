@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rai_missions.engine import Chart
+from rai_missions.engine.activities.action import GoalActivity
 from rai_missions.engine.activities.behaviour import BehaviourActivity
-from rai_missions.engine.activities.call import CallActivity
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity
@@ -100,9 +100,9 @@ class InputEnvironment:
         for goal in self._rest.pursued:
             if not is_held(self._chart.state, self._chart.program.graph.nodes[goal.owner.partition("#")[0]]):
                 yield from self._goal(goal)
-        for number, owner in self._of(CallActivity):
+        for number, owner in list(self._called()):
             yield from self._call(number, owner)
-        for number, owner in self._of(BehaviourActivity):
+        for number, owner in self._behaving():
             for status in ("success", "failure"):
                 event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
                 words = f"the behaviour of '{owner}': {status}"
@@ -179,8 +179,17 @@ class InputEnvironment:
             else:
                 yield name, None, state
 
-    def _of(self, kind: type[CallActivity | BehaviourActivity]) -> list[tuple[int, str]]:
-        return [(state.number, owned(name, path)) for name, path, state in self.inner() if isinstance(state, kind)]
+    def _behaving(self) -> list[tuple[int, str]]:
+        running = [(owned(name, path), state) for name, path, state in self.inner()]
+        return [(state.number, owner) for owner, state in running if isinstance(state, BehaviourActivity)]
+
+    def _called(self) -> Iterator[tuple[int, str]]:
+        """The calls whose reply an activity of any kind waits for: what it awaits that is no goal and no question."""
+        for name, path, state in self.inner():
+            if not isinstance(state, GoalActivity | DecisionActivity | BehaviourActivity):
+                machine: Any = self._chart.program.machines[name]
+                machine = machine if path is None else machine.limbs[path].machine
+                yield from ((number, owned(name, path)) for number in sorted(machine.awaits(state)))
 
     # -- answers --------------------------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ Rule: the chart that is rebuilt is the chart that ran; nothing of a step is take
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -121,9 +121,21 @@ def mission_of(record: Record) -> Mission:
         raise DefinitionError([Fault("", sentence)], source)
     data = parse_json(record.header.mission.encode("utf-8", "surrogatepass"), source)
     try:
-        return Mission.model_validate(data)
+        mission = Mission.model_validate(data)
     except ValidationError as error:
         raise DefinitionError(faults_of(error, Mission, data), source) from None
+    if faults := list(_of_other_versions(mission, record.header.versions)):
+        raise DefinitionError(faults, source)
+    return mission
+
+
+def _of_other_versions(mission: Mission, then: Mapping[str, str]) -> Iterator[Fault]:
+    """The packages whose kinds the mission uses that are here in another version than its run was made with."""
+    for package, now in mission.packages().items():
+        if then.get(package) != now:
+            was = f"{package} {then[package]}" if package in then else f"no {package}"
+            remedy = f"pip install '{package}=={then[package]}'" if package in then else "replay it where it was made"
+            yield Fault("", f"the run was made with {was}, and {now} is installed; {remedy}")
 
 
 def robot_of(record: Record) -> Robot | None:

@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.guards.guard import Guard
+from rai_missions.guards.purity import impurity
 from rai_missions.kinds import TRIGGER, Refers
 from rai_missions.model import (
     Bool,
@@ -100,7 +101,7 @@ def _rows(given: Any) -> Any:
 Rows = Annotated[tuple[Transition, ...], BeforeValidator(_rows)]
 
 
-class State(TaggedModel, family="state", word=""):
+class State(TaggedModel, family="state", group="rai_missions.activities", word=""):
     """A state that only waits; the other kinds are told by their word."""
 
     LAST: ClassVar = frozenset(("entry", "exit", "transitions", "timeout_s", "handover_s"))
@@ -117,15 +118,28 @@ class State(TaggedModel, family="state", word=""):
     """How long the handover of control may take before the start is `rejected`."""
 
     @classmethod
+    def admit(cls, kind: type[Any]) -> str:
+        return super().admit(kind) or impurity(kind)
+
+    def machine(self, bench: Any) -> Any:
+        """The machine of a kind of another package, which may know the engine; the format's own kinds register theirs.
+
+        Args:
+            bench: What it is made with, an `engine.activities.activity.Bench`.
+        """
+        return None
+
+    @classmethod
     def choose(cls, data: Mapping[str, Any]) -> str:
         """A state has at most one kind's word; `each` comes with `states`, and none is a plain state."""
         given = [word for word in cls.kinds if word and word in data]
         if "each" in given and "states" in given:
             given.remove("states")
+        unknown = [] if given else [str(word) for word in data if word not in cls.known_words()]
+        given = given or [word for word in unknown if cls.kind(word) is not None]
         if len(given) > 1:
             raise fault("kinds", f"a state is one thing, this is {len(given)}: {', '.join(given)}; nest or split it")
         if not given:
-            unknown = [str(word) for word in data if word not in cls.known_words()]
             for word in unknown:
                 raise fault("kind", f"a state has no '{word}'" + suggestion(word, [*cls.kinds, *cls.known_words()]))
         return given[0] if given else ""

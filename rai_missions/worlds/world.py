@@ -16,14 +16,15 @@ from typing import Any, Protocol, get_args, get_origin, get_type_hints
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError
+from rai_missions.kinds import Offer, offered
 
-__all__ = ("WORLDS", "World", "open_world")
+__all__ = ("WORLDS", "World", "open_world", "world_offer")
 
-WORLDS: Mapping[str, tuple[str, str]] = {
-    "house": ("rai_missions.worlds.house", "House"),
-    "orchard": ("rai_missions.worlds.orchard", "Orchard"),
+WORLDS: Mapping[str, str] = {
+    "house": "rai_missions.worlds.house:House",
+    "orchard": "rai_missions.worlds.orchard:Orchard",
 }
-"""Where each world lives: module and class, imported when it is opened."""
+"""Ours: name → module and class, imported when the world is opened."""
 
 
 SORTS: Mapping[Any, tuple[tuple[type, ...], str]] = {
@@ -55,21 +56,47 @@ class World(Protocol):
         """Free what is held (renderers, windows)."""
 
 
+def world_offer(name: str) -> Offer | None:
+    """Who has the world of a name; None where no package does.
+
+    Raises:
+        UsageError: Two packages do.
+    """
+    return offered("rai_missions.worlds", name, WORLDS)
+
+
 def open_world(name: str, **options: Any) -> World:
     """Make a world.
 
     Args:
-        name: One of `WORLDS`.
+        name: One of `WORLDS`, or of those that other packages offer.
         options: What the world's class takes, such as `seed=7`.
 
     Raises:
         UsageError: No such world or option, or the packages that it needs are not installed.
     """
-    if name not in WORLDS:
+    offer = world_offer(name)
+    if offer is None:
         raise UsageError(f"no world {name!r}; there are: {', '.join(sorted(WORLDS))}")
-    module, class_name = WORLDS[name]
+    world = offer.load() if name not in WORLDS else _ours(name)
+    known = list(inspect.signature(world).parameters)
+    unknown = sorted(set(options) - set(known))
+    if unknown:
+        raise UsageError(f"the world {name!r} has no option {unknown[0]!r}; there are: {', '.join(known)}")
+    _check_sorts(name, world, options)
+    made: World = world(**options)
+    return made
+
+
+def _ours(name: str) -> Any:
+    """The class of one of our own worlds.
+
+    Raises:
+        UsageError: The packages that it needs are not installed, or nothing can be drawn.
+    """
+    module, _, class_name = WORLDS[name].partition(":")
     try:
-        world = getattr(importlib.import_module(module), class_name)
+        return getattr(importlib.import_module(module), class_name)
     except ModuleNotFoundError as fault:
         raise UsageError(
             f"the world {name!r} needs the package {fault.name!r} (Python 3.11 or newer): pip install '.[sim]'"
@@ -79,13 +106,6 @@ def open_world(name: str, **options: Any) -> World:
             f"the world {name!r} cannot be drawn without a display ({fault}): install EGL (Debian: apt-get install "
             "libegl1 libgl1 libgl1-mesa-dri), or do without pictures: MUJOCO_GL=disabled and camera=False"
         ) from fault
-    known = list(inspect.signature(world).parameters)
-    unknown = sorted(set(options) - set(known))
-    if unknown:
-        raise UsageError(f"the world {name!r} has no option {unknown[0]!r}; there are: {', '.join(known)}")
-    _check_sorts(name, world, options)
-    made: World = world(**options)
-    return made
 
 
 def _check_sorts(name: str, world: Any, options: Mapping[str, Any]) -> None:

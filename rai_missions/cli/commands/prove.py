@@ -92,7 +92,7 @@ def _journals(given: argparse.Namespace, mission: Mission, robot: Any, of_robot:
         arguments = {key: value for scene in scenes[:1] for key, value in scene.facts.items()
                      if mission.blackboard[key].source == "argument"}  # fmt: skip
         whole = "" if mission.behaviours() else dump(mission)
-        header = Header(whole, dump_profile(robot) if robot is not None else "", arguments)
+        header = Header(whole, dump_profile(robot) if robot is not None else "", arguments, versions=mission.packages())
         path = _path(given, mission, name, only=len(proof.ways) == 1)
         path.parent.mkdir(parents=True, exist_ok=True)
         shows = record(path, header, mission, scenes, default_ticker(mission), terms=of_robot)

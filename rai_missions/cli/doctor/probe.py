@@ -66,11 +66,13 @@ def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
 
     What is listed and not offered has only somebody who listens for it, or asks.
     """
-    from rai_missions.agents.mission import REMOTE
     from rai_missions.connectors.connector import SupportsDiscoveryCount
+    from rai_missions.connectors.registry import connector_offer
 
     options = dict(given["connector"])
-    connector = importlib.import_module(REMOTE[options.pop("kind")]).open_connector(options)
+    offer = connector_offer(options.pop("kind"))
+    assert offer is not None
+    connector = offer.load().open_connector(options)
     wanted: dict[Any, list[tuple[str, str]]] = {
         mode: names for mode, names in given["wanted"].items() if mode in connector.modes
     }

@@ -10,13 +10,13 @@ import os
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from rai_missions.agents.mission import REMOTE
 from rai_missions.cli.doctor.finding import Finding, Tried, tried
 from rai_missions.connectors.connector import Mode
+from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.errors import suggestion
 from rai_missions.profile import Robot, misnamed
 from rai_missions.profile.message_types import Kind, listened, typed
-from rai_missions.worlds.world import WORLDS
+from rai_missions.worlds.world import WORLDS, world_offer
 
 __all__ = ("reach", "wanted")
 
@@ -51,7 +51,7 @@ def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterato
     """
     given = os.environ if environment is None else environment
     kind = str(robot.connector["kind"])
-    if kind not in REMOTE:
+    if connector_offer(kind) is None:
         yield _local(kind, robot)
         return
     if kind == "ros2":
@@ -107,11 +107,11 @@ def _done(robot: Robot) -> Iterator[Wanted]:
 def _local(kind: str, robot: Robot) -> Finding:
     world = robot.connector.get("world")
     if kind != "local":
-        near = suggestion(kind, ("local", *REMOTE))
+        near = suggestion(kind, ("local", *CONNECTORS))
         return Finding(
             "missing", f"the robot '{robot.name}' has a connector of kind '{kind}', which is not known{near}"
         )
-    if world is not None and world not in WORLDS:
+    if world is not None and world_offer(str(world)) is None:
         near = suggestion(str(world), WORLDS)
         return Finding("missing", f"the robot '{robot.name}' lives in a world '{world}', which is not known{near}")
     return Finding("ok", f"the robot '{robot.name}' is simulated with the run" if world else f"'{robot.name}' is local")

@@ -182,7 +182,15 @@ def _header(record: Record, naming: Naming, robot: Robot | None, to: Path) -> He
     }  # fmt: skip
     text = "" if naming.now.behaviours() else dump(naming.now)
     profile = dump_profile(robot) if robot is not None else ""
-    return Header(text, profile, arguments, run=header.run, started=header.started, migrated=origin)
+    return Header(
+        text,
+        profile,
+        arguments,
+        run=header.run,
+        started=header.started,
+        versions=naming.now.packages(),
+        migrated=origin,
+    )
 
 
 def _write(path: Path, header: Header, step: Step) -> None:

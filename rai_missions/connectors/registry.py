@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which kinds of connectors there are: ours, and those that other packages offer by entry points.
+
+Rule: what opens a connector is loaded when one of its kind is opened, never to see whether there is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rai_missions.kinds import Offer, offered
+
+__all__ = ("CONNECTORS", "connector_offer")
+
+CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
+"""Ours: kind → the module that opens it. A connector inside the process is `local`, which a run opens itself."""
+
+
+def connector_offer(kind: str) -> Offer | None:
+    """Who opens connectors of a kind; None for `local`, and where no package does.
+
+    What it loads has `open_connector(options, *, now)`; where it also has `why_absent` and `fields_of`, a profile is
+    compared with the types of messages that are there.
+
+    Raises:
+        UsageError: Two packages do.
+    """
+    return None if kind == "local" else offered("rai_missions.connectors", kind, CONNECTORS)

@@ -1,0 +1,328 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A package of others brings a guard, an activity, a connector, a world and an exporter: every verb takes them.
+
+`installed/` is what an installer would have made of that package; a test that needs another lays it out by itself.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.agents import run
+from rai_missions.check import check
+from rai_missions.engine import Chart
+from rai_missions.engine.snapshot_json import packed, unpacked
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.event import Event
+from rai_missions.journal import read
+from rai_missions.mission.files import dump, load
+from rai_missions.mission.mission import Mission
+from rai_missions.mission.renaming import Names, renamed
+from rai_missions.profile import load_profile
+from rai_missions.profile import terms as facts_of
+from rai_missions.prove import prove
+from rai_missions.replay.replay import replay
+from rai_missions.worlds import open_world
+from visualize import FORMATS, difference, draw, drawn, picture
+
+HERE = Path(__file__).parent
+MISSION, ROBOT = HERE / "mission.json", HERE / "robot.json"
+BETWEEN = {"between": "humidity", "low": 0.4, "high": 0.6}
+
+
+@pytest.fixture(autouse=True)
+def _installed(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    if "absent" not in request.fixturenames:
+        monkeypatch.syspath_prepend(str(HERE / "installed"))
+
+
+@pytest.fixture
+def absent() -> None:
+    """The package is not installed."""
+
+
+def told(make: Callable[[], Any]) -> str:
+    with pytest.raises((DefinitionError, UsageError)) as caught:
+        make()
+    return str(caught.value)
+
+
+def document(**words: Any) -> dict[str, Any]:
+    return json.loads(MISSION.read_text(encoding="utf-8")) | words
+
+
+def written(folder: Path, data: dict[str, Any]) -> Path:
+    file = folder / "mission.json"
+    file.write_text(json.dumps(data), encoding="utf-8")
+    return file
+
+
+# -- each verb ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_mission_of_foreign_kinds_is_loaded_and_written_as_it_was() -> None:
+    mission = load(MISSION)
+    assert json.loads(dump(mission))["states"] == document()["states"]
+    assert mission.packages() == {"orchard-kinds": "1.2"}
+
+
+def test_it_is_checked_and_a_foreign_guard_is_held_to_the_keys_that_its_fields_name(tmp_path: Path) -> None:
+    assert check(load(MISSION)) == ()
+    file = written(tmp_path, json.loads(MISSION.read_text().replace('"between": "humidity"', '"between": "humidty"')))
+    found = [str(finding) for finding in check(load(file)) if finding.rule == "unknown-key"]
+    assert found and all("no key 'humidty'; did you mean 'humidity'?" in each for each in found)
+    assert found[0].startswith("/states/watching/transitions/0/when/not/between")
+
+
+@pytest.mark.parametrize("form", sorted(FORMATS.keys() - {"png"}))
+def test_it_is_drawn(form: str) -> None:
+    text = drawn(picture(load(MISSION)), form).decode()
+    assert "humidity from 0.4 to 0.6" in text
+    assert "2 strikes of bell" in text or form == "md"
+
+
+def test_it_has_a_review_page(tmp_path: Path) -> None:
+    page = draw(load(MISSION), tmp_path / "m.html").read_text(encoding="utf-8")
+    assert "2 strikes of bell" in page and "humidity from 0.4 to 0.6" in page
+
+
+def test_two_of_them_are_compared(tmp_path: Path) -> None:
+    wider = written(tmp_path, json.loads(MISSION.read_text().replace('"high": 0.6', '"high": 0.7')))
+    changes = [str(change) for change in difference(load(MISSION), load(wider)).changes]
+    assert any("watered: requires weakened" in each for each in changes), changes
+    more = written(tmp_path, json.loads(MISSION.read_text().replace('"strikes": 2', '"strikes": 3')))
+    assert any("'strikes' changed" in str(each) for each in difference(load(MISSION), load(more)).changes)
+
+
+def test_it_runs_in_a_foreign_world_and_its_journal_names_the_package_and_is_replayed(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    result = run(load(MISSION), robot=ROBOT, journal=path, speed=float("inf"))
+    assert (result.outcome, result.open_goals) == ("succeeded", ())
+    with read(path) as record:
+        assert record.header.versions["orchard-kinds"] == "1.2"
+    again = replay(path)
+    assert again.holds and again.steps > 5
+
+
+def test_it_is_proved_with_the_values_that_the_guard_tells_apart_and_the_replies_that_the_activity_waits_for() -> None:
+    robot = load_profile(ROBOT)
+    proof = prove(load(MISSION), terms=facts_of(robot))
+    assert [claim.name for claim in proof.claims if claim.verdict != "proved"] == []
+    assert (proof.is_whole, proof.sampled, proof.never) == (True, (), ())
+
+
+def test_it_is_restored_from_plain_data() -> None:
+    data = document()
+    del data["states"]["watching"]["transitions"][1]
+    mission = Mission(**data)
+    chart = Chart(mission)
+    chart.start(0.0)
+    chart.write("humidity", 0.3, at=1.0)
+    step = chart.send(Event("succeeded", 2.0, {}, "result", 1))
+    assert chart.active == {"ringing"} and step.wake_at == 4.0
+    other = Chart.restore(mission, unpacked(packed(chart.snapshot())))
+    assert other.send(Event("tick", 4.0, {}, "tick")).effects == chart.send(Event("tick", 4.0, {}, "tick")).effects
+
+
+def test_what_its_fields_refer_to_is_renamed() -> None:
+    def same(given: Any) -> Any:
+        return given
+
+    names = Names(same, lambda key: f"green/{key}", same, same, same)
+    guard = renamed(load(MISSION), names).states["watered"].written()["requires"]
+    assert guard == BETWEEN | {"between": "green/humidity"}
+
+
+def test_a_foreign_connector_carries_a_run(tmp_path: Path) -> None:
+    robot = json.loads(ROBOT.read_text()) | {"connector": {"kind": "tin_can", "humidity": 0.2}}
+    file = tmp_path / "robot.json"
+    file.write_text(json.dumps(robot))
+    data = json.loads(MISSION.read_text().replace('"every_s": 2', '"every_s": 0.05'))
+    path = tmp_path / "run.journal"
+    assert run(load(written(tmp_path, data)), robot=file, journal=path).outcome == "succeeded"
+    assert replay(path).holds
+
+
+def test_a_foreign_exporter_makes_files_of_its_ending(tmp_path: Path) -> None:
+    file = draw(load(MISSION), tmp_path / "mission.outline")
+    assert "ringing 2 strikes of bell" in file.read_text().splitlines()
+    assert "the endings are .svg" in told(lambda: draw(load(MISSION), tmp_path / "mission.nothing"))
+
+
+# -- refusals, by name -------------------------------------------------------------------------------------------------
+
+
+def test_a_mission_says_which_packages_it_uses() -> None:
+    said = told(lambda: Mission(**document(uses=[])))
+    assert "the guard 'between' of orchard-kinds 1.2" in said or "the activitie" in said
+    assert 'add "uses": ["orchard-kinds>=1.2"]' in said
+
+
+@pytest.mark.usefixtures("absent")
+def test_a_package_that_is_missing_is_named(tmp_path: Path) -> None:
+    said = told(lambda: load(MISSION))
+    assert "/uses/0: the package 'orchard_kinds' is not installed; pip install 'orchard_kinds>=1.2'" in said
+
+
+@pytest.mark.usefixtures("absent")
+def test_a_journal_whose_package_is_missing_or_of_another_version_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.journal"
+    with monkeypatch.context() as there:
+        there.syspath_prepend(str(HERE / "installed"))
+        run(load(MISSION), robot=ROBOT, journal=path, speed=float("inf"))
+    assert "row 0" in told(lambda: replay(path)) and "'orchard_kinds' is not installed" in told(lambda: replay(path))
+    laid_out(tmp_path / "newer", "orchard_kinds", "2.0", from_=HERE / "installed")
+    monkeypatch.syspath_prepend(str(tmp_path / "newer"))
+    said = told(lambda: replay(path))
+    assert "made with orchard-kinds 1.2, and 2.0 is installed; pip install 'orchard-kinds==1.2'" in said
+
+
+def test_another_version_than_the_mission_asks_for_is_refused() -> None:
+    said = told(lambda: Mission(**document(uses=["orchard_kinds>=2"])))
+    assert "'orchard_kinds' is installed in version 1.2, and >=2 is needed" in said
+    assert "names no package" in told(lambda: Mission(**document(uses=["no package at all"])))
+
+
+def laid_out(
+    folder: Path, package: str, version: str, *, offers: str = "", code: str = "", from_: Path | None = None
+) -> Path:
+    """A package as an installer would have laid it out."""
+    if from_ is not None:
+        shutil.copytree(from_ / package, folder / package)
+        offers = (from_ / f"{package}-1.2.dist-info" / "entry_points.txt").read_text()
+    else:
+        (folder / package).mkdir(parents=True)
+        (folder / package / "__init__.py").write_text(code)
+    meta = folder / f"{package}-{version}.dist-info"
+    meta.mkdir()
+    (meta / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: {version}\n")
+    (meta / "entry_points.txt").write_text(offers)
+    return folder
+
+
+GUARD = """
+from typing import ClassVar
+from rai_missions.guards.guard import Guard, Site, Test
+{above}
+
+class {name}(Guard, word="{word}"):
+    {word}: str
+
+    def compile(self, site: Site) -> Test:
+        {before}
+        return lambda view: {value}
+
+    def words(self) -> str:
+        return "{word}"
+"""
+
+
+def guard_of(
+    folder: Path, word: str, value: str, *, above: str = "", before: str = "pass", package: str = "", offered: str = ""
+) -> str:
+    """What loading says of a mission that uses a guard of a package of its own."""
+    package = package or f"kinds_{folder.name}"
+    code = GUARD.format(name="Odd", word=word, value=value, above=above, before=before)
+    offers = f"[rai_missions.guards]\n{offered or word} = {package}:Odd\n"
+    sys.path.insert(0, str(laid_out(folder / "site", package, "1.0", offers=offers, code=code)))
+    try:
+        row = {"when": {offered or word: "x"}, "to": "b"}
+        states = {"a": {"transitions": [row]}, "b": {"final": "aborted"}}
+        return told(lambda: Mission("m", uses=[package], initial="a", states=states))
+    finally:
+        del sys.path[0]
+
+
+@pytest.mark.parametrize(
+    ("above", "before", "value", "named"),
+    [
+        ("import time", "pass", "time.time() > 0", "'time' (the clock)"),
+        ("from time import monotonic as m", "pass", "m() > 0", "'time' (the clock)"),
+        ("", "from datetime import datetime", "datetime.now() is None", "'datetime' (the clock)"),
+        ("import random", "pass", "random.random() > 0.5", "'random' (chance)"),
+        ("from random import random", "pass", "random() > 0.5", "'random' (chance)"),
+        ("", "data = open('/etc/passwd').read()", "bool(data)", "'open' (files)"),
+        ("from pathlib import Path", "pass", "Path('/x').exists()", "'pathlib' (files)"),
+        ("import os", "pass", "'X' in os.environ", "'os' (the system)"),
+        ("", "pass", "__import__('time').time() > 0", "'__import__'"),
+        ("import importlib", "pass", "importlib.import_module('time').time() > 0", "'importlib'"),
+        ("SEEN = []", "pass", "SEEN.append(1) is None and len(SEEN) > 2", "'SEEN', which can change"),
+        ("def helper():\n    import uuid\n    return uuid.uuid4()", "pass", "helper() is None", "'uuid' (chance)"),
+        (
+            "N = 0\ndef helper():\n    global N\n    N += 1\n    return N",
+            "pass",
+            "helper() > 3",
+            "'N', which can change",
+        ),
+        ("", "Odd.n = 1", "True", "'n', which can change"),
+        ("", "pass", "hash('a') > 0", "'hash'"),
+    ],
+)
+def test_an_impure_guard_is_refused_by_what_it_uses(
+    tmp_path: Path, above: str, before: str, value: str, named: str
+) -> None:
+    said = guard_of(tmp_path, "moody", value, above=above, before=before)
+    assert f"the guard 'moody' of kinds-{tmp_path.name.replace('_', '-')} 1.0 cannot be used: it is impure: " in said
+    assert named in said
+
+
+def test_a_word_of_ours_is_never_anothers(tmp_path: Path) -> None:
+    said = guard_of(tmp_path, "fresh", "True", offered="dusk")
+    assert "the guard 'dusk'" in said and "does not load" in said and "'fresh' is a word of the format" in said
+    offers = "[rai_missions.guards]\nkey = nowhere:Odd\n[rai_missions.worlds]\norchard = nowhere:World\n"
+    sys.path.insert(0, str(laid_out(tmp_path / "shadow", "shadow", "1.0", offers=offers, code="")))
+    try:
+        assert load(MISSION).states["watered"].word == "final"
+        assert "no option 'size'" in told(lambda: open_world("orchard", size=1)) or sys.version_info < (3, 11)
+    finally:
+        del sys.path[0]
+
+
+def test_what_is_no_guard_has_another_word_or_does_not_load_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    assert "its word is 'dusk'" in guard_of(tmp_path / "a", "dusk", "True", offered="dawn")
+    assert "does not load (ModuleNotFoundError" in guard_of(tmp_path / "b", "dusk", "True", above="import not_there")
+
+
+def test_a_name_that_two_packages_offer_is_refused(tmp_path: Path) -> None:
+    laid_out(tmp_path, "rival", "3.0", offers="[rai_missions.guards]\nbetween = rival:Between\n", code="")
+    sys.path.insert(0, str(tmp_path))
+    try:
+        assert "'between' is offered by orchard-kinds 1.2 and rival 3.0; uninstall one" in told(lambda: load(MISSION))
+    finally:
+        del sys.path[0]
+
+
+@pytest.mark.usefixtures("absent")
+def test_what_lies_in_the_working_directory_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(HERE / "installed")
+    monkeypatch.syspath_prepend(str(HERE / "installed"))
+    assert "'orchard_kinds' is not installed" in told(lambda: load(MISSION))
+
+
+# -- nothing is looked up before it is named ---------------------------------------------------------------------------
+
+LIGHT = """
+import sys
+import rai_missions
+rai_missions.load(sys.argv[1])
+assert not [name for name in sys.modules if name.startswith(("packaging", "orchard_kinds"))]
+"""
+
+
+def test_a_mission_of_our_own_kinds_looks_up_no_package() -> None:
+    tractor = HERE.parents[1] / "missions" / "tractor" / "mission.json"
+    path = os.pathsep.join((str(HERE.parents[1]), str(HERE / "installed")))
+    subprocess.run([sys.executable, "-c", LIGHT, str(tractor)], check=True, env={**os.environ, "PYTHONPATH": path})
