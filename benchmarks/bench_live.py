@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import RunConfig, prepare
-from rai_missions.cli.commands.run_page import Watch
+from rai_missions.cli.run.live_page import RunPage
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
@@ -72,8 +72,8 @@ class Flood:
             MISSION, ROBOT, connector=LocalConnector(), journal=folder / f"{time.time_ns()}.journal", on_step=self._see
         )
         self.page = LivePage(PageAddress(port=0)) if paged else None
-        self.watch = Watch(self.page, setting) if self.page is not None else None
-        self.prepared = prepare(self.watch.setting if self.watch else setting)
+        self.watch = RunPage(self.page, setting) if self.page is not None else None
+        self.prepared = prepare(self.watch.config if self.watch else setting)
         self.thread = threading.Thread(target=self._work)
         self.thread.start()
         while self.prepared.runner.chart.mode != "running" or (self.page is not None and not self.page.serves):

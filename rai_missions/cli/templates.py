@@ -18,7 +18,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 
-__all__ = ("start", "templates")
+__all__ = ("copy_template", "templates")
 
 MINIMAL = "minimal"
 MISSION: dict[str, Any] = {
@@ -71,19 +71,19 @@ PROFILE: dict[str, Any] = {
 
 
 def shipped() -> Path | None:
-    """Where the shipped missions are: beside the package in a checkout, inside it when installed."""
+    """Where the shipped missions are: next to the package in a checkout, inside it when installed."""
     here = Path(__file__).resolve().parents[1]
     return next((path for path in (here / "missions", here.parent / "missions") if (path / "tractor").is_dir()), None)
 
 
 def templates() -> tuple[str, ...]:
-    """The names that `start` takes."""
+    """The names that `copy_template` takes."""
     folder = shipped()
     found = sorted(path.parent.name for path in folder.glob("*/mission.json")) if folder is not None else []
     return (MINIMAL, *found)
 
 
-def start(template: str, directory: Path) -> Iterator[Path]:
+def copy_template(template: str, directory: Path) -> Iterator[Path]:
     """Make a folder with a mission of one's own; the files made, in order.
 
     Raises:

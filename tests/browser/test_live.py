@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
-from rai_missions.cli.commands.run_page import Watch
+from rai_missions.cli.run.live_page import RunPage
 from rai_missions.event import Image
 from rai_missions.journal import read
 from rai_missions.mission.json_reader import parse_json
@@ -330,8 +330,8 @@ class Tractor:
         setting = RunConfig(
             TRACTOR / "mission.json", Robot.model_validate(profile), {"alleys": 1}, journal=journal, speed=4.0
         )
-        self._watch = Watch(self.page, setting)
-        self._prepared = prepare(self._watch.setting)
+        self._watch = RunPage(self.page, setting)
+        self._prepared = prepare(self._watch.config)
         self.results: list[Result] = []
         self._thread = threading.Thread(target=self._work)
         self._thread.start()

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli.main import main, parser
+from rai_missions.cli.commands import load_command
+from rai_missions.cli.main import main
 from rai_missions.mission.files import load
 from rai_missions.node import node_name
 
@@ -57,9 +58,10 @@ def test_the_command_lines_that_it_makes_are_understood(described: list[Said]) -
 
     for node in nodes:
         appended = ["--ros-args", "-r", f"__node:={text(node.words['name'])}", "--params-file", "/tmp/launch_params_x"]
-        given = parser().parse_args([*map(text, node.words["arguments"]), *appended])
+        command, *words = map(text, node.words["arguments"])
+        given = load_command(command).read([*words, *appended])["options"]
         assert given.managed is (type(node).__name__ == "LifecycleNode")
-        assert Path(given.mission).is_file() and Path(given.robot).is_file() and given.set == []
+        assert Path(given.mission).is_file() and Path(given.robot).is_file() and given.set == ()
         ((name, value),) = node.words["parameters"][0].items()
         assert name == "alleys" and value.words == {"value_type": int}, "parameters are the mission's arguments"
         assert name in load(given.mission).blackboard

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import shutil
@@ -19,8 +18,9 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from rai_missions.cli.commands.watch import serving
-from rai_missions.cli.main import main, parser
+from rai_missions.cli.commands import load_command, names
+from rai_missions.cli.main import main
+from rai_missions.cli.run.find_page import running_page
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from tests.fuzz.seeds import LAMP, written_run
@@ -210,7 +210,7 @@ def test_a_page_that_a_file_beside_a_journal_names_elsewhere_is_not_asked(
     asked: list[Any] = []
     monkeypatch.setattr(socket, "create_connection", lambda *given, **_: asked.append(given))
     monkeypatch.setattr(socket, "getaddrinfo", lambda *given, **_: asked.append(given))
-    assert serving(journal) is None and asked == []
+    assert running_page(journal) is None and asked == []
 
 
 @pytest.mark.parametrize("name", ["mission.json", "robot.json", "run.journal", "run.mcap", "mission.py"])
@@ -257,8 +257,7 @@ def test_every_command_that_takes_a_mission_can_refuse_python(place: Place, caps
 
 def taken() -> dict[str, set[str]]:
     """Command → what it takes."""
-    (commands,) = (each for each in parser()._actions if isinstance(each, argparse._SubParsersAction))
-    found = {name: {action.dest for action in each._actions} for name, each in commands.choices.items()}
+    found = {name: {each.name for each in load_command(name).parameters()} for name in names()}
     assert all("no_python" in dests for dests in found.values() if dests & {"mission", "old"})
     return found
 

@@ -26,10 +26,10 @@ from pydantic import SecretStr
 
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.answerers.test_models import DoubleModel, call
-from rai_missions.cli.commands.run_page import Watch
 from rai_missions.cli.main import main
+from rai_missions.cli.output import redacted_output
 from rai_missions.cli.progress import Lines
-from rai_missions.cli.redacted_stdout import redacted_output
+from rai_missions.cli.run.live_page import RunPage
 from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
@@ -262,7 +262,7 @@ def test_nothing_that_the_live_page_is_sent_holds_a_secret(
 ) -> None:
     page = LivePage(PageAddress(port=0))
     setting = RunConfig(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
-    watch = Watch(page, setting, operator=False)
+    watch = RunPage(page, setting, operator=False)
     received: dict[str, bytes] = {}
 
     def ask(path: str, data: bytes | None = None) -> None:
@@ -286,7 +286,7 @@ def test_nothing_that_the_live_page_is_sent_holds_a_secret(
         return result
 
     try:
-        with prepare(watch.setting) as prepared:
+        with prepare(watch.config) as prepared:
             watch.run(prepared, look)
     finally:
         page.stop()

@@ -1,32 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each command of the command line does, one room a family; a room is loaded when its command runs.
+"""The commands: each is a file with a function of its name, which says itself what it takes.
 
-Imports `agents`, `answerers`, `check`, `connectors`, `engine`, `gate`, `journal`, `mission`, `node`, `profile`,
-`prove`, `recording`, `replay`, `runtime`, `visualize` and `worlds`, and the modules of the root.
+Rule: a file here is a command, and a command is a file here.
+
+Imports `check`, `journal`, `mission`, `profile`, `prove`, `recording`, `replay` and `visualize`, and the modules of the
+root.
 """
 
 from __future__ import annotations
 
-import argparse
 import importlib
-from collections.abc import Callable, Mapping
+import os
 from typing import cast
 
-__all__ = ("COMMANDS", "command")
+from rai_missions.cli.command import Command
 
-COMMANDS: Mapping[str, str] = {
-    "run": "run.run", "check": "check_draw.check_mission", "draw": "check_draw.draw", "diff": "diff.diff",
-    "textconv": "diff.textconv",
-    "replay": "replay.replay", "schema": "schema_new_doctor.schema", "new": "schema_new_doctor.new",
-    "doctor": "schema_new_doctor.doctor",
-    "prove": "prove.prove",
-    "world": "world.world", "gate": "gate.gate", "watch": "watch.watch",
-}  # fmt: skip
-"""Command → its room and function."""
+__all__ = ("load_command", "names")
 
 
-def command(name: str) -> Callable[[argparse.Namespace], int]:
-    """What a command does, given its words; returns the exit status."""
-    room, function = COMMANDS[name].split(".")
-    module = importlib.import_module(f"rai_missions.cli.commands.{room}")
-    return cast(Callable[[argparse.Namespace], int], getattr(module, function))
+def names() -> tuple[str, ...]:
+    """All commands."""
+    files = (file for folder in __path__ for file in os.listdir(folder))
+    return tuple(sorted(file.removesuffix(".py") for file in files if file.endswith(".py") and file != "__init__.py"))
+
+
+def load_command(name: str) -> Command:
+    """The command of that name."""
+    return cast(Command, getattr(importlib.import_module(f"{__name__}.{name}"), name))

@@ -1,72 +1,88 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions diff textconv`: what changed between two missions, in files or in a git repository."""
+"""`rai-missions diff`."""
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from rai_missions.cli.arguments import warn
-from rai_missions.errors import MissionError, UsageError, irregular
-from rai_missions.mission.files import load
-from rai_missions.mission.mission import Mission
+from rai_missions.cli.command import Argument, command
 
 if TYPE_CHECKING:
-    from visualize import Difference
+    from rai_missions.mission.mission import Mission
 
-__all__ = ("diff", "textconv")
+__all__ = ("diff",)
+
+MISSIONS = ("*.json", "*.py")
 
 
-def diff(given: argparse.Namespace) -> int:
-    """Say and write what changed between two missions."""
+@command()
+def diff(
+    old: Annotated[str, Argument("OLD", files=MISSIONS)],
+    new: Annotated[str | None, Argument("NEW", files=MISSIONS)] = None,
+    *,
+    git: Annotated[str | None, Argument("REV")] = None,
+    output: tuple[Annotated[str, Argument("FILE", "-o", files=("*",))], ...] = (),
+    fail_on: Literal["safety", "any", "none"] = "safety",
+    no_python: bool = False,
+    python: bool = False,
+) -> int:
+    """Print what changed between two missions, by meaning; what a reviewer must not miss comes first.
+
+    Args:
+        old: The mission before. With --git, the one mission.
+        new: The mission after.
+        git: Compare one mission with itself at a commit, branch or tag. The missions that it includes are taken from
+            there too.
+        output: Write the difference to a file. Its ending decides the kind: .html is a page; .md is for a comment;
+            .json is for programs; .svg .png .dot .mmd show both missions in one picture. May be repeated.
+        fail_on: What exits 1.
+        no_python: Refuse a mission in Python.
+        python: Execute a mission in Python of another revision too.
+
+    Exit status:
+        0 nothing changed that diff weighs as safety-relevant, 1 something did (--fail-on changes what counts), 2 the
+        input is at fault. It weighs what lets something happen that could not before, or removes a protection: an
+        option newly offered to a model, a weaker guard, a longer timeout, a lost invariant, a new way to succeeded;
+        and every change that it cannot judge. It does not weigh, so that a 0 means nothing for it: a change that
+        makes the mission stricter, texts for people, the robot's profile, programs behind the mission, and the model
+        that answers.
+
+    Example:
+        rai-missions diff old.json new.json -o difference.html
+        rai-missions diff --git main mission.json
+    """
+    from rai_missions.cli.inputs import warn
+    from rai_missions.mission.files import load
     from visualize import difference, draw_difference
     from visualize.mermaid import oversize
 
-    with _old(given) as old:
-        found = difference(old, load(given.old if given.git else given.new, python=not given.no_python))
+    with _before(old, new, git, no_python=no_python, python=python) as before:
+        found = difference(before, load(new or old, python=not no_python))
     for line in found.lines():
         print(line)
-    for output in given.output:
-        warn(oversize(draw_difference(found, output)))
-        print(f"written: {output}")
-    return _status(found, given.fail_on)
+    for path in output:
+        warn(oversize(draw_difference(found, path)))
+        print(f"written: {path}")
+    return int(bool({"safety": found.safety, "any": found.changes, "none": ()}[fail_on]))
 
 
 @contextmanager
-def _old(given: argparse.Namespace) -> Iterator[Mission]:
-    """The mission as it was: in a file, or in a file of another revision."""
-    if given.git is None:
-        if given.new is None:
-            raise UsageError("give two missions, OLD and NEW, or one and where it was: diff --git REV MISSION")
-        yield load(given.old, python=not given.no_python)
-        return
-    if given.new is not None:
-        raise UsageError("--git compares one mission with itself at a revision: diff --git REV MISSION")
+def _before(old: str, new: str | None, revision: str | None, *, no_python: bool, python: bool) -> Iterator[Mission]:
+    """The mission before: a file, or a file at another revision."""
+    from pathlib import Path
+
     from rai_missions.cli.git import at_revision
+    from rai_missions.errors import UsageError
+    from rai_missions.mission.files import load
 
-    with at_revision(given.git, Path(given.old), python=given.python and not given.no_python) as file:
+    if revision is None:
+        if new is None:
+            raise UsageError("give two missions, OLD and NEW, or one and where it was: diff --git REV MISSION")
+        yield load(old, python=not no_python)
+        return
+    if new is not None:
+        raise UsageError("--git compares one mission with itself at a revision: diff --git REV MISSION")
+    with at_revision(revision, Path(old), python=python and not no_python) as file:
         yield load(file)
-
-
-def _status(found: Difference, fail_on: str) -> int:
-    fatal = {"safety": found.safety, "any": found.changes, "none": ()}[fail_on]
-    return 1 if fatal else 0
-
-
-def textconv(given: argparse.Namespace) -> int:
-    """Print a mission as text that `git diff` can show; what is no mission is printed as it is."""
-    from rai_missions.mission.include import read_mission
-    from visualize.outline import outline
-
-    try:
-        text = outline(read_mission(Path(given.file)))
-    except MissionError:
-        if irregular(given.file):
-            raise
-        text = Path(given.file).read_text(encoding="utf-8", errors="replace")
-    sys.stdout.write(text)
-    return 0

@@ -1,138 +1,60 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions gate`: a gate on a robot's actuators, until it is interrupted."""
+"""`rai-missions gate`."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import signal
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
-from functools import partial
-from pathlib import Path
-from typing import Any, TextIO
+from typing import Annotated, Literal, NamedTuple
 
-from rai_missions.gate import GateAgent, GateWords, gate_words, read_gate
-from rai_missions.gate.bypass_monitor import BypassMonitor
-from rai_missions.gate.config import command_topic, leases_of
-from rai_missions.gate.memory import Memory, usual_path
-from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, Deed, Halt, Pass, Publish, Refuse
-from rai_missions.runtime.clock import WallClock
+from rai_missions.cli.command import Argument, command
 
-__all__ = ("gate",)
+__all__ = ("GateOptions", "gate")
 
 
-def gate(given: argparse.Namespace) -> int:
-    """Stand where the actuators are, until interrupted."""
-    from rai_missions.connectors.ros2 import open_connector
+class GateOptions(NamedTuple):
+    """What a gate takes.
 
-    words, clock = _words(given), WallClock()
-    options: dict[str, Any] = {"sim_time": True} if given.sim_time else {}
-    if given.domain is not None:
-        options["domain_id"] = given.domain
-    connector = open_connector(words.options(**options), now=clock.now)
-    with ExitStack() as stack:
-        log = stack.enter_context(open(given.log, "w", encoding="utf-8")) if given.log else None
-        memory = Memory(Path(given.memory) if given.memory else usual_path(words.name, given.domain))
-        observe = _observer(log, quiet=given.quiet, clock=clock)
-        agent = GateAgent(words, connector, clock=clock, observe=observe, memory=memory)
-        stack.enter_context(_interruptible(agent.end))
-        stack.callback(connector.stop)
-        connector.start()
-        beside = BypassMonitor(connector, (each.topic for each in words.commands), partial(_others, words.name))
-        stack.callback(beside.stop)
-        beside.run()
-        if not given.quiet:
-            print(_opening(words, agent.gate.holder), flush=True)
-        agent.serve()
-    counts = agent.gate
-    if not given.quiet:
-        passed, refused = (
-            ", ".join(f"{who} {each.get(who, 0)}" for who in COMMANDERS) for each in (counts.passed, counts.refused)
-        )
-        print(f"ended; commands passed: {passed}; refused: {refused}; handovers: {counts.revision}")
-    if agent.gives_way:
-        print(
-            f"rai-missions gate: another gate stands at {words.name} already; give this one a --name", file=sys.stderr
-        )
-    return int(agent.gives_way)
+    Args:
+        ros: On the ROS 2 graph, which is the default.
+        file: All of these options in a file, and what stops each topic.
+        command: A command topic of the actuators; may be repeated. Without it: /cmd_vel=geometry_msgs/msg/Twist.
+        lease: A holder that sends nothing for so many seconds loses control; 0 is never; may be repeated. Without it:
+            agent=0.5.
+        safe: Who has control then, and at first. Without it: autonomy.
+        memory: The file that keeps who holds control, for a gate that is started again. Without it: a file for each
+            name and ROS domain below ~/.local/state/rai_missions.
+        name: The first part of the names of the gate's topics and services. Without it: /gate.
+        domain: The ROS domain, instead of ROS_DOMAIN_ID.
+        sim_time: The stamps of commands are simulated time, as on /clock.
+        log: Write every command and handover to this file, a JSON object a line.
+        quiet: Print nothing.
+    """
+
+    ros: bool = False
+    file: Annotated[str | None, Argument("FILE.json", files=("*.json",))] = None
+    command: tuple[Annotated[str, Argument("TOPIC=TYPE")], ...] = ()
+    lease: tuple[Annotated[str, Argument("HOLDER=SECONDS")], ...] = ()
+    safe: Literal["autonomy", "nobody"] | None = None
+    memory: Annotated[str | None, Argument("FILE", files=("*",))] = None
+    name: Annotated[str | None, Argument("NAME")] = None
+    domain: Annotated[int | None, Argument("N")] = None
+    sim_time: bool = False
+    log: Annotated[str | None, Argument("FILE", files=("*",))] = None
+    quiet: bool = False
 
 
-def _words(given: argparse.Namespace) -> GateWords:
-    """The file's words, and the command line's over them."""
-    words: dict[str, Any] = {}
-    if given.command_topics:
-        words["commands"] = [command_topic(each) for each in given.command_topics]
-    if given.safe is not None:
-        words["safe"] = given.safe
-    if given.name is not None:
-        words["name"] = given.name
-    read = read_gate(given.file, **words) if given.file else gate_words(words)
-    return gate_words({**read.written(), "leases": {**read.leases, **leases_of(given.lease)}}, "--lease")
+@command()
+def gate(options: GateOptions) -> int:
+    """Let only the holder of control command a robot's actuators.
 
+    The gate receives the commands of autonomy, agent and operator, each on topics of its own (/gate/agent/cmd_vel →
+    /cmd_vel), and passes on only those of the holder of control.
 
-def _others(name: str, topic: str, count: int) -> None:
-    who = "another node publishes" if count == 1 else f"{count} other nodes publish"
-    print(
-        f"rai-missions gate: {who} on {topic} as well: that reaches the actuators past this gate, whoever holds "
-        f"control; have it publish on {name}/{{{','.join(COMMANDERS)}}}{topic}, and end any other gate before {topic}",
-        file=sys.stderr,
-        flush=True,
-    )
+    Exit status:
+        0 it was ended (Ctrl-C, SIGTERM), 1 another gate is there already, 2 the input is at fault
 
+    Example:
+        rai-missions gate --command /cmd_vel=geometry_msgs/msg/Twist --lease agent=0.5
+    """
+    from rai_missions.cli.gate_console import serve_gate
 
-def _opening(words: GateWords, holder: str) -> str:
-    lines = [f"{words.name} stands before {', '.join(each.topic for each in words.commands)}; {holder} has control"]
-    if holder != words.safe:
-        lines.append("  the operator, or nobody, had it when a gate ended here: the operator gives it back")
-    lines += [
-        f"  {each.topic}: nothing stops it when control changes; give 'stop' in a file if a message can"
-        for each in words.commands
-        if each.stop_message is None
-    ]
-    first = words.commands[0].topic
-    lines.append(f"  commands are heard on {words.name}/{{{','.join(COMMANDERS)}}}{first}")
-    return "\n".join(lines)
-
-
-def _observer(log: TextIO | None, *, quiet: bool, clock: WallClock) -> Callable[[Deed], None]:
-    def observe(deed: Deed) -> None:
-        if isinstance(deed, ControlChange) and not quiet:
-            print(f"{clock.now():10.3f}  {deed.former} → {deed.holder} (grant {deed.revision}): {deed.why}", flush=True)
-        elif isinstance(deed, Answer) and deed.why and not quiet:
-            print(f"{clock.now():10.3f}  refused to {deed.request.by}: {deed.why}", flush=True)
-        if log is not None and (row := _row(deed)):
-            log.write(json.dumps({"at": round(clock.now(), 6), **row}, default=repr) + "\n")
-            if not isinstance(deed, Pass | Refuse):
-                log.flush()
-
-    return observe
-
-
-def _row(deed: Deed) -> dict[str, Any] | None:
-    """A line of the log; a status is none."""
-    if isinstance(deed, Publish):
-        return None
-    if isinstance(deed, Pass | Refuse):
-        did = {"did": "passed"} if isinstance(deed, Pass) else {"did": "refused", "why": deed.why}
-        command = deed.command
-        return {**did, "grant": deed.revision, "who": command.who, "topic": command.topic, "data": command.data}
-    if isinstance(deed, ControlChange):
-        return {"did": "changed", "grant": deed.revision, "from": deed.former, "to": deed.holder, "why": deed.why}
-    if isinstance(deed, Answer):
-        asked = deed.request
-        return {"did": "answered", "grant": deed.revision, "to": asked.to, "by": asked.by, "why": deed.why}
-    assert isinstance(deed, Halt)
-    return {"did": "halted", "why": deed.why}
-
-
-@contextmanager
-def _interruptible(end: Callable[[], None]) -> Iterator[None]:
-    before = {each: signal.signal(each, lambda *_: end()) for each in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
-        sys.stdout.flush()
+    return serve_gate(options)

@@ -1,235 +1,74 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions prove`: every run of a mission, explored; what is promised of all of them is proved or refuted."""
+"""`rai-missions prove`."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import re
-import time
-from collections.abc import Callable, Iterable
-from pathlib import Path
-from typing import Any
+from typing import Annotated
 
-from rai_missions.check import check, faults_of
-from rai_missions.cli.arguments import named_in, warn
-from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.mission.files import dump, load
-from rai_missions.mission.mission import Mission
+from rai_missions.cli.command import Argument, GuardsFile, MissionFile, ProfileFile, command
 
 __all__ = ("prove",)
 
-WIDTH = 14
-MOST_SECONDS, MOST_MEMORY_MB = 900.0, 4096.0
-EVERY_S = 2.0
-"""So often progress is told."""
 
+@command()
+def prove(
+    mission: MissionFile,
+    *,
+    robot: ProfileFile | None = None,
+    states: Annotated[int | None, Argument("N")] = None,
+    max_seconds: Annotated[float, Argument("S")] = 900.0,
+    max_memory: Annotated[float, Argument("MIB")] = 4096.0,
+    all_: bool = False,
+    guards: GuardsFile | None = None,
+    no_python: bool = False,
+    output: Annotated[str | None, Argument("FILE", "-o", files=("*.journal",))] = None,
+    json: bool = False,
+) -> int:
+    """Explore every run of a mission: each claim is proved, or refuted by a shortest run.
 
-def prove(given: argparse.Namespace) -> int:
-    """Explore every run of a mission; 0 where all is proved, 1 where something is refuted or was not explored whole."""
+    Args:
+        mission: A .json file, or a .py file with a function mission().
+        robot: The profile, for which actions exclude each other and what composed actions depend on.
+        states: The most states to explore; without it, a million.
+        max_seconds: The most wall time, in seconds.
+        max_memory: The most memory, in MiB.
+        all_: After a refutation, explore the other claims to the limits. Without it, for ten times what the
+            refutation cost.
+        guards: A Python file with the predicates of 'named' guards. In a proof they may give any answer.
+        no_python: Refuse a mission and guards in Python.
+        output: The file for the run that refutes a claim. Without it: NAME-CLAIM.journal.
+        json: Print one object.
+
+    Exit status:
+        0 every claim is proved, 1 one is refuted or a limit was reached, 2 the input is at fault
+
+    Example:
+        rai-missions prove mission.json --robot robot.json --max-seconds 60
+    """
+    from json import dumps
+
+    from rai_missions.check import check, faults_of
+    from rai_missions.cli.inputs import load_guards
+    from rai_missions.cli.proof_report import as_json, limits_of, progress, report, write_journals
+    from rai_missions.errors import DefinitionError
+    from rai_missions.mission.files import load
     from rai_missions.profile import load_profile, missing, terms
     from rai_missions.prove import prove as explore
     from rai_missions.replay.rebuild import default_ticker
 
-    mission = load(given.mission, python=not given.no_python)
-    robot = load_profile(given.robot) if given.robot else None
-    faults = [*_faults(mission, given), *(missing(mission, robot) if robot is not None else ())]
-    if faults:
-        raise DefinitionError(faults, given.mission)
-    of_robot = terms(robot) if robot is not None else None
-    proof = explore(mission, default_ticker(mission), terms=of_robot, progress=_progress(), **_limits_of(given))
-    journals = _journals(given, mission, robot, of_robot, proof)
-    if given.json:
-        print(json.dumps(_object(mission, proof, journals)))
+    loaded = load(mission, python=not no_python)
+    profile = load_profile(robot) if robot else None
+    named = load_guards(guards, python=not no_python)
+    faults = faults_of(check(loaded, named=set(named)) if named is not None else check(loaded))
+    if faults := [*faults, *(missing(loaded, profile) if profile is not None else ())]:
+        raise DefinitionError(faults, mission)
+    limits = limits_of(states, max_seconds, max_memory)
+    of_robot = terms(profile) if profile is not None else None
+    proof = explore(loaded, default_ticker(loaded), terms=of_robot, progress=progress(), goes_on=all_, **limits)
+    journals = write_journals(proof, loaded, profile, output)
+    if json:
+        print(dumps(as_json(loaded, proof, journals)))
     else:
-        for line in _lines(mission, proof, journals):
+        for line in report(loaded, proof, journals):
             print(line)
     return 0 if proof.verdict == "proved" else 1
-
-
-def _limits_of(given: argparse.Namespace) -> dict[str, Any]:
-    """What the exploration may cost."""
-    from rai_missions.prove import MOST_STATES
-
-    most = MOST_STATES if given.states is None else given.states
-    seconds = MOST_SECONDS if given.max_seconds is None else given.max_seconds
-    memory_mb = MOST_MEMORY_MB if given.max_memory is None else given.max_memory
-    if most < 1:
-        raise UsageError(f"{most} states are none; give --states a number above 0")
-    if not seconds > 0:
-        raise UsageError(f"{seconds:g} seconds are none; give --max-seconds a number above 0")
-    if not memory_mb > 0:
-        raise UsageError(f"{memory_mb:g} MiB are none; give --max-memory a number above 0")
-    return {"most": most, "seconds": seconds, "memory_mb": memory_mb, "goes_on": given.all}
-
-
-def _faults(mission: Mission, given: argparse.Namespace) -> list[Fault]:
-    named = named_in(given.guards, python=not given.no_python)
-    return faults_of(check(mission, named=set(named)) if named is not None else check(mission))
-
-
-def _progress() -> Callable[[int, int], None]:
-    """A line on stderr now and then, while it takes long."""
-    last = [time.monotonic()]
-
-    def tell(found: int, done: int) -> None:
-        if time.monotonic() - last[0] > EVERY_S:
-            last[0] = time.monotonic()
-            warn(f"{found} states found, {done} of them explored")
-
-    return tell
-
-
-def _journals(given: argparse.Namespace, mission: Mission, robot: Any, of_robot: Any, proof: Any) -> dict[str, Any]:
-    """Claim that was refuted → the journal of the run that refutes it, and whether it shows there too."""
-    from rai_missions.journal import Header
-    from rai_missions.profile import dump_profile
-    from rai_missions.prove import record
-    from rai_missions.replay.rebuild import default_ticker
-
-    told = {}
-    for name, scenes in proof.ways.items():
-        arguments = {key: value for scene in scenes[:1] for key, value in scene.facts.items()
-                     if mission.blackboard[key].source == "argument"}  # fmt: skip
-        whole = "" if mission.behaviours() else dump(mission)
-        header = Header(whole, dump_profile(robot) if robot is not None else "", arguments, versions=mission.packages())
-        path = _path(given, mission, name, only=len(proof.ways) == 1)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        shows = record(path, header, mission, scenes, default_ticker(mission), terms=of_robot)
-        told[name] = {"journal": str(path), "shows": shows}
-    return told
-
-
-def _path(given: argparse.Namespace, mission: Mission, claim: str, *, only: bool) -> Path:
-    """Where a refutation is written: as was asked, with the claim's name where there are several; never over a file."""
-    word = re.sub(r"\W+", "_", claim)
-    if given.output is None:
-        wanted = Path(f"{mission.name.replace('/', '_')}-{word}.journal")
-    else:
-        wanted = Path(given.output)
-        wanted = wanted if only else wanted.with_name(f"{wanted.stem}-{word}{wanted.suffix}")
-    path, number = wanted, 1
-    while path.exists():
-        number += 1
-        path = wanted.with_name(f"{wanted.stem}-{number}{wanted.suffix}")
-    return path
-
-
-# -- what is told -------------------------------------------------------------------------------------------------
-
-
-def _lines(mission: Mission, proof: Any, journals: dict[str, Any]) -> Iterable[str]:
-    how = "every state" if proof.is_whole else f"{_why_not_whole(proof)}, at depth {proof.depth}"
-    yield f"{mission.name} {mission.version}: {proof.states} states, {proof.steps} steps, {proof.seconds:.1f} s; {how}"
-    if not proof.is_whole:
-        yield from _covered(proof)
-    for claim in proof.claims:
-        verdict = claim.verdict if claim.verdict != "explored" else f"explored {proof.states} states"
-        yield f"  {verdict:<{WIDTH}} {claim.name}: {claim.words}"
-        if claim.verdict == "refuted":
-            yield from _refutation(claim.sentence, proof.ways.get(claim.name, ()), journals.get(claim.name))
-    if proof.verdict == "proved" and not proof.alike:
-        yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it heard"
-    yield from _limits(proof)
-
-
-STOPPED = {
-    "states": "as many states as were allowed (--states)",
-    "seconds": "out of time (--max-seconds)",
-    "memory": "out of memory (--max-memory)",
-    "refuted": "ended after a refutation (--all explores the other claims to the limits)",
-    "work": "as many steps as were allowed",
-}
-"""The limit that ended an exploration → what is printed."""
-
-
-def _why_not_whole(proof: Any) -> str:
-    return STOPPED.get(proof.stopped, "not every state")
-
-
-def _covered(proof: Any) -> Iterable[str]:
-    """What was covered before the limit, and what is open."""
-    yield f"of these {proof.states} states {proof.done} were explored with all that can happen in them"
-    for word, verdict in (("refuted", "refuted"), ("proved", "proved"), ("open", "explored")):
-        names = [each.name for each in proof.claims if each.verdict == verdict]
-        yield f"{word}: {', '.join(names) or 'none'}"
-
-
-def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | None) -> Iterable[str]:
-    yield f"      {sentence}"
-    before: frozenset[str] = frozenset()
-    for number, scene in enumerate(scenes, 1):
-        ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
-        facts = [f"{key} {_said(value)}" for key, value in sorted(scene.facts.items())]
-        known = ", ".join(([f"control is with {scene.control.name}"] if scene.control is not None else []) + facts)
-        yield f"      {number}. {scene.words}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
-        before = scene.active
-    if journal is not None:
-        shows = "" if journal["shows"] else "; with the times as written it comes to something else there"
-        yield f"      journal: {journal['journal']}{shows}"
-
-
-def _said(value: Any) -> str:
-    return "unknown" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _limits(proof: Any) -> Iterable[str]:
-    if proof.assumed:
-        yield f"assumed of the robot, and watched in a run: {', '.join(proof.assumed)}"
-    if proof.alike:
-        loops = ", ".join(f"'{loop}' ({rounds} rounds)" for loop, rounds in sorted(proof.alike.items()))
-        yield f"a few rounds stand for all, which are alike: {loops}"
-    if proof.in_pause:
-        names = ", ".join(proof.in_pause)
-        yield f"while paused or held not every rule acts, and what the robot says can end the mission by: {names}"
-    if proof.predicates:
-        yield f"free to say anything whenever asked: {', '.join(proof.predicates)}"
-    if proof.sampled:
-        yield f"tried with some values only, so nothing is called proved: {', '.join(proof.sampled)}"
-    if proof.never:
-        yield f"no run enters: {', '.join(proof.never)}"
-    yield "in every state the operator may pause, resume, take control or give it; timers run out in any order"
-    yield "comes to rest assumes that an operator who has taken control gives it back"
-    yield "not explored: a process that is killed and taken up again"
-
-
-def _object(mission: Mission, proof: Any, journals: dict[str, Any]) -> dict[str, Any]:
-    claims = [
-        {
-            "claim": each.name, "words": each.words, "verdict": each.verdict, "sentence": each.sentence,
-            "run": [{"happens": scene.words, "facts": _plain(scene.facts), "active": sorted(scene.active),
-                     "outcome": scene.outcome, "why": scene.why} for scene in proof.ways.get(each.name, ())],
-            **journals.get(each.name, {}),
-        }
-        for each in proof.claims
-    ]  # fmt: skip
-    words = (
-        "states",
-        "steps",
-        "depth",
-        "farthest",
-        "is_whole",
-        "stopped",
-        "done",
-        "assumed",
-        "in_pause",
-        "predicates",
-        "sampled",
-        "alike",
-        "never",
-        "seconds",
-    )
-    told = {word: getattr(proof, word) for word in words}
-    return {"mission": mission.name, "version": mission.version, "verdict": proof.verdict, **told, "claims": claims}
-
-
-def _plain(facts: Any) -> dict[str, Any]:
-    return {name: value if _is_json(value) else str(value) for name, value in facts.items()}
-
-
-def _is_json(value: Any) -> bool:
-    try:
-        json.dumps(value)
-    except TypeError:
-        return False
-    return True

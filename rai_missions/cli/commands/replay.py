@@ -1,19 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions replay`: a run, or every run of a folder, done again."""
+"""`rai-missions replay`."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from rai_missions.cli.arguments import warn
-from rai_missions.cli.progress import Lines
-from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.mission.files import load
-from rai_missions.redaction import first_line
+from rai_missions.cli.command import Argument, JournalFile, command
 
 if TYPE_CHECKING:
     from rai_missions.mission.mission import Mission
@@ -21,66 +14,91 @@ if TYPE_CHECKING:
 
 __all__ = ("replay",)
 
-
 SUFFIXES = (".journal", ".mcap")
 """What counts as a run in a folder."""
 
 
-def replay(given: argparse.Namespace) -> int:
-    """Do a run again, or each run of a folder."""
-    folder = Path(given.journal)
-    return _replay_folder(folder, given) if folder.is_dir() else _replay_one(given)
+@command()
+def replay(
+    journal: JournalFile,
+    *,
+    mission: Annotated[str | None, Argument("FILE.py", files=("*.py",))] = None,
+    no_python: bool = False,
+    json: bool = False,
+    verbose: bool = False,
+) -> int:
+    """Repeat runs from their journals or recordings and compare every step.
 
+    Args:
+        journal: A journal, a recording (.mcap), or a folder of them, with a verdict for each.
+        mission: The mission, where it has behaviours in Python. It is executed.
+        no_python: Refuse a mission in Python.
+        json: Print one object at the end.
+        verbose: Print the steps.
 
-def _replay_one(given: argparse.Namespace) -> int:
-    mission = load(given.mission, python=not given.no_python) if given.mission else None
-    result = _again(given.journal, mission, verbose=given.verbose and not given.json)
-    if given.json:
-        print(json.dumps(_as_json(result)))
-    else:
-        print(_sentence(given.journal, result))
+    Exit status:
+        0 every step is the same, 1 one differs, 2 the input is at fault
+
+    Example:
+        rai-missions replay journals
+    """
+    from json import dumps
+
+    from rai_missions.mission.files import load
+
+    loaded = load(mission, python=not no_python) if mission else None
+    if Path(journal).is_dir():
+        return _replay_folder(Path(journal), loaded, json=json)
+    result = _replay(journal, loaded, verbose=verbose and not json)
+    print(dumps(_as_json(result)) if json else _sentence(journal, result))
     return 0 if _holds(result) else 1
 
 
-def _replay_folder(folder: Path, given: argparse.Namespace) -> int:
-    """Do every run of a folder and the folders in it again: a verdict each, in the order of their paths."""
+def _replay_folder(folder: Path, mission: Mission | None, *, json: bool) -> int:
+    """Repeat every run of a folder and the folders in it: a verdict each, in the order of their paths."""
+    from json import dumps
+
+    from rai_missions.errors import DefinitionError, UsageError
+    from rai_missions.redaction import first_line
+
     paths = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
     if not paths:
         raise UsageError(f"there is no run in '{folder}'; a run's file ends in {' or '.join(SUFFIXES)}")
-    mission = load(given.mission, python=not given.no_python) if given.mission else None
     runs, held = [], 0
     for path in paths:
         name = path.relative_to(folder).as_posix()
         try:
-            result = _again(str(path), mission, verbose=False)
+            result = _replay(str(path), mission, verbose=False)
         except (DefinitionError, UsageError) as error:
             runs.append({"run": name, "holds": False, "fault": str(error)})
-            said = f"cannot be read: {first_line(error, 300)}"
+            verdict = f"cannot be read: {first_line(error, 300)}"
         else:
             runs.append({"run": name, **_as_json(result)})
             held += _holds(result)
-            said = _sentence(name, result).removeprefix(f"{name} ")
-        if not given.json:
-            print(f"{name}: {said}", flush=True)
-    if given.json:
-        print(json.dumps({"holds": held == len(paths), "runs": runs}))
-    else:
-        print(f"{held} of {len(paths)} runs are the same")
-    return 0 if held == len(paths) else 1
+            verdict = _sentence("it", result)
+        if not json:
+            print(f"{name}: {verdict}", flush=True)
+    holds = held == len(paths)
+    print(dumps({"holds": holds, "runs": runs}) if json else f"{held} of {len(paths)} runs are the same")
+    return 0 if holds else 1
 
 
-def _again(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
+def _replay(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
+    import sys
+
+    from rai_missions.cli.inputs import warn
+    from rai_missions.cli.progress import Lines
     from rai_missions.journal import read
     from rai_missions.recording import journal_of
     from rai_missions.replay.rebuild import mission_of
-    from rai_missions.replay.replay import replay as again
+    from rai_missions.replay.replay import replay as repeat
 
     with journal_of(journal) as found:
         warn(found.warning)
         if mission is None:
             with read(found.path) as record:
                 mission = mission_of(record)
-        return again(found.path, on_step=Lines(mission, sys.stdout).step if verbose else None, mission=mission)
+        return repeat(found.path, on_step=Lines(mission, sys.stdout).step if verbose else None, mission=mission)
 
 
 def _holds(result: Replay) -> bool:

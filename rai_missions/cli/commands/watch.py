@@ -1,182 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions watch`: the page of a run that goes on, or one that follows a journal and only looks."""
+"""`rai-missions watch`."""
 
 from __future__ import annotations
 
-import argparse
-import ipaddress
-import json
-import os
-import signal
-import socket
-import stat
-import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from pathlib import Path
-from typing import Any
-from urllib.parse import urlsplit
+from typing import Annotated
 
-from rai_missions.cli.arguments import warn
-from rai_missions.cli.commands.run_page import opened, place_of
-from rai_missions.errors import MissionError, UsageError, irregular
+from rai_missions.cli.command import Argument, command
 
-__all__ = ("found", "serving", "watch")
-
-FOLDER = Path("journals")
-RUN_FILES = ("*.journal.watch", "*/*.journal.watch", "*/*/*.journal.watch")
-"""Where a run that goes on is looked for: here, and two folders deep."""
-ANSWERS_S = 1.0
+__all__ = ("watch",)
 
 
-def watch(given: argparse.Namespace) -> int:
-    """Print the address of a run's own page, or serve one that follows its journal."""
-    path = found(given.journal)
-    own = serving(path)
-    if own is not None and given.journal is None:
+@command()
+def watch(
+    journal: Annotated[str | None, Argument("JOURNAL|RUN", files=("*.journal", "*.mcap"))] = None,
+    *,
+    port: Annotated[int, Argument("PORT")] = 8765,
+    host: Annotated[str | None, Argument("ADDRESS")] = None,
+    tls_cert: Annotated[str | None, Argument("FILE", files=("*",))] = None,
+    tls_key: Annotated[str | None, Argument("FILE", files=("*",))] = None,
+) -> int:
+    """Show a run in a browser.
+
+    Prints the address of the page that a run serves (run --watch). For a JOURNAL or RUN that is named, or where no run
+    serves a page, it serves a page that follows the journal and takes no commands.
+
+    Args:
+        journal: A journal or recording, or a run's id or name in journals/. Without it: the run with a page, or the
+            newest journal.
+        port: The port; 0 is any that is free.
+        host: The address on which the page listens, which needs TLS; without it, 127.0.0.1.
+        tls_cert: The page's certificate, PEM.
+        tls_key: The certificate's private key, PEM.
+
+    Exit status:
+        0 it was ended (Ctrl-C, SIGTERM), 2 the input is at fault
+
+    Example:
+        rai-missions watch journals/tractor-20260101-090000.journal
+    """
+    from rai_missions.cli.run.find_page import find_journal, running_page
+    from rai_missions.cli.run.live_page import open_page, place_of, show_journal
+
+    path = find_journal(journal)
+    own = running_page(path)
+    if own is not None and journal is None:
         print(f"watch: {own['url']}", flush=True)
         return 0
-    page = opened(place_of(given, given.port))
+    page = open_page(place_of(port, host=host, tls_cert=tls_cert, tls_key=tls_key))
     try:
-        _follow(given, page, path, own)
+        show_journal(page, path, own)
     finally:
         page.stop()
     return 0
-
-
-def _follow(given: argparse.Namespace, page: Any, path: Path, own: dict[str, Any] | None) -> None:
-    from rai_missions.recording import journal_of
-    from visualize.live import JournalFeed
-
-    with journal_of(str(path)) as journal:
-        warn(journal.warning)
-        _check_mission(journal.path)
-        feed = JournalFeed(journal.path)
-        page.start(feed.mission, feed, None, {"run": feed.header.run, "journal": str(path), "answers": False})
-        print(f"watch: {page.url}", flush=True)
-        if own is not None:
-            print(f"this page only looks on; the run's own page, which takes orders: {own['url']}", file=sys.stderr)
-        with _until_ended() as ended:
-            while not ended.wait(0.5) and page.serves:
-                pass
-
-
-def _check_mission(journal: Path) -> None:
-    """Whether the mission in a journal is one, within the bounds that hold for its file as well.
-
-    Raises:
-        DefinitionError: It is none.
-    """
-    from rai_missions.journal.reader import Record
-    from rai_missions.replay.rebuild import mission_of
-
-    with Record(journal) as record:
-        if record.header.mission:
-            mission_of(record)
-
-
-def found(name: str | None) -> Path:
-    """The journal that is meant: a file, or a run in `journals/` by its id or its name; else the newest.
-
-    Raises:
-        UsageError: There is none.
-    """
-    if name is not None and Path(name).exists():
-        return Path(name)
-    journals = sorted(FOLDER.glob("*.journal"), key=_changed, reverse=True)
-    if name is None:
-        return _newest(journals)
-    named = [path for path in journals if name in (path.stem, path.name) or _run_of(path) == name]
-    if not named:
-        known = ", ".join(path.stem for path in journals[:5])
-        raise UsageError(
-            f"there is no journal '{name}', and no run of that name in {FOLDER}/{': ' if known else ''}{known}"
-        )
-    return named[0]
-
-
-def _newest(journals: list[Path]) -> Path:
-    running = next((path for path in [*journals, *_elsewhere()] if serving(path) is not None), None)
-    if running is not None:
-        return running
-    if not journals:
-        raise UsageError(
-            f"no run has written a journal in {FOLDER}/, and none that goes on has a page in a folder below this one; "
-            "begin one with: rai-missions run --watch …, or name a journal: rai-missions watch JOURNAL"
-        )
-    print(
-        f"no run with a page goes on here; this is the newest journal in {FOLDER}/, and only that folder was looked at "
-        f"for journals: {journals[0]}. Name another with: rai-missions watch JOURNAL",
-        file=sys.stderr,
-    )
-    return journals[0]
-
-
-def _elsewhere() -> list[Path]:
-    """The journals of runs that go on below this folder, the newest run first."""
-    marks = [path for pattern in RUN_FILES for path in Path().glob(pattern)]
-    dated: list[tuple[float, Path]] = []
-    for mark in marks:
-        with suppress(OSError):  # its run has just ended
-            dated.append((mark.stat().st_mtime, mark.with_suffix("")))
-    return [path for _, path in sorted(dated, reverse=True)]
-
-
-def serving(journal: Path) -> dict[str, Any] | None:
-    """What the run of a journal says of its own page, if it is there and answers."""
-    path = Path(f"{journal}.watch")
-    if irregular(path):
-        return None
-    try:
-        about = path.stat()
-        told = json.loads(path.read_text(encoding="utf-8"))
-        if about.st_uid != os.getuid() or stat.S_IMODE(about.st_mode) & 0o077 or not isinstance(told["url"], str):
-            return None
-        place = urlsplit(told["url"])
-        if not _is_here(place.hostname or ""):
-            return None
-        with socket.create_connection((place.hostname or "", place.port or 0), timeout=ANSWERS_S):
-            return dict(told)
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-
-
-def _is_here(host: str) -> bool:
-    """Whether an address is this machine's: a file that came with a journal may name any, and none is asked."""
-    if host in ("localhost", socket.gethostname().lower()):
-        return True
-    try:
-        address = ipaddress.ip_address(host)
-        with socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET, socket.SOCK_DGRAM) as tried:
-            tried.bind((host, 0))  # nothing is sent: only what is ours can be bound
-    except (OSError, ValueError):
-        return False
-    return True
-
-
-def _changed(path: Path) -> float:
-    log = path.with_name(f"{path.name}-wal")
-    return max((each.stat().st_mtime for each in (path, log) if each.exists()), default=0.0)
-
-
-def _run_of(path: Path) -> str:
-    from rai_missions.journal.reader import Record
-
-    try:
-        with Record(path) as record:
-            return record.header.run
-    except MissionError:
-        return ""
-
-
-@contextmanager
-def _until_ended() -> Iterator[threading.Event]:
-    """Set once the program is interrupted or told to end."""
-    ended = threading.Event()
-    before = {each: signal.signal(each, lambda *_: ended.set()) for each in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield ended
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)

@@ -16,9 +16,10 @@ from typing import Any
 import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
-from rai_missions.cli.commands import watch as room
-from rai_missions.cli.commands.run_page import Watch, run_file, sort_out
-from rai_missions.cli.main import main, parser
+from rai_missions.cli.commands.run import RunOptions, run
+from rai_missions.cli.main import main
+from rai_missions.cli.run.find_page import find_journal, running_page
+from rai_missions.cli.run.live_page import RunPage, normalise_watch_args, run_file
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
@@ -45,8 +46,8 @@ class Watched:
         setting = RunConfig(
             mission(), robot({"kind": "local"}), connector=connector, journal=self.journal, operator=terminal
         )
-        self._watch = Watch(self.page, setting, operator=operator)
-        self._prepared = prepare(self._watch.setting)
+        self._watch = RunPage(self.page, setting, operator=operator)
+        self._prepared = prepare(self._watch.config)
         self.runner, self.result = self._prepared.runner, list[Result]()
         self._connector = connector
         self._thread = threading.Thread(target=self._work)
@@ -236,12 +237,12 @@ def test_the_run_file_is_its_owner_s_alone_and_goes_with_the_run(tmp_path: Path)
         with run_file(str(journal), {"url": "http://127.0.0.1:1/#token=x"}):
             path = tmp_path / "a.journal.watch"
             assert stat.S_IMODE(path.stat().st_mode) == 0o600
-            assert room.serving(journal) is None  # nobody listens there
+            assert running_page(journal) is None  # nobody listens there
             with LivePage(PageAddress(port=0))._socket as listening:
                 path.write_text(json.dumps({"url": f"http://127.0.0.1:{listening.getsockname()[1]}/#token=x"}))
-                assert room.serving(journal) is not None
+                assert running_page(journal) is not None
                 path.chmod(0o644)
-                assert room.serving(journal) is None  # somebody else may have written it
+                assert running_page(journal) is None  # somebody else may have written it
         assert not path.exists()
     finally:
         os.umask(before)
@@ -260,10 +261,10 @@ def test_watch_prints_the_page_of_the_run_that_goes_on(
         with run_file("journals/old.journal", {"url": url}):
             assert main(["watch"]) == 0
     assert capsys.readouterr().out == f"watch: {url}\n"
-    assert room.found(None) == Path("journals/new.journal")
-    assert room.found("old") == Path("journals/old.journal")
+    assert find_journal(None) == Path("journals/new.journal")
+    assert find_journal("old") == Path("journals/old.journal")
     with pytest.raises(UsageError, match=r"no journal 'nothing', and no run of that name in journals/: new, old"):
-        room.found("nothing")
+        find_journal("nothing")
 
 
 def test_watch_finds_a_run_that_writes_its_journal_elsewhere_below(
@@ -279,13 +280,13 @@ def test_watch_finds_a_run_that_writes_its_journal_elsewhere_below(
             for name in ("field/monday/a", "b", "too/deep/by/far/c"):
                 files.enter_context(run_file(f"{name}.journal", {"url": f"{url}{name[-1]}"}))
             os.utime("b.journal.watch", (1, 1))
-            assert room.found(None) == Path("field/monday/a.journal")
+            assert find_journal(None) == Path("field/monday/a.journal")
             os.utime("field/monday/a.journal.watch", (0, 0))
-            assert room.found(None) == Path("b.journal")
+            assert find_journal(None) == Path("b.journal")
             assert main(["watch"]) == 0
     reported = capsys.readouterr()
     assert (reported.out, reported.err) == (f"watch: {url}b\n", "")
-    assert room.found(None) == Path("journals/old.journal")
+    assert find_journal(None) == Path("journals/old.journal")
     assert (
         "newest journal in journals/, and only that folder was looked at for journals: journals/old"
         in capsys.readouterr().err
@@ -320,10 +321,9 @@ def test_a_port_in_use_stops_a_run_before_it_begins(tmp_path: Path, capsys: pyte
 )
 def test_words_that_do_not_go_together_are_told(words: list[str], why: str) -> None:
     with pytest.raises(UsageError, match=why):
-        sort_out(parser().parse_args(["run", *words]))
+        normalise_watch_args(run.read(words)["options"])
 
 
 def test_a_mission_behind_watch_is_the_mission() -> None:
-    given = parser().parse_args(["run", "--watch", "m.json"])
-    sort_out(given)
+    given = normalise_watch_args(RunOptions(watch="m.json"))
     assert (given.mission, given.watch) == ("m.json", "8765")

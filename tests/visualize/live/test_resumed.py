@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
-from rai_missions.cli.commands.run_page import Watch
+from rai_missions.cli.run.live_page import RunPage
 from rai_missions.event import Event
 from rai_missions.journal import Journal
 from rai_missions.recording import journal_of
@@ -41,10 +41,10 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_go
     journal, recording = tmp_path / "a.journal", tmp_path / "a.mcap"
     cut_short(journal, ("ask", "event"), *([("pause", "command")] if is_paused else []))
     page, ended = LivePage(PageAddress(port=0)), list[Result]()
-    watch = Watch(page, RunConfig(None, journal=journal, resume=journal, record=recording))
+    watch = RunPage(page, RunConfig(None, journal=journal, resume=journal, record=recording))
 
     def run() -> None:
-        with prepare(watch.setting) as prepared:
+        with prepare(watch.config) as prepared:
             assert ("it is paused" in prepared.goes_on) is is_paused
             ended.append(watch.run(prepared, lambda runner: runner.run()))
 

@@ -1,22 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions run --watch`: the live page beside a run, and the file by which `rai-missions watch` finds it."""
+"""The live page of a run or of a journal, and the file by which `rai-missions watch` finds the page of a run."""
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
+import threading
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.cli.inputs import warn
+from rai_missions.cli.signals import on_signals
 from rai_missions.errors import UsageError
 
 if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
+    from rai_missions.cli.commands.run import RunOptions
     from rai_missions.engine.decision import Question
     from rai_missions.engine.step import Step
     from rai_missions.node.run_session import RunSession
@@ -24,81 +27,123 @@ if TYPE_CHECKING:
     from rai_missions.runtime.runner import Result, Runner
     from visualize.live import LivePage, PageAddress, RunFeed, RunScene
 
-__all__ = ("Watch", "opened", "place_of", "run_file", "sort_out", "watched")
+__all__ = ("RunPage", "normalise_watch_args", "open_page", "page_of", "place_of", "run_file", "show_journal")
 
 LACKS = "the live page needs Starlette and uvicorn: pip install '.[watch]'"
 
 
-def sort_out(given: argparse.Namespace) -> None:
-    """`run --watch mission.json` means the mission, not a port.
+def normalise_watch_args(options: RunOptions) -> RunOptions:
+    """The options, where `run --watch mission.json` means the mission, not a port.
 
     Raises:
-        UsageError: Words that do not go together.
+        UsageError: The options contradict each other.
     """
-    if given.watch is not None and not given.watch.isdigit():
-        if given.mission or given.resume:
-            raise UsageError(f"--watch {given.watch}: give a port, a number from 1 to 65535, or 0 for any that is free")
-        given.mission, given.watch = given.watch, str(_default_port())
-    if given.watch is None and (given.host or given.tls_cert or given.tls_key):
+    if options.watch is not None and not options.watch.isdigit():
+        if options.mission or options.resume:
+            raise UsageError(
+                f"--watch {options.watch}: give a port, a number from 1 to 65535, or 0 for any that is free"
+            )
+        options = options._replace(mission=options.watch, watch=str(_default_port()))
+    if options.watch is None and (options.host or options.tls_cert or options.tls_key):
         raise UsageError("--host, --tls-cert and --tls-key say where the live page is served; give --watch, too")
-    if given.watch is not None and given.managed:
+    if options.watch is not None and options.managed:
         raise UsageError("--watch is of one run; a managed node has many: drop it or --managed")
+    return options
 
 
-def place_of(given: argparse.Namespace, port: str | int) -> PageAddress:
-    """Where the page is to be served, by the words of the command line."""
-    _door()
+def place_of(port: str | int, *, host: str | None, tls_cert: str | None, tls_key: str | None) -> PageAddress:
+    """Where a page is to be served."""
+    _check_server()
     from visualize.live import PageAddress
 
-    return PageAddress(given.host or "127.0.0.1", int(port), given.tls_cert or "", given.tls_key or "")
+    return PageAddress(host or "127.0.0.1", int(port), tls_cert or "", tls_key or "")
 
 
-def opened(place: PageAddress) -> LivePage:
+def open_page(place: PageAddress) -> LivePage:
     """An address for the page; nothing is shown there yet.
 
     Raises:
         UsageError: It is in use, or unprotected, or there is no server on this machine.
     """
-    _door()
+    _check_server()
     from visualize.live import LivePage
 
     return LivePage(place)
 
 
 @contextmanager
-def watched(given: argparse.Namespace, setting: RunConfig) -> Iterator[Watch | None]:
-    """The page that the command line asks for, for as long as the run lasts; nothing where it asks for none."""
-    if given.watch is None:
+def page_of(options: RunOptions, config: RunConfig) -> Iterator[RunPage | None]:
+    """Serve a page of a run while it lasts, if the options ask for one."""
+    if options.watch is None:
         yield None
         return
-    page = opened(place_of(given, given.watch))
+    page = open_page(place_of(options.watch, host=options.host, tls_cert=options.tls_cert, tls_key=options.tls_key))
     try:
-        yield Watch(page, setting, operator=not given.no_operator)
+        yield RunPage(page, config, operator=not options.no_operator)
     finally:
         page.stop()
 
 
-class Watch:
+def show_journal(page: LivePage, path: Path, own: Mapping[str, Any] | None) -> None:
+    """Follow a journal on a page until an interrupt.
+
+    Args:
+        page: Where it is shown; commands are not taken there.
+        path: The journal, or a recording of one.
+        own: What the run reports of its own page, if it has one.
+    """
+    from rai_missions.recording import journal_of
+    from visualize.live import JournalFeed
+
+    ended = threading.Event()
+    with journal_of(str(path)) as journal:
+        warn(journal.warning)
+        _check_mission(journal.path)
+        feed = JournalFeed(journal.path)
+        page.start(feed.mission, feed, None, {"run": feed.header.run, "journal": str(path), "answers": False})
+        print(f"watch: {page.url}", flush=True)
+        if own is not None:
+            warn(f"this page only shows the run; the run's own page takes commands: {own['url']}")
+        with on_signals(lambda *_: ended.set()):
+            while not ended.wait(0.5) and page.serves:
+                pass
+
+
+def _check_mission(journal: Path) -> None:
+    """Check that the mission in a journal is one, within the limits that hold for its file as well.
+
+    Raises:
+        DefinitionError: It is not.
+    """
+    from rai_missions.journal.reader import Record
+    from rai_missions.replay.rebuild import mission_of
+
+    with Record(journal) as record:
+        if record.header.mission:
+            mission_of(record)
+
+
+class RunPage:
     """A run and its page.
 
     Args:
         page: Where it is shown.
-        setting: What the run is made of.
+        config: What the run is made of.
         operator: Whether the page may answer as the operator.
     """
 
-    def __init__(self, page: LivePage, setting: RunConfig, *, operator: bool = True) -> None:
+    def __init__(self, page: LivePage, config: RunConfig, *, operator: bool = True) -> None:
         self._page, self._operator = page, operator
         self._course: RunSession | None = None
         self._feed: RunFeed | None = None
-        self._step, self._status = setting.on_step, setting.on_status
-        self.setting = replace(setting, on_step=self._stepped, on_status=self._changed)
+        self._step, self._status = config.on_step, config.on_status
+        self.config = replace(config, on_step=self._stepped, on_status=self._changed)
         """What the run is to be made of instead."""
         if operator:
             from rai_missions.node.web_operator import PageOperator
 
-            here = PageOperator(setting.operator, lambda: page.viewers > 0)
-            self.setting = replace(self.setting, operator=here)
+            here = PageOperator(config.operator, lambda: page.viewers > 0)
+            self.config = replace(self.config, operator=here)
 
     def run(self, prepared: PreparedRun, run: Callable[[Runner], Result]) -> Result:
         """Run it by `run`, with the page beside it."""
@@ -180,13 +225,13 @@ def run_file(journal: str, what: dict[str, Any]) -> Iterator[None]:
 
 
 def _default_port() -> int:
-    _door()
+    _check_server()
     from visualize.live.server import PORT
 
     return PORT
 
 
-def _door() -> None:
+def _check_server() -> None:
     from importlib.util import find_spec
 
     if find_spec("starlette") is None or find_spec("uvicorn") is None:

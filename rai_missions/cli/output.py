@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Printing that nobody waits for: a terminal that takes nothing any more holds up no run and no emergency stop.
+"""What a command prints: without secrets, without control of the terminal that shows it, and without waiting for it.
 
+Rule: a text from a mission, a journal, a robot or an exception is printed as text and has no other effect.
 Rule: what is printed comes in its order, or is left out and counted.
 """
 
@@ -10,17 +11,72 @@ import io
 import queue
 import sys
 import threading
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from typing import TextIO, cast
+from typing import Any, TextIO, cast
 
-__all__ = ("MOST", "Aside", "nonblocking_stdout", "settled")
+from rai_missions.redaction import Redaction
 
-MOST = 2_000
+__all__ = ("MAX_PENDING", "BufferedStream", "nonblocking_output", "redacted_output", "wait_for_output")
+
+REPLACEMENT = "\N{REPLACEMENT CHARACTER}"
+CONTROLS = {code: REPLACEMENT for code in (*range(32), *range(127, 160)) if chr(code) not in "\t\n"}
+"""The control characters (ECMA-48): with them a terminal is made to write, hide, or answer."""
+DIRECTIONS = dict.fromkeys((0x200E, 0x200F, 0x061C, *range(0x202A, 0x202F), *range(0x2066, 0x206A)), REPLACEMENT)
+"""What changes the direction of writing, so that words are read in another order than they were written (UAX 9)."""
+MAX_PENDING = 2_000
 """So many pieces of text wait to be taken; what is printed beyond is left out."""
 
 
-class Aside(io.TextIOBase):
+class RedactedStream:
+    """A stream to which texts are written without secrets.
+
+    Args:
+        stream: Where they go.
+        controls: Whether control characters are let through.
+    """
+
+    def __init__(self, stream: TextIO, *, controls: bool) -> None:
+        self._stream, self._replaced = stream, {} if controls else CONTROLS | DIRECTIONS
+        self._redaction = Redaction()
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        if text == "\n":
+            return self._stream.write(text)
+        self._stream.write(self._redaction.text(text).translate(self._replaced))
+        return len(text)
+
+    def writelines(self, lines: Any) -> None:
+        """Write texts."""
+        for line in lines:
+            self.write(line)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+@contextmanager
+def redacted_output(*, controls: bool) -> Iterator[None]:
+    """Print everything without secrets; a traceback of this program as well.
+
+    Args:
+        controls: Whether the command draws on the terminal, so that control characters are let through.
+    """
+    out = sys.stdout if controls else cast(TextIO, RedactedStream(sys.stdout, controls=False))
+    with redirect_stdout(out), redirect_stderr(cast(TextIO, RedactedStream(sys.stderr, controls=controls))):
+        try:
+            yield
+        except Exception:
+            text = traceback.format_exc()
+            if Redaction().text(text) == text:
+                raise
+            sys.stderr.write(text)
+            raise SystemExit(1) from None
+
+
+class BufferedStream(io.TextIOBase):
     """Text on its way to a terminal, a file or a pipe, on a thread of its own.
 
     Args:
@@ -42,7 +98,7 @@ class Aside(io.TextIOBase):
             raise self.fault
         if not self._thread.is_alive():
             return self._out.write(text)
-        if self._texts.qsize() < MOST:
+        if self._texts.qsize() < MAX_PENDING:
             self._texts.put(f"{self._left_out()}{text}" if self._lost else text)
         else:
             self._lost += 1
@@ -96,17 +152,17 @@ class Aside(io.TextIOBase):
         return f"\n… {lost} pieces of text are left out, since nobody took them\n"
 
 
-def settled() -> None:
-    """Nothing is under way any more that printing could hold up: from now on all that is printed is waited for."""
+def wait_for_output() -> None:
+    """Wait for all that was printed; from now on everything is printed at once, since no run can be delayed by it."""
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, Aside):
+        if isinstance(stream, BufferedStream):
             stream.settle()
 
 
 @contextmanager
-def nonblocking_stdout() -> Iterator[None]:
-    """What is printed meanwhile is waited for at the end only."""
-    out, error = Aside(sys.stdout), Aside(sys.stderr)
+def nonblocking_output() -> Iterator[None]:
+    """Print without waiting: a terminal that takes nothing delays only the end, no run and no emergency stop."""
+    out, error = BufferedStream(sys.stdout), BufferedStream(sys.stderr)
     with redirect_stdout(cast(TextIO, out)), redirect_stderr(cast(TextIO, error)):
         try:
             yield

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What several commands read from what they are given."""
+"""What several commands read: guards in Python, the steps of a journal, `KEY=VALUE` pairs."""
 
 from __future__ import annotations
 
+import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Container, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,16 +15,16 @@ from rai_missions.mission.mission import Mission
 if TYPE_CHECKING:
     from rai_missions.journal.reader import Record
 
-__all__ = ("named_in", "steps_of", "warn")
+__all__ = ("journal_steps", "load_guards", "read_pairs", "warn")
 
 
 def warn(sentence: str) -> None:
-    """Say something on stderr, if there is something to say."""
+    """Print a sentence on stderr; nothing where it is empty."""
     if sentence:
         print(sentence, file=sys.stderr)
 
 
-def named_in(path: str | None, *, python: bool = True) -> dict[str, Callable[..., bool | None]] | None:
+def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[..., bool | None]] | None:
     """The public functions of a file, by name.
 
     Args:
@@ -48,7 +49,7 @@ def named_in(path: str | None, *, python: bool = True) -> dict[str, Callable[...
     return {name: each for name, each in own.items() if getattr(each, "__module__", None) == "<run_path>"}
 
 
-def steps_of(journal: str | None, mission: Mission | None = None, *, remedy: str = "") -> tuple[Any, ...]:
+def journal_steps(journal: str | None, mission: Mission | None = None, *, remedy: str = "") -> tuple[Any, ...]:
     """The steps of a journal, or of the one in a recording.
 
     Args:
@@ -83,3 +84,26 @@ def _sound(path: Path, remedy: str) -> Record:
     except DefinitionError as error:
         more = [Fault("", remedy)] if remedy else []
         raise DefinitionError([*error.faults, *more], str(path)) from None
+
+
+def read_pairs(option: str, pairs: Sequence[str], texts: Container[str] = ()) -> dict[str, Any]:
+    """`KEY=VALUE` pairs by key; a value is JSON, or text where it is not.
+
+    Args:
+        option: Whose they are: `--set`.
+        pairs: As given.
+        texts: The keys whose values are text, whatever they look like.
+
+    Raises:
+        UsageError: One has no `=`.
+    """
+    values: dict[str, Any] = {}
+    for pair in pairs:
+        name, sign, text = pair.partition("=")
+        if not sign:
+            raise UsageError(f"{option} {pair}: write KEY=VALUE")
+        try:
+            values[name] = text if name in texts else json.loads(text)
+        except json.JSONDecodeError:
+            values[name] = text
+    return values

@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli.commands.run import _interruptible
-from rai_missions.cli.nonblocking_stdout import MOST, Aside, nonblocking_stdout, settled
+from rai_missions.cli.output import MAX_PENDING, BufferedStream, nonblocking_output, wait_for_output
 from rai_missions.cli.progress import Lines
+from rai_missions.cli.run.mission_run import interruptible_run
 from tests.rigs.runs import Rig, mission
 
 PATIENCE_S = 30.0
@@ -45,7 +45,7 @@ def stalled() -> Iterator[Stalled]:
 
 def test_a_run_whose_lines_nobody_takes_is_stopped_all_the_same(stalled: Stalled) -> None:
     going = mission(ROUND)
-    aside = Aside(stalled)
+    aside = BufferedStream(stalled)
     rig = Rig(going, on_step=Lines(going, aside, verbose=True).step)  # type: ignore[arg-type]
     rig.stage.each = lambda: rig.post("again")
     rig.stage.play({200.0: rig.runner.kill})
@@ -54,12 +54,12 @@ def test_a_run_whose_lines_nobody_takes_is_stopped_all_the_same(stalled: Stalled
     stalled.goes_on.set()
     aside.settle()
     printed = stalled.getvalue()
-    assert len(printed.splitlines()) < 2 * MOST
+    assert len(printed.splitlines()) < 2 * MAX_PENDING
 
 
 def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_counted(stalled: Stalled) -> None:
-    aside = Aside(stalled)
-    for number in range(MOST + 500):
+    aside = BufferedStream(stalled)
+    for number in range(MAX_PENDING + 500):
         aside.write(f"{number}\n")
     stalled.goes_on.set()
     while aside._texts.qsize():
@@ -68,31 +68,31 @@ def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_co
     aside.settle()
     lines = stalled.getvalue().split("\n")
     kept = [int(line) for line in lines if line.isdigit()]
-    assert kept == list(range(len(kept))) and MOST <= len(kept) <= MOST + 1, "one was on its way"
+    assert kept == list(range(len(kept))) and MAX_PENDING <= len(kept) <= MAX_PENDING + 1, "one was on its way"
     (left_out,) = [line for line in lines if "left out" in line]
     assert lines[-5:-1] == [str(kept[-1]), "", left_out, "and on"], "where it was left out"
-    assert left_out.startswith(f"… {MOST + 500 - len(kept)} pieces")
+    assert left_out.startswith(f"… {MAX_PENDING + 500 - len(kept)} pieces")
 
 
 def test_what_is_left_out_last_is_counted_as_well_and_what_is_said_at_the_end_is_not_left_out(
     stalled: Stalled, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "stdout", stalled)
-    with nonblocking_stdout():
-        for number in range(MOST + 500):
+    with nonblocking_output():
+        for number in range(MAX_PENDING + 500):
             sys.stdout.write(f"{number}\n")
         threading.Timer(0.1, stalled.goes_on.set).start()
-        settled()
+        wait_for_output()
         sys.stdout.write("the mission succeeded\n")
     before, _, after = stalled.getvalue().partition(" pieces of text are left out")
     kept = sum(line.isdigit() for line in before.splitlines())
-    assert before.splitlines()[-1] == f"… {MOST + 500 - kept}"
+    assert before.splitlines()[-1] == f"… {MAX_PENDING + 500 - kept}"
     assert after.splitlines()[-1] == "the mission succeeded"
 
 
 def test_at_the_end_all_of_it_is_out_and_the_streams_are_as_before(capsys: pytest.CaptureFixture[str]) -> None:
     before = sys.stdout, sys.stderr
-    with nonblocking_stdout():
+    with nonblocking_output():
         sys.stdout.write("to whoever reads\n")
         sys.stderr.write("to whoever looks after it\n")
         kept = sys.stderr
@@ -113,11 +113,11 @@ def test_an_interrupt_cancels_the_run_although_nobody_can_be_told_so(monkeypatch
     rig = Rig(mission(ROUND))
     rig.stage.play({1.0: lambda: signal.raise_signal(signal.SIGTERM)})
     monkeypatch.setattr(sys, "stderr", Gone())
-    with _interruptible(rig.runner):
+    with interruptible_run(rig.runner):
         assert rig.run().outcome == "canceled"
 
 
 def test_a_reader_that_has_gone_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", Gone())
-    with pytest.raises(BrokenPipeError), nonblocking_stdout():
+    with pytest.raises(BrokenPipeError), nonblocking_output():
         sys.stdout.write("to nobody")

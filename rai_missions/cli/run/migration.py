@@ -3,20 +3,23 @@
 
 from __future__ import annotations
 
-import argparse
 import itertools
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rai_missions.check import check, faults_of
-from rai_missions.cli.arguments import warn
+from rai_missions.cli.inputs import warn
 from rai_missions.engine import Named
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.files import load
 
+if TYPE_CHECKING:
+    from rai_missions.cli.commands.run import RunOptions
+
 __all__ = ("migrated",)
 
 
-def migrated(given: argparse.Namespace, named: Named | None) -> None:
+def migrated(options: RunOptions, named: Named | None) -> RunOptions:
     """Make the journal of the run in the mission as it is now; from then on it is the one that is gone on with.
 
     Raises:
@@ -26,20 +29,20 @@ def migrated(given: argparse.Namespace, named: Named | None) -> None:
     from rai_missions.profile import load_profile
     from rai_missions.replay.migrate import load_map, migrate
 
-    if not (given.resume and given.mission):
+    if not (options.migrate and options.resume and options.mission):
         raise UsageError("--migrate MAP goes with --resume JOURNAL and the mission as it is now: MISSION")
-    mission = load(given.mission, python=not given.no_python)
+    mission = load(options.mission, python=not options.no_python)
     if faults := faults_of(check(mission, named=set(named or ()))):
-        raise DefinitionError(faults, given.mission)
-    to = Path(given.journal) if given.journal else _beside(Path(given.resume))
-    robot = load_profile(given.robot) if given.robot else None
+        raise DefinitionError(faults, options.mission)
+    to = Path(options.journal) if options.journal else _beside(Path(options.resume))
+    robot = load_profile(options.robot) if options.robot else None
     done = migrate(
-        given.resume, mission, load_map(given.migrate), to=to, robot=robot, named=named, source=given.migrate
+        options.resume, mission, load_map(options.migrate), to=to, robot=robot, named=named, source=options.migrate
     )
-    warn(f"the run of {given.resume} goes on in {to}, as '{mission.name}' {mission.version}")
+    warn(f"the run of {options.resume} goes on in {to}, as '{mission.name}' {mission.version}")
     for note in done.notes:
         warn(f"migrated: {note}")
-    given.resume, given.journal = str(to), None
+    return options._replace(resume=str(to), journal=None)
 
 
 def _beside(journal: Path) -> Path:

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions completion`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from rai_missions.cli.command import command
+
+__all__ = ("completion",)
+
+
+@command(draws=True)
+def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
+    """Print what lets a shell complete commands, options, choices and files.
+
+    Args:
+        shell: The shell that reads it.
+
+    Exit status:
+        0 it was printed, 2 the input is at fault
+
+    Example:
+        rai-missions completion bash > ~/.local/share/bash-completion/completions/rai-missions
+        rai-missions completion zsh > ~/.zsh/completions/_rai-missions
+        rai-missions completion fish > ~/.config/fish/completions/rai-missions.fish
+    """
+    import shtab
+
+    from rai_missions.cli.main import parser
+
+    print(shtab.complete(parser(shtab.glob), shell))
+    return 0

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A gate on a robot's actuators for `rai-missions gate`, until it is interrupted."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
+
+from rai_missions.cli.signals import on_signals
+from rai_missions.gate import GateAgent, GateWords, gate_words, read_gate
+from rai_missions.gate.bypass_monitor import BypassMonitor
+from rai_missions.gate.config import command_topic, leases_of
+from rai_missions.gate.memory import Memory, usual_path
+from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, Deed, Halt, Pass, Publish, Refuse
+from rai_missions.runtime.clock import WallClock
+
+if TYPE_CHECKING:
+    from rai_missions.cli.commands.gate import GateOptions
+
+__all__ = ("serve_gate",)
+
+
+def serve_gate(given: GateOptions) -> int:
+    """Pass on the commands of the holder of control until an interrupt; returns the exit status."""
+    from rai_missions.connectors.ros2 import open_connector
+
+    config, clock = _config(given), WallClock()
+    options: dict[str, Any] = {"sim_time": True} if given.sim_time else {}
+    if given.domain is not None:
+        options["domain_id"] = given.domain
+    connector = open_connector(config.options(**options), now=clock.now)
+    with ExitStack() as stack:
+        log = stack.enter_context(open(given.log, "w", encoding="utf-8")) if given.log else None
+        memory = Memory(Path(given.memory) if given.memory else usual_path(config.name, given.domain))
+        observe = _observer(log, quiet=given.quiet, clock=clock)
+        agent = GateAgent(config, connector, clock=clock, observe=observe, memory=memory)
+        stack.enter_context(on_signals(lambda *_: agent.end()))
+        stack.callback(connector.stop)
+        connector.start()
+        monitor = BypassMonitor(connector, (each.topic for each in config.commands), partial(_others, config.name))
+        stack.callback(monitor.stop)
+        monitor.run()
+        if not given.quiet:
+            print(_opening(config, agent.gate.holder), flush=True)
+        agent.serve()
+    counts = agent.gate
+    if not given.quiet:
+        passed, refused = (
+            ", ".join(f"{who} {each.get(who, 0)}" for who in COMMANDERS) for each in (counts.passed, counts.refused)
+        )
+        print(f"ended; commands passed: {passed}; refused: {refused}; handovers: {counts.revision}")
+    if agent.gives_way:
+        print(
+            f"rai-missions gate: another gate stands at {config.name} already; give this one a --name", file=sys.stderr
+        )
+    return int(agent.gives_way)
+
+
+def _config(given: GateOptions) -> GateWords:
+    """What the file says; an option replaces what is in the file."""
+    words: dict[str, Any] = {}
+    if given.command:
+        words["commands"] = [command_topic(each) for each in given.command]
+    if given.safe is not None:
+        words["safe"] = given.safe
+    if given.name is not None:
+        words["name"] = given.name
+    read = read_gate(given.file, **words) if given.file else gate_words(words)
+    return gate_words({**read.written(), "leases": {**read.leases, **leases_of(given.lease)}}, "--lease")
+
+
+def _others(name: str, topic: str, count: int) -> None:
+    who = "another node publishes" if count == 1 else f"{count} other nodes publish"
+    print(
+        f"rai-missions gate: {who} on {topic} as well: that reaches the actuators past this gate, whoever holds "
+        f"control; have it publish on {name}/{{{','.join(COMMANDERS)}}}{topic}, and end any other gate before {topic}",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _opening(config: GateWords, holder: str) -> str:
+    lines = [f"{config.name} stands before {', '.join(each.topic for each in config.commands)}; {holder} has control"]
+    if holder != config.safe:
+        lines.append("  the operator, or nobody, had it when a gate ended here: the operator gives it back")
+    lines += [
+        f"  {each.topic}: nothing stops it when control changes; give 'stop' in a file if a message can"
+        for each in config.commands
+        if each.stop_message is None
+    ]
+    first = config.commands[0].topic
+    lines.append(f"  commands are heard on {config.name}/{{{','.join(COMMANDERS)}}}{first}")
+    return "\n".join(lines)
+
+
+def _observer(log: TextIO | None, *, quiet: bool, clock: WallClock) -> Callable[[Deed], None]:
+    def observe(deed: Deed) -> None:
+        if isinstance(deed, ControlChange) and not quiet:
+            print(f"{clock.now():10.3f}  {deed.former} → {deed.holder} (grant {deed.revision}): {deed.why}", flush=True)
+        elif isinstance(deed, Answer) and deed.why and not quiet:
+            print(f"{clock.now():10.3f}  refused to {deed.request.by}: {deed.why}", flush=True)
+        if log is not None and (row := _row(deed)):
+            log.write(json.dumps({"at": round(clock.now(), 6), **row}, default=repr) + "\n")
+            if not isinstance(deed, Pass | Refuse):
+                log.flush()
+
+    return observe
+
+
+def _row(deed: Deed) -> dict[str, Any] | None:
+    """A line of the log; a status is none."""
+    if isinstance(deed, Publish):
+        return None
+    if isinstance(deed, Pass | Refuse):
+        did = {"did": "passed"} if isinstance(deed, Pass) else {"did": "refused", "why": deed.why}
+        command = deed.command
+        return {**did, "grant": deed.revision, "who": command.who, "topic": command.topic, "data": command.data}
+    if isinstance(deed, ControlChange):
+        return {"did": "changed", "grant": deed.revision, "from": deed.former, "to": deed.holder, "why": deed.why}
+    if isinstance(deed, Answer):
+        asked = deed.request
+        return {"did": "answered", "grant": deed.revision, "to": asked.to, "by": asked.by, "why": deed.why}
+    assert isinstance(deed, Halt)
+    return {"did": "halted", "why": deed.why}

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `rai-missions prove` prints and writes: verdicts, the runs that refute a claim, and the limits of a proof."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from rai_missions.cli.inputs import warn
+from rai_missions.errors import UsageError
+from rai_missions.journal import Header
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot, dump_profile, terms
+from rai_missions.prove import MOST_STATES, Proof, record
+from rai_missions.replay.rebuild import default_ticker
+
+__all__ = ("as_json", "limits_of", "progress", "report", "write_journals")
+
+FIELDS = (
+    "states", "steps", "depth", "farthest", "is_whole", "stopped", "done", "assumed", "in_pause", "predicates",
+    "sampled", "alike", "never", "seconds",
+)  # fmt: skip
+"""What the JSON object holds of a proof."""
+WIDTH = 14
+EVERY_S = 2.0
+"""Seconds between two lines of progress."""
+
+
+def limits_of(states: int | None, seconds: float, memory_mb: float) -> dict[str, Any]:
+    """What the exploration may cost.
+
+    Raises:
+        UsageError: A limit is not above 0.
+    """
+    most = MOST_STATES if states is None else states
+    if most < 1:
+        raise UsageError(f"{most} states are none; give --states a number above 0")
+    if not seconds > 0:
+        raise UsageError(f"{seconds:g} seconds are none; give --max-seconds a number above 0")
+    if not memory_mb > 0:
+        raise UsageError(f"{memory_mb:g} MiB are none; give --max-memory a number above 0")
+    return {"most": most, "seconds": seconds, "memory_mb": memory_mb}
+
+
+def progress() -> Callable[[int, int], None]:
+    """A line on stderr now and then, while it takes long."""
+    last = [time.monotonic()]
+
+    def show(found: int, done: int) -> None:
+        if time.monotonic() - last[0] > EVERY_S:
+            last[0] = time.monotonic()
+            warn(f"{found} states found, {done} of them explored")
+
+    return show
+
+
+def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: str | None) -> dict[str, Any]:
+    """Claim that was refuted → the journal of the run that refutes it, and whether it shows there too.
+
+    Args:
+        proof: What was found.
+        mission: The mission.
+        robot: Its profile.
+        output: The file to write; without it, one is named for the mission and the claim.
+    """
+    written = {}
+    for name, scenes in proof.ways.items():
+        arguments = {
+            key: value for scene in scenes[:1] for key, value in scene.facts.items()
+            if mission.blackboard[key].source == "argument"
+        }  # fmt: skip
+        whole = "" if mission.behaviours() else dump(mission)
+        profile = dump_profile(robot) if robot is not None else ""
+        header = Header(whole, profile, arguments, versions=mission.packages())
+        path = _path(output, mission, name, only=len(proof.ways) == 1)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        of_robot = terms(robot) if robot is not None else None
+        shows = record(path, header, mission, scenes, default_ticker(mission), terms=of_robot)
+        written[name] = {"journal": str(path), "shows": shows}
+    return written
+
+
+def _path(output: str | None, mission: Mission, claim: str, *, only: bool) -> Path:
+    """Where a refutation is written: as was asked, with the claim's name where there are several; never over a file."""
+    word = re.sub(r"\W+", "_", claim)
+    if output is None:
+        wanted = Path(f"{mission.name.replace('/', '_')}-{word}.journal")
+    else:
+        wanted = Path(output)
+        wanted = wanted if only else wanted.with_name(f"{wanted.stem}-{word}{wanted.suffix}")
+    path, number = wanted, 1
+    while path.exists():
+        number += 1
+        path = wanted.with_name(f"{wanted.stem}-{number}{wanted.suffix}")
+    return path
+
+
+def report(mission: Mission, proof: Proof, journals: dict[str, Any]) -> Iterable[str]:
+    """The lines to print."""
+    how = "every state" if proof.is_whole else f"{_why_not_whole(proof)}, at depth {proof.depth}"
+    yield f"{mission.name} {mission.version}: {proof.states} states, {proof.steps} steps, {proof.seconds:.1f} s; {how}"
+    if not proof.is_whole:
+        yield from _covered(proof)
+    for claim in proof.claims:
+        verdict = claim.verdict if claim.verdict != "explored" else f"explored {proof.states} states"
+        yield f"  {verdict:<{WIDTH}} {claim.name}: {claim.words}"
+        if claim.verdict == "refuted":
+            yield from _refutation(claim.sentence, proof.ways.get(claim.name, ()), journals.get(claim.name))
+    if proof.verdict == "proved" and not proof.alike:
+        yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it heard"
+    yield from _limits(proof)
+
+
+STOPPED = {
+    "states": "as many states as were allowed (--states)",
+    "seconds": "out of time (--max-seconds)",
+    "memory": "out of memory (--max-memory)",
+    "refuted": "ended after a refutation (--all explores the other claims to the limits)",
+    "work": "as many steps as were allowed",
+}
+"""The limit that ended an exploration → what is printed."""
+
+
+def _why_not_whole(proof: Proof) -> str:
+    return STOPPED.get(proof.stopped, "not every state")
+
+
+def _covered(proof: Proof) -> Iterable[str]:
+    """What was covered before the limit, and what is open."""
+    yield f"of these {proof.states} states {proof.done} were explored with all that can happen in them"
+    for word, verdict in (("refuted", "refuted"), ("proved", "proved"), ("open", "explored")):
+        names = [each.name for each in proof.claims if each.verdict == verdict]
+        yield f"{word}: {', '.join(names) or 'none'}"
+
+
+def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | None) -> Iterable[str]:
+    yield f"      {sentence}"
+    before: frozenset[str] = frozenset()
+    for number, scene in enumerate(scenes, 1):
+        ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
+        facts = [f"{key} {_said(value)}" for key, value in sorted(scene.facts.items())]
+        known = ", ".join(([f"control is with {scene.control.name}"] if scene.control is not None else []) + facts)
+        yield f"      {number}. {scene.words}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
+        before = scene.active
+    if journal is not None:
+        shows = "" if journal["shows"] else "; with the times as written it comes to something else there"
+        yield f"      journal: {journal['journal']}{shows}"
+
+
+def _said(value: Any) -> str:
+    return "unknown" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _limits(proof: Proof) -> Iterable[str]:
+    if proof.assumed:
+        yield f"assumed of the robot, and watched in a run: {', '.join(proof.assumed)}"
+    if proof.alike:
+        loops = ", ".join(f"'{loop}' ({rounds} rounds)" for loop, rounds in sorted(proof.alike.items()))
+        yield f"a few rounds stand for all, which are alike: {loops}"
+    if proof.in_pause:
+        names = ", ".join(proof.in_pause)
+        yield f"while paused or held not every rule acts, and what the robot says can end the mission by: {names}"
+    if proof.predicates:
+        yield f"free to say anything whenever asked: {', '.join(proof.predicates)}"
+    if proof.sampled:
+        yield f"tried with some values only, so nothing is called proved: {', '.join(proof.sampled)}"
+    if proof.never:
+        yield f"no run enters: {', '.join(proof.never)}"
+    yield "in every state the operator may pause, resume, take control or give it; timers run out in any order"
+    yield "comes to rest assumes that an operator who has taken control gives it back"
+    yield "not explored: a process that is killed and taken up again"
+
+
+def as_json(mission: Mission, proof: Proof, journals: dict[str, Any]) -> dict[str, Any]:
+    """The same for programs."""
+    claims = [
+        {
+            "claim": each.name, "words": each.words, "verdict": each.verdict, "sentence": each.sentence,
+            "run": [{"happens": scene.words, "facts": _plain(scene.facts), "active": sorted(scene.active),
+                     "outcome": scene.outcome, "why": scene.why} for scene in proof.ways.get(each.name, ())],
+            **journals.get(each.name, {}),
+        }
+        for each in proof.claims
+    ]  # fmt: skip
+    counts = {name: getattr(proof, name) for name in FIELDS}
+    return {"mission": mission.name, "version": mission.version, "verdict": proof.verdict, **counts, "claims": claims}
+
+
+def _plain(facts: Any) -> dict[str, Any]:
+    return {name: value if _is_json(value) else str(value) for name, value in facts.items()}
+
+
+def _is_json(value: Any) -> bool:
+    try:
+        json.dumps(value)
+    except TypeError:
+        return False
+    return True

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which journal `rai-missions watch` means, and whether its run serves a page."""
+
+from __future__ import annotations
+
+import ipaddress
+import json
+import os
+import socket
+import stat
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+from rai_missions.errors import MissionError, UsageError, irregular
+
+__all__ = ("find_journal", "running_page")
+
+FOLDER = Path("journals")
+RUN_FILES = ("*.journal.watch", "*/*.journal.watch", "*/*/*.journal.watch")
+"""Where a run that goes on is looked for: here, and two folders deep."""
+ANSWERS_S = 1.0
+
+
+def find_journal(name: str | None) -> Path:
+    """The journal that is meant: a file, or a run in `journals/` by its id or its name; else the newest.
+
+    Raises:
+        UsageError: There is none.
+    """
+    if name is not None and Path(name).exists():
+        return Path(name)
+    journals = sorted(FOLDER.glob("*.journal"), key=_changed, reverse=True)
+    if name is None:
+        return _newest(journals)
+    named = [path for path in journals if name in (path.stem, path.name) or _run_of(path) == name]
+    if not named:
+        known = ", ".join(path.stem for path in journals[:5])
+        raise UsageError(
+            f"there is no journal '{name}', and no run of that name in {FOLDER}/{': ' if known else ''}{known}"
+        )
+    return named[0]
+
+
+def _newest(journals: list[Path]) -> Path:
+    running = next((path for path in [*journals, *_elsewhere()] if running_page(path) is not None), None)
+    if running is not None:
+        return running
+    if not journals:
+        raise UsageError(
+            f"no run has written a journal in {FOLDER}/, and none that goes on has a page in a folder below this one; "
+            "begin one with: rai-missions run --watch …, or name a journal: rai-missions watch JOURNAL"
+        )
+    print(
+        f"no run with a page goes on here; this is the newest journal in {FOLDER}/, and only that folder was looked at "
+        f"for journals: {journals[0]}. Name another with: rai-missions watch JOURNAL",
+        file=sys.stderr,
+    )
+    return journals[0]
+
+
+def _elsewhere() -> list[Path]:
+    """The journals of runs that go on below this folder, the newest run first."""
+    marks = [path for pattern in RUN_FILES for path in Path().glob(pattern)]
+    dated: list[tuple[float, Path]] = []
+    for mark in marks:
+        with suppress(OSError):  # its run has just ended
+            dated.append((mark.stat().st_mtime, mark.with_suffix("")))
+    return [path for _, path in sorted(dated, reverse=True)]
+
+
+def running_page(journal: Path) -> dict[str, Any] | None:
+    """What the run of a journal says of its own page, if it is there and answers."""
+    path = Path(f"{journal}.watch")
+    if irregular(path):
+        return None
+    try:
+        about = path.stat()
+        told = json.loads(path.read_text(encoding="utf-8"))
+        if about.st_uid != os.getuid() or stat.S_IMODE(about.st_mode) & 0o077 or not isinstance(told["url"], str):
+            return None
+        place = urlsplit(told["url"])
+        if not _is_here(place.hostname or ""):
+            return None
+        with socket.create_connection((place.hostname or "", place.port or 0), timeout=ANSWERS_S):
+            return dict(told)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _is_here(host: str) -> bool:
+    """Whether an address is this machine's: a file that came with a journal may name any, and none is asked."""
+    if host in ("localhost", socket.gethostname().lower()):
+        return True
+    try:
+        address = ipaddress.ip_address(host)
+        with socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET, socket.SOCK_DGRAM) as tried:
+            tried.bind((host, 0))  # nothing is sent: only what is ours can be bound
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+def _changed(path: Path) -> float:
+    log = path.with_name(f"{path.name}-wal")
+    return max((each.stat().st_mtime for each in (path, log) if each.exists()), default=0.0)
+
+
+def _run_of(path: Path) -> str:
+    from rai_missions.journal.reader import Record
+
+    try:
+        with Record(path) as record:
+            return record.header.run
+    except MissionError:
+        return ""

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run of a mission for `rai-missions run`: from its options to what is printed at the end."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import sys
+import time
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
+from rai_missions.check import check, faults_of
+from rai_missions.cli.inputs import journal_steps, load_guards, read_pairs, warn
+from rai_missions.cli.output import wait_for_output
+from rai_missions.cli.progress import Lines
+from rai_missions.cli.run.live_page import normalise_watch_args, page_of
+from rai_missions.cli.run.migration import migrated
+from rai_missions.cli.run.node import reject_single_run_options, serve_managed, serve_node
+from rai_missions.cli.signals import interruptible
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.journal import free_name, make_way, opened
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import load_profile
+from rai_missions.recording import check_name, is_mcap
+from rai_missions.replay.rebuild import mission_of
+
+if TYPE_CHECKING:
+    from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.engine.decision import Answerer
+    from rai_missions.runtime.runner import Result, Runner
+
+__all__ = ("interruptible_run", "run_mission")
+
+
+def run_mission(options: RunOptions) -> int:
+    """Run a mission and print each step; returns the exit status."""
+    options = normalise_watch_args(options)
+    if options.record:
+        check_name(Path(options.record))
+    if options.managed:
+        return _run_managed(options)
+    named = load_guards(options.guards, python=not options.no_python)
+    if options.migrate:
+        options = migrated(options, named)
+    mission = _mission(options)
+    if faults := faults_of(check(mission, named=set(named or ()))):
+        raise DefinitionError(faults, options.mission or options.resume or "")
+    needed = [name for name, key in mission.blackboard.items() if key.source == "robot" and not key.optional]
+    if needed and not options.robot and not options.resume:
+        raise UsageError(f"the mission must hear {', '.join(needed)} from a robot; give its profile: --robot PROFILE")
+    lines = _lines(mission, options)
+    config = replace(_config(options, mission, lines), named=named)
+    warn(_without_effect(options))
+    try:
+        prepared, result = _run(options, config, lines)
+    finally:
+        lines.close()
+    wait_for_output()  # so that the outcome is not left out
+    if options.picture:
+        from visualize import draw
+
+        draw(mission, options.picture, steps=journal_steps(result.journal))
+    if options.json:
+        print(json.dumps(_as_json(mission, result, options.record)))
+    else:
+        lines.end(result, options.picture or "")
+        if prepared.recording is not None:
+            print(f"recording: {prepared.recording.close()}")
+    return 0 if result.outcome == "succeeded" else 1
+
+
+def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[PreparedRun, Result]:
+    """Run with the page and the node that are asked for."""
+    with ExitStack() as stack:
+        page = stack.enter_context(page_of(options, config))
+        node = stack.enter_context(serve_node(options, page.config if page else config))
+        prepared = stack.enter_context(prepare(node.config))
+        if not options.json:
+            robot = prepared.robot.name if prepared.robot is not None else ""
+            lines.begin(
+                robot, ", ".join(sorted(prepared.answerers)), str(config.journal), model=options.model,
+                goes_on=prepared.goes_on, moved_aside=prepared.moved_aside or "",
+            )  # fmt: skip
+            lines.watch(prepared.runner.chart)
+        stack.enter_context(interruptible_run(prepared.runner))
+        return prepared, page.run(prepared, node.run) if page else node.run(prepared.runner)
+
+
+def interruptible_run(runner: Runner) -> Any:
+    """The first interrupt cancels the mission, the second is an emergency stop."""
+    by = "operator (interrupt)"
+    return interruptible(lambda: runner.cancel(by), lambda: runner.kill(by), "canceling")
+
+
+def _as_json(mission: Mission, result: Result, recording: str | None) -> dict[str, Any]:
+    active = set(result.state)
+    innermost = [name for name in result.state if active.isdisjoint(mission.state(name).children())]
+    found = {
+        "mission": mission.name, "run": result.run, "outcome": result.outcome, "why": result.why,
+        "state": ", ".join(innermost), "steps": result.steps, "decisions": result.decisions,
+        "duration_s": result.duration_s, "journal": result.journal, "moved_aside": result.moved_aside,
+        "open_goals": [goal.data() for goal in result.open_goals],
+    }  # fmt: skip
+    return found | ({"recording": recording} if recording else {})
+
+
+def _without_effect(options: RunOptions) -> str:
+    """What was said of a simulated world, where the run opens none; empty if nothing was."""
+    words = [f"--{word}" for word in ("speed", "seed") if getattr(options, word) is not None]
+    if not words:
+        return ""
+    connector = load_profile(options.robot).connector if options.robot else {"kind": "none"}
+    if (options.resume and not options.robot) or (connector["kind"] == "local" and connector.get("world") is not None):
+        return ""
+    said = f"{' and '.join(words)} {'has' if len(words) == 1 else 'have'} no effect: the run simulates no world, "
+    if options.robot:
+        return said + f"its robot is reached by a connector of kind '{connector['kind']}' (see: rai-missions world)"
+    return said + "for it has no robot"
+
+
+def _run_managed(options: RunOptions) -> int:
+    """Serve the mission on a node, run by run."""
+    reject_single_run_options(options)
+    warn(_without_effect(options))
+    mission = _mission(options)
+    base = Path(options.journal or _journal_of(mission))
+    numbers = itertools.count(1)
+    config = RunConfig(
+        Path(options.mission or ""), options.robot, _arguments(options, mission), model=options.model,
+        model_memory_gib=options.model_memory, seed=options.seed,
+        named=load_guards(options.guards, python=not options.no_python), speed=_speed(options),
+        journal=base,
+    )  # fmt: skip
+    return serve_managed(options, config, lambda: base.with_stem(f"{base.stem}-{next(numbers)}"))
+
+
+def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
+    """The configuration that the options mean."""
+    record, moved = _recorded(Path(options.record)) if options.record else None, None
+    if options.resume:
+        if options.set or options.journal:
+            word = "--set" if options.set else "--journal"
+            raise UsageError(f"{word} cannot be said with --resume: the run goes on in its journal as it began")
+        journal = Path(options.resume)
+    else:
+        journal = Path(options.journal or _journal_of(mission))
+        moved = make_way(journal)
+    return RunConfig(
+        mission,
+        options.robot,
+        {} if options.resume else _arguments(options, mission),
+        model=options.model,
+        model_memory_gib=options.model_memory,
+        operator=_operator(options, lines),
+        journal=journal,
+        moved_aside=moved,
+        record=record,
+        resume=options.resume,
+        seed=options.seed,
+        speed=_speed(options),
+        on_step=None if options.json else lines.step,
+        on_status=None if options.json else lines.status,
+    )
+
+
+def _speed(options: RunOptions) -> float:
+    return 1.0 if options.speed == "1" else math.inf
+
+
+def _journal_of(mission: Mission) -> str:
+    return f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
+
+
+def _mission(options: RunOptions) -> Mission:
+    """The mission that is named, or that of the run which goes on."""
+    if not options.resume:
+        if not options.mission:
+            raise UsageError("name a mission (rai-missions run MISSION), or a run to go on with: --resume JOURNAL")
+        return load(options.mission, python=not options.no_python)
+    now = load(options.mission, python=not options.no_python) if options.mission else None
+    with opened(options.resume) as record:  # read whole, and looked at, when the run is taken up
+        was = mission_of(record) if record.header.mission or now is None else now
+    if now is not None and now != was:
+        from visualize import difference
+
+        changed = "\n".join(difference(was, now).lines())
+        remedy = "go on without naming a mission, or in this one by a map of what has become of what: --migrate MAP"
+        raise UsageError(f"{options.mission} is not the mission of {options.resume}:\n{changed}\n{remedy}")
+    return was
+
+
+def _lines(mission: Mission, options: RunOptions) -> Lines:
+    """A live view on a terminal, a line a step elsewhere."""
+    if sys.stdout.isatty() and not options.json:
+        from rai_missions.cli.live_terminal import Screen
+
+        return Screen(mission, sys.stdout, verbose=options.verbose)
+    return Lines(mission, sys.stdout, verbose=options.verbose)
+
+
+def _recorded(path: Path) -> Path:
+    """Where a recording goes; an older one of that name is moved aside."""
+    if path.is_file():
+        if not is_mcap(path):
+            raise UsageError(f"{path} is there already, and is no recording; name another file")
+        moved = path.rename(free_name(path))
+        warn(f"the recording of an earlier run, which had this name, is now {moved}")
+    return path
+
+
+def _arguments(options: RunOptions, mission: Mission) -> dict[str, Any]:
+    texts = [name for name, key in mission.blackboard.items() if key.type == "string"]
+    return read_pairs("--set", options.set, texts)
+
+
+def _operator(options: RunOptions, lines: Lines) -> Answerer | None:
+    """The person at the terminal, if there is one."""
+    if options.no_operator or options.json or not sys.stdin.isatty():
+        return None
+    from rai_missions.answerers.terminal_operator import OperatorAgent
+
+    return lines.lend(OperatorAgent())
