@@ -60,7 +60,7 @@ class Configuration:
         """Whose control the active states need."""
         self.plans: dict[str, tuple[tuple[CompiledTransition, ...], ...]] = {}
         self.leaps: dict[Any, CompiledStep] = {}
-        self.eventless = self._candidates(lambda row: row.transition.eventless)
+        self.eventless = self._chains(None, declared=False)
         rows = [row for node in sorted(self.nodes, key=lambda node: node.index) for row in node.rows]
         waiting = [row.condition for row in rows if row.condition and row.transition.eventless]
         self.holds = {memory: test for row in rows if row.condition for memory, test in row.condition.holds.items()}
@@ -82,13 +82,13 @@ class Configuration:
 
     def plan(self, event: str, *, declared: bool) -> tuple[tuple[CompiledTransition, ...], ...]:
         """The rows that an event may fire, a tuple an innermost state, in the order in which they are tried."""
-
-        def wanted(row: CompiledTransition) -> bool:
-            on = row.transition.on
-            return (event in on and event not in row.outcomes) or (declared and ANY_EVENT in on)
-
-        plan = self.plans[event] = self._candidates(wanted)
+        plan = self.plans[event] = self._chains(event, declared=declared)
         return plan
+
+    def _chains(self, event: str | None, *, declared: bool) -> tuple[tuple[CompiledTransition, ...], ...]:
+        """The same, or without an event the rows that need none; worked out once for each innermost state."""
+        found = [_chain(node, event, declared=declared) for node in self.atomic]
+        return tuple([chain for chain in found if chain])
 
     def outcome_plan(
         self, source: Node, outcome: str, *, option: bool, climbs: bool
@@ -103,3 +103,20 @@ class Configuration:
             return row.source is source or (climbs and not option and row.source in source.ancestors)
 
         return self._candidates(wanted)
+
+
+def _chain(node: Node, event: str | None, *, declared: bool) -> tuple[CompiledTransition, ...]:
+    """What an event, or no event, may fire of a state's transitions and its ancestors', innermost first."""
+    found = node.chains.get(event)
+    if found is None:
+
+        def wanted(row: CompiledTransition) -> bool:
+            on = row.transition.on
+            if event is None:
+                return row.transition.eventless
+            return (event in on and event not in row.outcomes) or (declared and ANY_EVENT in on)
+
+        found = tuple(row for each in (node, *node.ancestors) for row in each.rows if wanted(row))
+        if declared or event is None:  # any other word comes from outside, and there is no end of them
+            node.chains[event] = found
+    return found

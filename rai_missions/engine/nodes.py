@@ -49,9 +49,9 @@ class Node:
     """A state, where it stands among the others."""
 
     __slots__ = (
-        "activity", "ancestors", "children", "clocked", "control", "depth", "entry", "exit", "family", "history",
-        "index", "initial", "is_compound", "is_each", "is_final", "is_history", "is_parallel", "name", "parent",
-        "place", "requires", "rows", "state", "timed",
+        "activity", "ancestors", "chains", "children", "clocked", "control", "depth", "entry", "exit", "family",
+        "history", "index", "initial", "is_compound", "is_each", "is_final", "is_history", "is_parallel", "name",
+        "parent", "place", "requires", "rows", "state", "timed",
     )  # fmt: skip
 
     def __init__(self, name: str, place: str, state: State | None, parent: Node | None, index: int) -> None:
@@ -61,6 +61,8 @@ class Node:
         self.depth = len(self.ancestors)
         self.children: list[Node] = []
         self.rows: list[CompiledTransition] = []
+        self.chains: dict[Any, tuple[CompiledTransition, ...]] = {}
+        """An event, or None for no event → its transitions and its ancestors' that it may fire: see `chain_of`."""
         self.initial: tuple[Node, ...] = ()
         """What entering it by default leads to; of a history where it leads without memory."""
         self.history: list[Node] = []

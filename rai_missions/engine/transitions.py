@@ -86,11 +86,13 @@ class Graph(Compiled):
     def _leap(
         self, config: Configuration, rows: tuple[CompiledTransition, ...], memory: Memory, trigger: str
     ) -> CompiledStep:
-        exited = {node for row in rows for node in self._exit_set(config, row, memory)}
-        memory = {**memory, **dict(self._remembered(config, exited))}  # SCXML leaves, and remembers, before it enters
+        domains = [self._domain(row, memory) for row in rows]
+        exited = {node for domain in domains if domain is not None for node in config.nodes if node.inside(domain)}
+        if remembered := dict(self._remembered(config, exited)):
+            memory = {**memory, **remembered}  # SCXML leaves, and remembers, before it enters
+            domains = [self._domain(row, memory) for row in rows]
         entered: set[Node] = set()
-        for row in rows:
-            domain = self._domain(row, memory)
+        for row, domain in zip(rows, domains, strict=True):
             if domain is None:
                 continue
             for target in row.targets:

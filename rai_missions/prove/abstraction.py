@@ -19,7 +19,7 @@ from rai_missions.engine.activities.tree import limit_of
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.hold import awake, free, is_held
 from rai_missions.engine.nodes import Condition, Node
-from rai_missions.engine.state import TABLE, Holds, RunState, StepDraft, Timer
+from rai_missions.engine.state import TABLE, Holds, RunState, Timer
 from rai_missions.engine.timers import next_number
 from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
@@ -237,7 +237,6 @@ class Abstraction:
     def make(self, happens: Callable[[], None]) -> None:
         """Let something happen; what it did can be read until the next."""
         state = self._chart.state
-        state.draft = StepDraft()
         self._instruments.begin_step()
         several = len(state.timers) + len(state.calls) + len(state.goals) >= MANY
         before = {words: keys for words, keys in self._alike(state).items() if len(keys) >= MANY} if several else {}

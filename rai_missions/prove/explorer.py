@@ -117,7 +117,7 @@ class Space(StateGraph):
         found = self._happenings(number, place) if known is None or None in fitting else []
         self._note_waiting(number, core, found)
         if known is None:
-            known, fitting = self._room(core, len(found), place), [None] * len(found)
+            known, fitting = self._room(core, len(found)), [None] * len(found)
         for at, course in enumerate(fitting):
             if self._is_over:
                 self.cut.add(number)
@@ -144,10 +144,9 @@ class Space(StateGraph):
             found.append(Stimulus(CANCEL, "command", self.environment.ordering("cancel")))
         return found
 
-    def _room(self, core: bytes, many: int, place: tuple[Saved, Own]) -> list[StepCache] | None:
-        """Room for what comes of so many happenings; none where the mission's own keys cannot differ."""
+    def _room(self, core: bytes, many: int) -> list[StepCache] | None:
+        """Room for what comes of so many happenings here; none where the mission's own keys cannot differ."""
         environment = self.environment
-        environment.load(*place)
         if not environment.codec.telling() or environment.world.own_fade:
             return None
         if len(self._courses) >= MOST_COURSES:
@@ -223,9 +222,10 @@ class Space(StateGraph):
         if chart.outcome is not None:
             return Arrival(way, kind, has_moved, (chart.outcome, chart.why))
         written = {key: entry for key, entry in codec.own().items() if before.get(key) is not entry}
+        levels = codec.levels() if codec.loops else ()
         return Arrival(
-            way, kind, has_moved, None, codec.core(), codec.save(), written, codec.telling(), chart.mode,
-            codec.levels() if codec.loops else (), kept,
+            way, kind, has_moved, None, codec.core(), codec.take(), written, codec.telling(), chart.mode,
+            levels, kept,
         )  # fmt: skip
 
     def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import Goal
-from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, copied
+from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, StepDraft, copied
 from rai_missions.prove.abstraction import PURSUED, Abstraction
 from rai_missions.prove.activity_key import plain, told, told_timer
 from rai_missions.prove.branches import Groups
@@ -31,6 +31,8 @@ __all__ = ("Own", "Saved", "StateCodec")
 Own = Mapping[str, Any]
 """The mission's own keys and what they hold."""
 NONE: dict[Any, Any] = {}
+NO_DRAFT = StepDraft()
+"""Saved states have gathered nothing."""
 A_LITTLE_S = 1e-3
 """A state is older than a guard asks for by so much, so that a sum of floats does not fall short."""
 INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
@@ -110,10 +112,17 @@ class StateCodec:
 
     def save(self) -> Saved:
         """What `load` puts back."""
-        made = copied(self._chart.state)
+        return self._saved(copied(self._chart.state))
+
+    def take(self) -> Saved:
+        """The same without a copy; the run is only used again once a state was loaded."""
+        return self._saved(self._chart.state)
+
+    def _saved(self, state: RunState) -> Saved:
         own = self._world.own_keys
-        made.board = {key: entry for key, entry in self._world.board.entries() if key not in own}
-        return Saved(made, dict(self.groups) if self.groups else NONE)
+        state.board = {key: entry for key, entry in self._world.board.entries() if key not in own}
+        state.draft = NO_DRAFT
+        return Saved(state, self.groups or NONE)
 
     def own(self) -> dict[str, Any]:
         """What the mission's own keys hold."""
@@ -126,7 +135,7 @@ class StateCodec:
         self._world.board.refill(saved.run.board, own)
         state.board = self._world.board
         self._chart.state = state
-        self.groups = dict(saved.groups)
+        self.groups = dict(saved.groups) if saved.groups else {}
         self._world.wavering.clear()
 
     # -- what tells states apart ----------------------------------------------------------------------------------
