@@ -33,7 +33,7 @@ fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-check: .venv/.ready-dev ## Formatting, linters, types, the import contracts and the words
+check: .venv/.ready-dev ## Formatting, linters, types, the import contracts, words and prose
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy rai_missions visualize missions $(wildcard tests/typing)
