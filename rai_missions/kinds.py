@@ -234,7 +234,7 @@ class Offer(NamedTuple):
     """`module:attribute`."""
 
     def __str__(self) -> str:
-        return f"the {self.group.partition('.')[2].rstrip('s')} '{self.name}' of {self.package} {self.version}"
+        return f"the {_sort(self.group)} '{self.name}' of {self.package} {self.version}"
 
     def load(self) -> Any:
         """What is offered.
@@ -248,6 +248,12 @@ class Offer(NamedTuple):
             return EntryPoint(self.name, self.value, self.group).load()
         except Exception as error:
             raise UsageError(f"{self} does not load ({type(error).__name__}: {error})") from error
+
+
+def _sort(group: str) -> str:
+    """What a group offers, in a word."""
+    word = group.partition(".")[2]
+    return "activity" if word == "activities" else word.removesuffix("s")
 
 
 def offered(group: str, name: str, ours: Mapping[str, str]) -> Offer | None:
@@ -266,7 +272,7 @@ def offered(group: str, name: str, ours: Mapping[str, str]) -> Offer | None:
     found = [each for each in offers(group) if each.name == name]
     if len(found) > 1:
         both = " and ".join(sorted(f"{each.package} {each.version}" for each in found))
-        raise UsageError(f"{group.partition('.')[2].rstrip('s')} '{name}' is offered by {both}; uninstall one of them")
+        raise UsageError(f"the {_sort(group)} '{name}' is offered by {both}; uninstall one of them")
     return found[0] if found else None
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     )
     from rai_missions.connectors.chaos import ChaosConnector, Rates
     from rai_missions.connectors.contract import Inbox, PatientServer, check_connector
+    from rai_missions.guards.contract import check_guard
     from rai_missions.worlds.contract import check_world
 
 __all__ = (
@@ -51,6 +52,7 @@ __all__ = (
     "check_agent",
     "check_answerer",
     "check_connector",
+    "check_guard",
     "check_world",
 )  # fmt: skip
 
@@ -65,6 +67,7 @@ ROOMS = {
     "answerers.script": ("ScriptAnswerer",),
     "connectors.chaos": ("ChaosConnector", "Rates"),
     "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
+    "guards.contract": ("check_guard",),
     "worlds.contract": ("check_world",),
 }  # fmt: skip
 """Module → what is offered from it."""

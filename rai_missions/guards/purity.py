@@ -35,6 +35,8 @@ SOURCES = {
     "os": "the system", "pathlib": "files", "io": "files", "open": "files", "socket": "the network",
     "urllib": "the network", "http": "the network", "subprocess": "other programs", "threading": "other threads",
 }  # fmt: skip
+UNCALLED = ("__hash__", "__repr__", "__setattr__", "__delattr__")
+"""What a class has for other uses than to be evaluated, and Python makes for it."""
 FOREIGN = frozenset(("numpy.random", "requests", "httpx", "rclpy", "paho"))
 
 
@@ -63,7 +65,9 @@ def _members(kind: type[Any], home: str) -> Iterator[Any]:
     """The functions of a class and of those of its package that it derives from."""
     for each in kind.__mro__:
         if each.__module__.partition(".")[0] == home:
-            for member in list(vars(each).values()):
+            for name, member in list(vars(each).items()):
+                if name in UNCALLED:
+                    continue
                 if isinstance(member, staticmethod | classmethod):
                     yield member.__func__
                 elif isinstance(member, property):

@@ -13,7 +13,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -23,14 +23,19 @@ from rai_missions.engine import Chart
 from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
+from rai_missions.guards import Compare, Fresh, Guard, Site
+from rai_missions.guards.guard import Operand
 from rai_missions.journal import read
+from rai_missions.keys import Key
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
+from rai_missions.model import Path as Path_
 from rai_missions.profile import load_profile
 from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
+from rai_missions.testing import check_guard
 from rai_missions.worlds import open_world
 from visualize import FORMATS, difference, draw, drawn, picture
 
@@ -158,12 +163,59 @@ def test_a_foreign_exporter_makes_files_of_its_ending(tmp_path: Path) -> None:
     assert "the endings are .svg" in told(lambda: draw(load(MISSION), tmp_path / "mission.nothing"))
 
 
+# -- contracts ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_foreign_guard_and_ours_keep_the_contract_of_guards() -> None:
+    keys = {"humidity": Key(float, source="robot"), "other": Key(float, source="robot")}
+    facts = [{}, {"humidity": 0.5}, {"humidity": 0.9, "other": 1.0}]
+    between = load(MISSION).states["watered"].requires
+    for guard in (between, Compare(key="humidity", less=0.5), Fresh("humidity"), between & ~Fresh("other")):
+        check_guard(guard, keys, facts)
+
+
+class Strange(Guard):
+    """Reads what it does not name, changes what it reads, and says seven."""
+
+    word: ClassVar = "strange"
+    key: Path_
+
+    def compile(self, site: Site) -> Any:
+        if self.key == "more":
+            Operand("other", site)
+        return (lambda view: 7) if self.key == "seven" else view_cleared
+
+    def words(self) -> str:
+        return "strange"
+
+
+def view_cleared(view: Any) -> None:
+    view.board.clear()
+
+
+@pytest.mark.parametrize(
+    ("key", "named"), [("more", "reads what none"), ("seven", "neither true, false"), ("clears", "changes the black")]
+)
+def test_a_guard_that_breaks_a_promise_is_told_which(key: str, named: str) -> None:
+    keys = {"other": Key(float, source="robot")}
+    with pytest.raises(AssertionError, match=named):
+        check_guard(Strange(key=key), keys, [{"other": 1.0}])
+
+
+def test_a_constant_of_a_frozen_class_is_no_impurity(tmp_path: Path) -> None:
+    above = (
+        "import dataclasses\n\n@dataclasses.dataclass(frozen=True)\nclass Bound:\n    low: float\n\nLOW = Bound(0.1)"
+    )
+    said = guard_of(tmp_path, "calm", "LOW == Bound(0.1)", above=above, names_nothing=True)
+    assert "impure" not in said and 'add "uses"' in said
+
+
 # -- refusals, by name -------------------------------------------------------------------------------------------------
 
 
 def test_a_mission_says_which_packages_it_uses() -> None:
     said = told(lambda: Mission(**document(uses=[])))
-    assert "the guard 'between' of orchard-kinds 1.2" in said or "the activitie" in said
+    assert "the guard 'between' of orchard-kinds 1.2" in said or "the activity 'strikes' of orchard-kinds 1.2" in said
     assert 'add "uses": ["orchard-kinds>=1.2"]' in said
 
 
@@ -229,7 +281,15 @@ class {name}(Guard, word="{word}"):
 
 
 def guard_of(
-    folder: Path, word: str, value: str, *, above: str = "", before: str = "pass", package: str = "", offered: str = ""
+    folder: Path,
+    word: str,
+    value: str,
+    *,
+    above: str = "",
+    before: str = "pass",
+    package: str = "",
+    offered: str = "",
+    names_nothing: bool = False,
 ) -> str:
     """What loading says of a mission that uses a guard of a package of its own."""
     package = package or f"kinds_{folder.name}"
@@ -239,7 +299,7 @@ def guard_of(
     try:
         row = {"when": {offered or word: "x"}, "to": "b"}
         states = {"a": {"transitions": [row]}, "b": {"final": "aborted"}}
-        return told(lambda: Mission("m", uses=[package], initial="a", states=states))
+        return told(lambda: Mission("m", uses=[] if names_nothing else [package], initial="a", states=states))
     finally:
         del sys.path[0]
 
