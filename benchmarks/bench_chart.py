@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an event costs a chart, beside its peers, and how that and loading grow with the number of states.
+"""What an event costs a chart, next to its peers, and how that and loading grow with the number of states.
 
 CPU time of this process (XState: its own), the best of several rounds, no journal. Peers that are not installed are
 left out; `make bench` installs those of Python, `npm install` in tests/oracles the one of JavaScript.

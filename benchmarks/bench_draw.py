@@ -2,8 +2,8 @@
 """How long pictures take: `python -m benchmarks.bench_draw`.
 
 The tractor's mission as DOT is to take at most 10 ms and as SVG at most 100 ms; a mission of 500 states some seconds.
-Beside it what `transitions` takes for the same states and rows, laid out by the same Graphviz. YASMIN's viewer draws in
-a browser what a running ROS 2 node publishes, and comes with ROS alone: it is not measured here.
+Next to it what `transitions` takes for the same states and rows, laid out by the same Graphviz. YASMIN's viewer draws
+in a browser what a running ROS 2 node publishes, and comes with ROS alone: it is not measured here.
 """
 
 from __future__ import annotations

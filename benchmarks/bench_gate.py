@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the gate adds to a command's way, against a relay in plain rclpy and no relay at all; a process each, one run.
 
-A command leaves every 10 ms, in turn on each way; the base says how long it took.
+A command leaves every 10 ms, in turn on each way; the base reports how long it took.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ COUNT, PERIOD_S, DOMAIN = 1000, 0.01, 91
 
 
 def relay() -> None:
-    """The floor: what comes on one topic goes on to another."""
+    """The floor: what comes on one topic continues to another."""
     import rclpy
     from geometry_msgs.msg import Twist
 
@@ -35,7 +35,7 @@ def relay() -> None:
 
 
 def speak() -> None:
-    """Whoever commands."""
+    """Anyone who commands."""
     import rclpy
     from geometry_msgs.msg import Twist
 
@@ -53,7 +53,7 @@ def speak() -> None:
 
 
 def base(speaker: subprocess.Popen[bytes]) -> dict[str, list[float]]:
-    """Hear until whoever commands has ended; how many seconds each command took."""
+    """Receive until anyone who commands has ended; how many seconds each command took."""
     import rclpy
     from geometry_msgs.msg import Twist
 

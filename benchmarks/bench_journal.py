@@ -2,7 +2,7 @@
 """How many steps a journal takes a second, and how long one waits for it: `python -m benchmarks.bench_journal`.
 
 Each step is durable against a killed process before the next is made. The peer is the plainest thing that could be
-done with SQLite: one row, one commit, the step as `pickle` makes it, no hash, nobody kept out.
+done with SQLite: one row, one commit, the step as `pickle` makes it, no hash, no one kept out.
 """
 
 from __future__ import annotations

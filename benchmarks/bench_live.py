@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the live page costs a run, and how soon a browser sees a step: `python -m benchmarks.bench_live`.
 
-A run is flooded with events: without a page, with a page that nobody looks at, and with viewers in processes of their
+A run is flooded with events: without a page, with a page that no one looks at, and with viewers in processes of their
 own. The processor time of the engine's own thread shows what the page costs it, whatever else the machine does. Then a
-run makes a transition now and then, and a browser says when the state was lit. Wanted: 100 ms (median).
+run makes a transition now and then, and a browser reports when the state was lit. Wanted: 100 ms (median).
 """
 
 from __future__ import annotations
@@ -168,7 +168,7 @@ def main() -> None:
         print(f"{'flooded':<34}{'events/s':>12}{'engine thread, µs/step':>24}")
         for _ in range(2):
             flooded("without a page", folder, paged=False)
-            flooded("a page, nobody looks", folder, paged=True)
+            flooded("a page, no one looks", folder, paged=True)
             flooded("1 viewer", folder, paged=True, viewers=1)
             flooded("10 viewers", folder, paged=True, viewers=10)
         print(f"{'from a step to the browser, ms':<34}{'median':>12}{'p99':>22}")

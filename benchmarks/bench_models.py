@@ -36,7 +36,7 @@ class Prompt(DoubleModel):
     """Answers at once."""
 
     def says(self, messages: list[Any]) -> str:
-        return '{"option": "replan", "why": "as it was told to"}'
+        return '{"option": "replan", "why": "as it was asked to"}'
 
 
 class Holding(DoubleModel):

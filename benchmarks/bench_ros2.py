@@ -35,7 +35,7 @@ ROBOT: dict[str, Any] = {
 
 
 class Robot:
-    """The other process's side: says `/go`, and writes down when the horn or a cancel is heard."""
+    """The other process's side: reports `/go`, and writes down when the horn or a cancel is received."""
 
     def __init__(self) -> None:
         import rclpy
@@ -82,7 +82,7 @@ class Robot:
         self._publishers[topic].publish(self._string(data="x"))
 
     def until(self, happened: threading.Event, topic: str) -> None:
-        """Say it until something comes of it: the other process may not have been found yet."""
+        """State it until something comes of it: the other process may not have been found yet."""
         happened.clear()
         for _ in range(40):
             self.say(topic)
@@ -195,7 +195,7 @@ def missions(kind: str) -> None:
 
 
 def mission(*, is_thinking: bool, sees: bool) -> dict[str, Any]:
-    """Sounds the horn on `go`; leaves its goal on `leave`, and takes up another on `again`."""
+    """Sounds the horn on `go`; leaves its goal on `leave`, and resumes another on `again`."""
     work = {"transitions": [{"on": "go", "do": [{"call": "horn"}]}, {"on": "again", "to": "moving"}]}
     moving = {"action": "move", "transitions": [{"on": "leave", "to": "work"}]}
     states: dict[str, Any] = {"initial": "work", "states": {"work": work, "moving": moving}}
@@ -226,7 +226,7 @@ def tell(line: str) -> None:
 
 @contextmanager
 def other(kind: str) -> Iterator[tuple[int, str]]:
-    """The other process, while it is needed: its number, and what it said when it was ready."""
+    """The other process, while it is needed: its number, and what it reported when it was ready."""
     with subprocess.Popen(
         [sys.executable, "-W", "ignore", "-m", "benchmarks.bench_ros2", kind], stdin=subprocess.PIPE,
         stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[1],
@@ -254,7 +254,7 @@ def told(name: str, spent: list[float], floor: list[float] | None = None) -> lis
 def calls(robot: Robot, name: str, floor: list[float] | None, topic: Callable[[int], str]) -> list[float]:
     for each in dict.fromkeys(topic(number) for number in range(ROUNDS)):
         robot.until(robot.called, each)
-    time.sleep(1.0)  # what was said more than once is heard more than once
+    time.sleep(1.0)  # what was reported more than once is received more than once
     return told(name, [robot.until_heard(topic(number)) for number in range(ROUNDS)], floor)
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From an emergency stop to the cancel that the actuator's server hears, under load: `python -m benchmarks.bench_stop`.
+"""From an emergency stop to the cancel that the actuator's server receives, under load: `python -m
+benchmarks.bench_stop`.
 
 A model hangs, events flood in from another thread, pictures of 640x480 arrive thirty times a second, and the journal is
 on disk. The floor is a thread that waits at a queue under the same events and pictures, and does nothing else. Then
@@ -97,7 +98,7 @@ def told(name: str, spent: list[float]) -> None:
 
 
 class Server:
-    """Moves until it is told to stop, and writes down when."""
+    """Moves until it is asked to stop, and writes down when."""
 
     def __init__(self) -> None:
         self.moves, self.stopped = threading.Event(), threading.Event()
@@ -145,7 +146,7 @@ def in_process(folder: Path) -> list[float]:
 
 
 def floor() -> list[float]:
-    """What a thread needs to be told anything, on this machine, at this load."""
+    """What a thread needs to be reported anything, on this machine, at this load."""
     from rai_missions.connectors.local import LocalConnector
 
     spent = []

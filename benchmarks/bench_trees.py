@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a tick of a behaviour tree costs, beside plain py_trees: `python -m benchmarks.bench_trees`.
+"""What a tick of a behaviour tree costs, next to plain py_trees: `python -m benchmarks.bench_trees`.
 
 The same trees in both: a sequence of checks and an action that runs, and selectors in which a high branch fails at each
 tick. py_trees' checks read a Python dict; its own blackboard would add 1.7 µs each. Ours restores the tree from its

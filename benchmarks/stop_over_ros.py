@@ -3,7 +3,7 @@
 
 Who stops speaks from the robot's process. So does the camera, which fills the shared memory that Fast DDS gives a
 process (`together`); the same with our profile for a process that publishes pictures (`roomy`); or the camera is a
-process of its own, as drivers mostly are (`apart`). Whoever is not ours has Fast DDS as it comes.
+process of its own, as drivers mostly are (`apart`). Anyone who is not ours has Fast DDS as it comes.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def other(*words: str) -> subprocess.Popen[bytes]:
 
 
 def mission_process() -> None:
-    """One mission after the other, until stopped for good; each stops when `/stop` says so."""
+    """One mission after the other, until stopped for good; each stops when `/stop` states it."""
     from rai_missions.connectors.ros2 import open_connector
 
     folder = Path(tempfile.mkdtemp())
@@ -111,7 +111,7 @@ def films(node: Any) -> None:
 
 
 class Actuator:
-    """Stops when its server hears a cancel."""
+    """Stops when its server receives a cancel."""
 
     def __init__(self, node: Any, executor: Any) -> None:
         from rclpy.action import ActionServer, CancelResponse
@@ -139,7 +139,7 @@ class Actuator:
         return self._result()
 
     def begin(self) -> None:
-        """Whoever is measured starts the next goal, and listens."""
+        """Anyone who is measured starts the next goal, and listens."""
         while not self._stop.get_subscription_count():
             time.sleep(0.05)
 
@@ -176,12 +176,12 @@ class Base:
         self._request.publish(self._string(data='{"to": "autonomy"}'))
 
     def stop(self) -> None:
-        self._request.publish(self._string(data='{"to": "nobody"}'))
+        self._request.publish(self._string(data='{"to": "no one"}'))
 
 
 @contextlib.contextmanager
 def others(kind: str, *, is_apart: bool) -> Iterator[None]:
-    """Whoever is measured, and whoever loads the machine meanwhile."""
+    """Anyone who is measured, and anyone who loads the machine meanwhile."""
     here = "benchmarks.stop_over_ros"
     started = [other(here, "mission" if kind == "gate" else kind)]
     if kind == "gate":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Looks at what this project stands on: whether the lock holds what pyproject.toml asks for, and what is known of it.
+"""Looks at what this project is on: whether the lock holds what pyproject.toml asks for, and what is known of it.
 
 Rule: exit 0 nothing is wrong, 1 a lock that does not fit or a known vulnerability, 2 the vulnerabilities could not be
 looked up (no pip-audit, or its data is out of reach); with --offline they are not asked for.
@@ -66,15 +66,15 @@ def _known(lock: Path) -> int:
     try:
         listed = json.loads(done.stdout)["dependencies"]
     except (ValueError, KeyError):
-        why = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
-        print(f"not looked up: {why[:300]}; what stands is the lock with its hashes")
+        why = (done.stderr.strip().splitlines() or ["it reported nothing"])[-1]
+        print(f"not looked up: {why[:300]}; what is the lock with its hashes")
         return 2
     skipped = [each["name"] for each in listed if "skip_reason" in each]
     bad = [(each, flaw) for each in listed for flaw in each.get("vulns", ())]
     for each, flaw in bad:
         print(f"{each['name']} {each['version']}: {flaw['id']}, mended in {', '.join(flaw['fix_versions']) or 'none'}")
     if len(skipped) == len(listed):
-        print("not looked up: pip-audit's data is out of reach from here; what stands is the lock with its hashes")
+        print("not looked up: pip-audit's data is out of reach from here; what is the lock with its hashes")
         return 2
     print(f"{len(listed) - len(skipped)} packages looked up, {len(skipped)} not to be found, {len(bad)} flaws known")
     return 1 if bad else 2 if skipped else 0

@@ -3,7 +3,7 @@
 #
 # Builds the interface packages of interfaces/ for the ROS 2 wheels in .venv: scripts/build_interfaces.sh [PACKAGE…]
 #
-# With --check nothing is built: it says what is there, and exits with 1 if something is not, or is out of date.
+# With --check nothing is built: it states what is there, and exits with 1 if something is not, or is out of date.
 # With a sourced ROS nothing is built either: colcon builds what that ROS lacks. VENV=/path chooses the environment.
 set -euo pipefail
 cd "$(dirname "$0")/.."

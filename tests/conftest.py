@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What holds for every test: no network but loopback, no real model's key, and how long hypothesis looks.
 
-Rule: a test that would reach another machine fails at once and says so.
+Rule: a test that would reach another machine fails at once and states it.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def is_on_ros(item: pytest.Item) -> bool:
 
 
 def shares(path: str) -> bool:
-    """Whether something is made once for all tests of a file, such as a browser, there or beside it."""
+    """Whether something is made once for all tests of a file, such as a browser, there or next to it."""
     texts = (
         each.read_text(encoding="utf-8") for each in (Path(path), Path(path).with_name("conftest.py")) if each.exists()
     )
@@ -106,7 +106,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """One worker runs all tests of a file that share something; the others go to whoever is free.
+    """One worker runs all tests of a file that share something; the others go to anyone who is free.
 
     Marks of xdist's own do not do it: it hides the group in a test's name, where newer versions of pytest do not look.
     """

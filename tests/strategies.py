@@ -191,7 +191,7 @@ class _Draft:
             self.dress(room[name])
 
     def dress(self, state: Json) -> None:
-        """What any state may have beside its kind."""
+        """What any state may have next to its kind."""
         entry, leave = self.draw(effects()), self.draw(effects())
         state |= ({"entry": entry} if entry else {}) | ({"exit": leave} if leave else {})
         control = self.draw(st.sampled_from([None, None, None, "autonomy", "agent"]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tests reach nothing but this machine, and hold nobody's key."""
+"""The tests reach nothing but this machine, and hold no one's key."""
 
 from __future__ import annotations
 

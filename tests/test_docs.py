@@ -3,7 +3,7 @@
 
 The blocks of one document run in the order written, in a folder that holds a copy of `missions/`; the Python blocks
 share their names. In a `console` or `sh` block, each line `$ rai-missions …` is run and must exit with 0, or with what
-a comment at its end says: `# exits 2`. A block under `<!-- not run: why -->` is left alone.
+a comment at its end reports: `# exits 2`. A block under `<!-- not run: why -->` is left alone.
 """
 
 from __future__ import annotations

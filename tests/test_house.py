@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The habits of the house that no linter knows: what stands at the top of every file."""
+"""The habits of the house that no linter knows: what is at the top of every file."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def undeclared(package: Path) -> set[str]:
     return (taken & packages) - set(re.findall(r"`(\w+)`", sentence)) - set(package.relative_to(ROOT).parts[:2])
 
 
-def test_each_package_says_what_is_inside_and_what_it_may_import() -> None:
+def test_each_package_reports_what_is_inside_and_what_it_may_import() -> None:
     packages = [path.parent for folder in OURS for path in (ROOT / folder).rglob("__init__.py")]
     lacking = {
         str(path): missing for path in packages if path != ROOT / "rai_missions" if (missing := undeclared(path))

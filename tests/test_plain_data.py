@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whoever is asked or commanded may tinker with what it was given: the mission, and what is known, stay as they are."""
+"""Anyone who is asked or commanded may tinker with what it was given: the mission, and what is known, stay as they
+are."""
 
 from __future__ import annotations
 
@@ -141,7 +142,7 @@ def test_a_model_is_given_no_tool_that_it_could_use_by_itself() -> None:
 
 
 @pytest.mark.parametrize("who", ["model", "program"])
-def test_nobody_widens_what_an_option_takes(who: str) -> None:
+def test_no_one_widens_what_an_option_takes(who: str) -> None:
     given, book = mission(STATES, blackboard=KEYS), MemoryJournal()
     written = dump(given)
     fast = AIMessage("", tool_calls=[call("go", **FAST["parameters"])])

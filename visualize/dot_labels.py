@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stands on a state, an option, a row and the legend, as Graphviz's HTML-like labels.
+"""What is on a state, an option, a row and the legend, as Graphviz's HTML-like labels.
 
 Rule: every piece of text passes through `text`, which breaks, escapes and measures it; a line is one piece, set to the
 left, so that it stays in its box whatever font the reader has.
@@ -23,7 +23,7 @@ __all__ = (
 COLUMN, LINE, LABEL = 150.0, 210.0, 150.0
 """Points: how wide an option, a line of a state and a row's label may become."""
 SIDE_BY_SIDE = 5
-"""More options than these stand below one another."""
+"""More options than these are below one another."""
 NOTES = 12
 """More notes than these would bury the picture."""
 
@@ -85,7 +85,7 @@ def _name(node: PictureNode) -> str:
 
 
 def _below(node: PictureNode, staying: Sequence[PictureEdge], limit: float = LINE) -> Iterable[str]:
-    """What stands at the foot of every state: control, the rows that do not leave it, and where the run was."""
+    """What is at the foot of every state: control, the rows that do not leave it, and where the run was."""
     if node.control:
         yield small(f"control: {node.control}", limit=limit)
     for edge in staying:
@@ -162,7 +162,7 @@ def cluster_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str
 def tree_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bold: bool = False) -> str:
     """The label of a state that runs a tree: its title, and below it the tree, each node above its children.
 
-    Children stand side by side in the order of the file, in one label, which no layout can change.
+    Children are side by side in the order of the file, in one label, which no layout can change.
     """
     below: dict[str | None, list[Twig]] = defaultdict(list)
     for twig in node.twigs:
@@ -176,7 +176,7 @@ def tree_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bold: 
 
 
 def _branch(twig: Twig, below: Mapping[str | None, Sequence[Twig]]) -> str:
-    """A node of a tree as wide as its children, which stand below it from left to right."""
+    """A node of a tree as wide as its children, which are below it from left to right."""
     children = below.get(twig.path, ())
     rows = [f'<tr><td colspan="{max(1, len(children))}" {_twig_look(twig)}>{_twig_text(twig)}</td></tr>']
     if children:
@@ -195,7 +195,7 @@ def _twig_look(twig: Twig) -> str:
 
 
 def _twig_text(twig: Twig) -> str:
-    """What stands on a node of a tree: the option that leads to it, its number, what it does, what it asks."""
+    """What is on a node of a tree: the option that leads to it, its number, what it does, what it asks."""
     sign = {"sequence": "→ ", "selector": "? ", "decision": "? "}.get(twig.kind, "")
     rows = [small(f"{twig.branch}:", limit=LABEL)] if twig.branch else []
     rows.append(text(marked(twig.mark, twig.numbered(sign)), 10, bold=not twig.leaf, limit=COLUMN))
@@ -212,7 +212,7 @@ def tab_table(node: PictureNode) -> str:
 
 
 def edge_table(edge: PictureEdge, *, short: bool = False) -> str:
-    """The label of a row; `short` where its words stand at its source already. Empty where nothing is left to say."""
+    """The label of a row; `short` where its words are at its source already. Empty where nothing is left to state."""
     rows: list[str] = []
     if not short and (not edge.option or edge.guard or edge.source == edge.target):
         rows.append(text(marked(edge.mark, edge.when), 10, bold=True, limit=LABEL))
@@ -264,7 +264,7 @@ def title_table(picture: Picture) -> str:
 
 
 def _legend(picture: Picture) -> str:
-    """A strip with each kind of state that is drawn, its colour beside its word."""
+    """A strip with each kind of state that is drawn, its colour next to its word."""
     looks = {
         look_of(node).word: look_of(node) for node in picture.nodes if node.kind not in ("states", "parallel", "each")
     }

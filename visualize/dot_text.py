@@ -42,7 +42,7 @@ def quoted(given: str) -> str:
 
 
 def attributes(**given: str | float | None) -> str:
-    """`[a=…, b=…]`; a label in angle brackets stands as it is."""
+    """`[a=…, b=…]`; a label in angle brackets is as it is."""
     parts = []
     for name, value in given.items():
         if value is None or value == "":
@@ -193,11 +193,11 @@ class _Sheet:
         )
 
     def _recalls(self, name: str) -> bool:
-        """Whether it is a way back: it stands where its siblings begin, however late it is taken."""
+        """Whether it is a way back: it is where its siblings begin, however late it is taken."""
         return name in self.nodes and self.nodes[name].kind == "history"
 
     def _within(self, outer: str, name: str) -> bool:
-        """Whether a state is another, or stands inside it, or the other way round for its own ancestors."""
+        """Whether a state is another, or is inside it, or the other way round for its own ancestors."""
         return self._inside(name, outer) or self._inside(outer, name)
 
     def _inside(self, name: str, outer: str) -> bool:
@@ -230,7 +230,7 @@ class _Sheet:
 
 
 def _depths(picture: Picture) -> dict[str, int]:
-    """How many rows away from the start each state is, so that rows which lead back can be told."""
+    """How many rows away from the start each state is, so that rows which lead back can be reported."""
     onward: dict[str, list[str]] = defaultdict(list)
     for initial in picture.initials:
         onward[initial.parent].append(initial.target)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures as files, by their ending.
 
-Rule: a file is whole or it is not there: it is written beside its place and then renamed.
+Rule: a file is whole or it is not there: it is written next to its place and then renamed.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] =
 
     Args:
         mission: The graph.
-        path: The file; its ending says how it is drawn. `.html` is the review page.
+        path: The file; its ending reports how it is drawn. `.html` is the review page.
         steps: Of a run or a journal.
 
     Raises:

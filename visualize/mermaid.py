@@ -30,7 +30,8 @@ PLAIN = re.compile(
     r"(?<!direction) +|(?<=[^\W_])_(?=[^\W_])|[^\W_]|[.,+()=/×•·←→≤≥“”–'?!…-]|[^\x00-\x7f\s\ufeff]|\u00a0",
     re.IGNORECASE,
 )
-"""What stands for itself. Any line with `direction LR` in it turns the diagram; `_` is emphasis outside of words."""
+"""Characters that represent themselves. Any line with `direction LR` in it turns the diagram; `_` is emphasis
+outside of words."""
 MARKDOWN = re.compile(r"[\\`*~[]|(?<![^\W_])_|_(?![^\W_])")
 """What begins emphasis, code or a link."""
 SPECIAL = re.compile(r"\$(?=\$)|:(?=fa-)", re.IGNORECASE)
@@ -180,6 +181,6 @@ def escaped(given: str) -> str:
 def described(given: str) -> str:
     """The same for a state with nothing inside, whose text is read as Markdown once its numbers are characters again.
 
-    No backslash helps against a formula (`$$`) or an icon (`:fa-`); a word joiner does, which nobody sees.
+    No backslash helps against a formula (`$$`) or an icon (`:fa-`); a word joiner does, which no one sees.
     """
     return escaped(MARKDOWN.sub(r"\\\g<0>", SPECIAL.sub("\\g<0>\u2060", clean(given))))

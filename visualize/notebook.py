@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a notebook shows of a mission: its picture, and where there is no Graphviz its table.
 
-Rule: IPython is never imported here; where it runs already, it is told how missions are shown.
+Rule: IPython is never imported here; where it runs already, it is taught how missions are shown.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The door to resvg: an SVG as a PNG, set in the fonts of this machine, whichever of them has a character.
 
-Rule: nothing else knows `resvg_py`. It runs in a process of its own, which alone can tell what it had no font for.
+Rule: nothing else knows `resvg_py`. It runs in a process of its own, which alone can determine what it had no font for.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ with os.fdopen(os.dup(1), "wb") as out:
     svg = sys.stdin.buffer.read().decode("utf-8")
     out.write(bytes(svg_to_bytes(svg_string=svg, dpi=float(sys.argv[1]), log_information=True)))
 """
-"""Its own words, which go where a picture should, go beside it."""
+"""Its own words, which go where a picture should, go next to it."""
 LACKING = re.compile(r"No fonts with a .*?/U\+([0-9A-F]+) character")
 SHOWN = 12
-"""Characters that are told one by one."""
+"""Characters that are sent one by one."""
 log = logger(__name__)
 
 

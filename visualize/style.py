@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Colours, pens and fonts, and how wide a text is.
 
-Rule: nothing is told by colour alone; a shape, a word or a pen's width says it too. The colours are those of Okabe and
-Ito (Color Universal Design, 2008), which readers with any common colour blindness can tell apart.
+Rule: nothing is reported by colour alone; a shape, a word or a pen's width reports it too. The colours are those of
+Okabe and Ito (Color Universal Design, 2008), which readers with any common colour blindness can distinguish.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Look(NamedTuple):
     """How a kind of state looks."""
 
     word: str
-    """What stands on it."""
+    """What is on it."""
     pen: str
     fill: str
     shape: str = "box"

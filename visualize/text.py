@@ -52,7 +52,7 @@ def template(value: Any) -> str:
 
 
 def effects(given: Iterable[Effect]) -> tuple[str, ...]:
-    """Effects as a person would say them, with what they send."""
+    """Effects as a person would state them, with what they send."""
     return tuple(effect.words() + _sent(effect) for effect in given)
 
 
@@ -137,13 +137,13 @@ def _asked_lines(asked: DecisionSpec) -> Iterator[str]:
 
 
 def _names(schema: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """The parameters that a schema names; a mission at fault may say anything there."""
+    """The parameters that a schema names; a mission at fault may state anything there."""
     named = (schema or {}).get("properties")
     return tuple(named) if isinstance(named, Mapping) else ()
 
 
 def choices(asked: DecisionSpec, place: str) -> tuple[Choice, ...]:
-    """The options of a decision that stands at a JSON pointer."""
+    """The options of a decision that is at a JSON pointer."""
     return tuple(
         Choice(
             name=name,

@@ -17,7 +17,7 @@ WAYPOINTS = [
 k = Keys(
     waypoints=Key(list, source="argument", about="poses on the map, one after the other", initial=WAYPOINTS),
     waypoint=Key("pose", source="mission", frame="map", about="where it is going"),
-    pose=Key("pose", source="robot", max_age_s=5, frame="map", about="where the localization says it is"),
+    pose=Key("pose", source="robot", max_age_s=5, frame="map", about="where the localization reports it is"),
     battery=Key(float, source="robot", max_age_s=10, about="0 is empty, 1 is full"),
     supply=Key(int, source="robot", max_age_s=10, about="1 charging, 4 full, 2 neither: power_supply_status"),
     ahead_m=Key(float, source="robot", max_age_s=2, optional=True, about="how far the lidar sees straight ahead"),
@@ -48,7 +48,7 @@ def dock(about: str, *succeeded: tuple[Guard | None, str]) -> Action:
 def mission() -> Mission:
     going = Action(
         "navigate",
-        about="the navigation drives, plans anew and recovers by itself",
+        about="the navigation drives, plans again and recovers by itself",
         goal={"pose": k.waypoint},
         timeout_s=180,
         achieved=k.pose.near(k.waypoint, within_m=0.4),
@@ -61,8 +61,8 @@ def mission() -> Mission:
         evidence=[k.waypoint, k.pose, k.ahead_m, k.camera, k.failures, k.waits, k.battery],
         options={
             "retry": Option("try again now", when=k.failures < 4),
-            "wait": Option("stand here for 20 s, since what is in the way may go, then try again", when=k.waits < 2),
-            "skip": Option("leave this waypoint out and go on to the next"),
+            "wait": Option("wait here for 20 s, since what is in the way may go, then try again", when=k.waits < 2),
+            "skip": Option("leave this waypoint out and continue to the next"),
             "ask": Option("ask a person, who may clear the way"),
             "abort": Option("go back to the dock and end the patrol"),
         },
@@ -111,7 +111,9 @@ def mission() -> Mission:
         initial="on_the_way",
         states={
             "on_the_way": on_the_way,
-            "docking": dock("to the dock, because the battery runs low or is not heard any more", (None, "charging")),
+            "docking": dock(
+                "to the dock, because the battery runs low or is not received any more", (None, "charging")
+            ),
             "charging": State(
                 transitions=[
                     When(k.battery >= 0.9, to="resume"),
@@ -132,7 +134,7 @@ def mission() -> Mission:
         about="Look at every waypoint; where the way is blocked, decide what to do; charge when the battery runs low; "
         "end on the dock.",
         keys=k,
-        events={"e_stop": EventSpec("somebody wants the robot to stop, now")},
+        events={"e_stop": EventSpec("someone wants the robot to stop, now")},
         initial="patrolling",
         states={
             "patrolling": patrolling,
@@ -144,7 +146,7 @@ def mission() -> Mission:
                 "failed", about="it stands somewhere and cannot come to its dock; a person must fetch it"
             ),
             "aborted": Final("aborted", about="ended on the dock before every waypoint had its turn"),
-            "stopped": Final("aborted", about="stopped at once, because somebody wanted it"),
+            "stopped": Final("aborted", about="stopped at once, because someone wanted it"),
         },
         transitions=[On("e_stop", to="stopped")],
         invariants={"never_empty": (k.battery > 0.02).or_unknown},

@@ -16,7 +16,7 @@ k = Keys(
     alleys_driven=Key(int, source="robot", max_age_s=5, about="alleys driven from end to end, by pose"),
     at_home=Key(bool, source="robot", max_age_s=5, about="it stands where it set out"),
     autonomy_state=Key(
-        str, source="robot", max_age_s=5, about="the word in which the autonomy stack says what it does"
+        str, source="robot", max_age_s=5, about="the word in which the autonomy stack reports what it does"
     ),
     battery=Key(float, source="robot", max_age_s=10, about="0 is empty, 1 is full"),
     camera=Key(Image, source="robot", max_age_s=1),
@@ -48,7 +48,7 @@ def mission() -> Mission:
         keys=k,
         events={
             "anomaly": EventSpec("the autonomy stack stopped and asks for a decision"),
-            "e_stop": EventSpec("somebody wants the tractor to stop, now"),
+            "e_stop": EventSpec("someone wants the tractor to stop, now"),
         },
         initial="setting_out",
         states={
@@ -130,7 +130,7 @@ def mission() -> Mission:
                 ],
             ),
             "leaving": State(
-                about="the autonomy stack says whether there is an alley left to take",
+                about="the autonomy stack reports whether there is an alley left to take",
                 control="agent",
                 transitions=[
                     When(k.alleys_driven >= k.alleys, to="done"),
@@ -140,12 +140,12 @@ def mission() -> Mission:
                 ],
             ),
             "looking": State(
-                about="refused, or nobody knows whether it was done: a moment to hear what is so",
+                about="refused, or no one knows whether it was done: a moment to receive what is so",
                 control="agent",
                 transitions=[When(k.alleys_driven >= k.alleys, to="done"), After(3, to="going_on")],
             ),
             "going_on": State(
-                about="what is so says how",
+                about="what is so reports how",
                 control="agent",
                 transitions=[
                     When(
@@ -161,7 +161,7 @@ def mission() -> Mission:
             ),
             "signalling": Tree(
                 Sequence([CallLeaf("horn", timeout_s=2), WaitLeaf(5)]),
-                about="what lives may walk away; that nothing is heard of it counts only while the camera is heard",
+                about="what lives may walk away; that it is reported gone counts only while the camera is received",
                 timeout_s=10,
                 control="agent",
                 entry=[Set(k.signals, add=1)],
@@ -187,7 +187,8 @@ def mission() -> Mission:
                 "succeeded", about="every alley is driven", requires=k.alleys_driven >= k.alleys, entry=[HALT]
             ),
             "nothing_to_do": Final(
-                "failed", about="the count has so many alleys already, or is not heard: nothing was driven by this run"
+                "failed",
+                about="the count has so many alleys already, or is not received: nothing was driven by this run",
             ),
             "unfinished_home": Final("failed", about="home, with alleys left"),
             "stranded": Final(
@@ -201,7 +202,7 @@ def mission() -> Mission:
                 entry=[HALT, Say("I have stopped here for good. A person must come.")],
             ),
             "aborted": Final("aborted", about="home before the work was done"),
-            "stopped": Final("aborted", about="stopped at once, because somebody wanted it", entry=[HALT]),
+            "stopped": Final("aborted", about="stopped at once, because someone wanted it", entry=[HALT]),
         },
         transitions=[
             On("e_stop", to="stopped"),

@@ -2,7 +2,7 @@
 # mypy: disable-error-code="import-not-found"
 """Starts the tractor's mission as a node of ROS 2: `ros2 launch missions/tractor/tractor.launch.py`.
 
-With `managed:=true` it waits to be configured and activated, and runs the mission whenever it is told to.
+With `managed:=true` it waits to be configured and activated, and runs the mission whenever it is asked to.
 """
 
 from pathlib import Path

@@ -62,7 +62,7 @@ def unbounded_decisions(survey: MissionIndex) -> Found:
                 if free
                 else "add an option without 'when', and name it"
             )
-            yield place, f"the decision has no 'fallback' for when nobody answers; {remedy}"
+            yield place, f"the decision has no 'fallback' for when no one answers; {remedy}"
 
 
 def misspelled_answerers(survey: MissionIndex) -> Found:
@@ -71,7 +71,7 @@ def misspelled_answerers(survey: MissionIndex) -> Found:
         for index, name in enumerate(asked.ask):
             close = difflib.get_close_matches(name, ANSWERERS, n=1, cutoff=0.75)
             if name not in ANSWERERS and close:
-                yield f"{place}/ask/{index}", f"nobody is called '{name}'; did you mean '{close[0]}'?"
+                yield f"{place}/ask/{index}", f"no one is called '{name}'; did you mean '{close[0]}'?"
             elif name in asked.ask[:index]:
                 yield f"{place}/ask/{index}", f"'{name}' is asked twice; raise 'attempts' instead"
 

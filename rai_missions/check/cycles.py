@@ -37,7 +37,7 @@ class Jump:
     guard: Guard
     form: Form
     active: tuple[StateRef, ...]
-    """What it enters, and what around that stays active; regions beside it do not count."""
+    """What it enters, and what around that stays active; regions next to it do not count."""
     names: frozenset[str]
     """Of these."""
     ends: bool
@@ -138,7 +138,7 @@ def _stays(row: TransitionRef, targets: list[StateRef]) -> StateRef | None:
 
 
 def _after(jump: Jump, guard: Guard, owner: StateRef | None) -> Truth:
-    """What a guard says by the configuration alone once a jump is made; None where facts decide."""
+    """The value of a guard by the configuration alone once a jump is made; None where facts decide."""
     if jump.ends:
         return False
     reenters = owner is not None and owner.inside(jump.stays) and bool(jump.row.transition.to)
@@ -152,7 +152,7 @@ def _active(jump: Jump, name: str) -> Truth:
 
 
 def _followers(survey: MissionIndex, jumps: list[Jump]) -> dict[Jump, list[Jump]]:
-    """Which jumps can be made right after which, by where they stand and what is active."""
+    """Which jumps can be made right after which, by where they are and what is active."""
     owned: dict[StateRef | None, list[Jump]] = {}
     for jump in jumps:
         owned.setdefault(jump.row.owner, []).append(jump)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Success rests on what the robot said: which keys come from it, and whether a guard can be true without it.
+"""Success rests on what the robot reported: which keys come from it, and whether a guard can be true without it.
 
-Rule: nobody can declare success, the author included. What is set to a constant, given at the start or answered by a
-model counts as said by nobody.
+Rule: no one can declare success, the author included. What is set to a constant, given at the start or answered by a
+model counts as reported by no one.
 """
 
 from __future__ import annotations
@@ -180,9 +180,11 @@ def missing_requires(survey: MissionIndex) -> Found:
                 for row in survey.rows
                 if spot.name in row.transition.to
             )
-            why = "an answer alone would declare success" if answered else "nothing the robot says would have to agree"
+            why = (
+                "an answer alone would declare success" if answered else "nothing the robot reports would have to agree"
+            )
             yield (
                 spot.place,
                 f"the mission succeeds at '{spot.name}' without 'requires', so {why}; "
-                "add what the robot's keys must say",
+                "add what the robot's keys must state",
             )

@@ -44,7 +44,7 @@ __all__ = ("EffectUse", "GuardUse", "KeyWrite", "MissionIndex", "Read", "Scope",
 
 
 class StateRef:
-    """A state where it stands: its place, its parent, and the span of the states inside it."""
+    """A state where it is: its place, its parent, and the span of the states inside it."""
 
     __slots__ = ("children", "index", "last", "name", "parent", "place", "rows", "state")
 
@@ -71,7 +71,7 @@ class StateRef:
 
 
 class TransitionRef(NamedTuple):
-    """A transition where it stands; `owner` is None for the mission's own."""
+    """A transition where it is; `owner` is None for the mission's own."""
 
     owner: StateRef | None
     place: str
@@ -79,12 +79,12 @@ class TransitionRef(NamedTuple):
 
 
 class Scope(NamedTuple):
-    """What stands around a read: whose it is, and what `event.…` and `answer.…` can mean there."""
+    """What is around a read: whose it is, and what `event.…` and `answer.…` can mean there."""
 
     owner: StateRef | None = None
     row: TransitionRef | None = None
     option: Option | None = None
-    """The option in whose subtree of a tree it stands."""
+    """The option in whose subtree of a tree it is."""
 
 
 class Read(NamedTuple):
@@ -101,14 +101,14 @@ class KeyWrite(NamedTuple):
     key: str
     place: str
     by: str
-    """`set`, `add`, `from`, `result`, `each`, or `status` for what a tree's node says."""
+    """`set`, `add`, `from`, `result`, `each`, or `status` for what a tree's node reports."""
     value: Any
     """The constant, the number added, or the path."""
     scope: Scope
 
 
 class GuardUse(NamedTuple):
-    """A guard where it stands, and what it decides: `row`, `option`, `achieved`, `requires`, `invariant` or `tree`."""
+    """A guard where it is, and what it decides: `row`, `option`, `achieved`, `requires`, `invariant` or `tree`."""
 
     guard: Guard
     place: str
@@ -117,7 +117,7 @@ class GuardUse(NamedTuple):
 
 
 class EffectUse(NamedTuple):
-    """An effect where it stands."""
+    """An effect where it is."""
 
     effect: Effect
     place: str

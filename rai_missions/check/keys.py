@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keys and events: unknown, written by nobody, used by nobody, or written by somebody who may not."""
+"""Keys and events: unknown, written by no one, used by no one, or written by someone who may not."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def unused_keys(survey: MissionIndex) -> Found:
     """Every key is read, or is a key of the mission that is written."""
     named = any(isinstance(part, Named) for _, part, _ in survey.parts)
     if named or any(isinstance(planted.node, BehaviourLeaf) for _, planted in survey.planted):
-        return  # what stands in the program may read any key
+        return  # what is in the program may read any key
     used = {key_of(survey, read.path) for read in survey.reads} | {
         survey.keys.meant(write.key) for write in survey.writes
     }

@@ -39,7 +39,7 @@ __all__ = ("MOST_TIMES", "long_loops", "waitless_loops")
 
 Found = Iterator[tuple[str, str]]
 Ends = frozenset[str]
-"""How a node may stand after the tick that begins it: `success`, `failure`, `running` where it takes time; with `waits`
+"""How a node may be after the tick that begins it: `success`, `failure`, `running` where it takes time; with `waits`
 where that depends on what may change: a key, the time, a state."""
 MOST_TIMES = 10_000
 ENDED = frozenset({"success", "failure"})
@@ -121,7 +121,7 @@ def _of_leaf(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
 
 
 def _in_turn(children: tuple[TreeNode, ...], onward: str, keys: Mapping[str, Key]) -> Ends:
-    """One after the other, while each says what leads on."""
+    """One after the other, while each reports what leads on."""
     found = Ends()
     for child in children:
         ends = _ends(child, keys)
@@ -147,7 +147,7 @@ def _together(node: ParallelTree, keys: Mapping[str, Key]) -> Ends:
 
 
 def _decorated(node: Decorator, ends: Ends) -> Ends:
-    """What a decorator says; a loop that begins its child again runs."""
+    """What a decorator reports; a loop that begins its child again runs."""
     if type(node) in STATUSES:
         return frozenset(STATUSES[type(node)].get(end, end) for end in ends)
     if isinstance(node, OneShot) and node.policy == "on_completion" and "running" not in ends:
@@ -160,7 +160,7 @@ def _decorated(node: Decorator, ends: Ends) -> Ends:
 
 
 def _is_settled(guard: Guard, keys: Mapping[str, Key]) -> bool:
-    """Whether nothing can make a guard say something else in the course of a run."""
+    """Whether nothing can make a guard state something else in the course of a run."""
     site = Site("", keys)
     guard.compile(site)
     if site.clocked or site.holds or site.states or site.named:

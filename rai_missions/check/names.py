@@ -27,7 +27,7 @@ Found = Iterator[tuple[str, str]]
 
 
 def duplicate_states(survey: MissionIndex) -> Found:
-    """A state's name is unique in the mission, whatever it stands in."""
+    """A state's name is unique in the mission, whatever it is in."""
     for spot in survey.spots:
         first = survey.by_name[spot.name]
         if first is not spot:
@@ -56,7 +56,7 @@ def _named_states(survey: MissionIndex) -> Iterator[tuple[str, str]]:
 
 
 def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """One name stands at the place itself, several in a list."""
+    """One name is at the place itself, several in a list."""
     for index, name in enumerate(names):
         yield (place if len(names) == 1 else f"{place}/{index}"), name
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Outcomes and options that nobody handles, and rows that wait for an outcome that never comes."""
+"""Outcomes and options that nothing handles, and rows that wait for an outcome that never comes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def unhandled_options(survey: MissionIndex) -> Found:
             if (spot.name, name) not in rows and name not in OUTCOMES:
                 what = f"the fallback '{name}'" if name == asked.fallback else f"option '{name}'"
                 place = pointer(spot.place, "decision", "options", name)
-                yield place, f'nobody handles {what}; add a row {{"on": "{name}", "to": …}} to \'{spot.name}\''
+                yield place, f'nothing handles {what}; add a row {{"on": "{name}", "to": …}} to \'{spot.name}\''
 
 
 def unhandled_success(survey: MissionIndex) -> Found:
@@ -51,7 +51,7 @@ def unhandled_success(survey: MissionIndex) -> Found:
         if "succeeded" in ends.by(spot) and (spot.name, "succeeded") not in rows and not _is_region(spot):
             yield (
                 spot.place,
-                f"nobody handles 'succeeded' of '{spot.name}', and it would stay there; "
+                f"nothing handles 'succeeded' of '{spot.name}', and it would stay there; "
                 'add a row {"on": "succeeded", "to": …} to it, or one without \'to\' if it is to stay',
             )
 
@@ -67,7 +67,7 @@ def deaf_rows(survey: MissionIndex) -> Found:
     for row in survey.rows:
         source = survey.by_name.get(row.transition.of) if row.transition.of is not None else None
         if row.transition.of is not None and source is None:
-            continue  # it is unknown, and that is told
+            continue  # it is unknown, and that is reported
         words = [word for word in row.transition.on if word in OUTCOMES and word not in survey.mission.events]
         if source is not None and not together(row.owner, source):
             assert row.owner is not None
@@ -79,7 +79,7 @@ def deaf_rows(survey: MissionIndex) -> Found:
         possible = ends.by(source) if source is not None else ends.possible_at(row.owner)
         whose = source or row.owner
         if whose is not None and isinstance(whose.state, Action | Call):
-            words = [word for word in words if word != "timed_out"]  # without a timeout: told, and the row is right
+            words = [word for word in words if word != "timed_out"]  # without a timeout: reported, and the row is right
         if vain := [word for word in words if word not in possible]:
             yield f"{row.place}/on", _vain(row, source, vain, possible)
 

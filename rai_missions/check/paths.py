@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a path means where it stands: which key or payload it reads, of which type, or why it reads nothing."""
+"""What a path means where it is: which key or payload it reads, of which type, or why it reads nothing."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def key_of(survey: MissionIndex, path: str) -> str | None:
 
 
 def meaning(survey: MissionIndex, read: Read) -> Meaning:
-    """What a path means where it stands."""
+    """What a path means where it is."""
     root, *fields = read.path.split(".")
     key = survey.mission.blackboard.get(root)
     if key is not None:
@@ -77,7 +77,7 @@ def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     declared = survey.mission.events
     events = [(word, declared[word]) for word in (declared if ANY_EVENT in words else words) if word in declared]
     if len(fields) != 1 or any(word not in declared and word != ANY_EVENT for word in words):
-        return Meaning()  # an outcome brings whatever its server says
+        return Meaning()  # an outcome brings whatever its server reports
     if any(not event.fields for _, event in events):
         return Meaning()
     kinds = {event.fields[fields[0]] for _, event in events if fields[0] in event.fields}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the parts of guards, templates and trees stand: JSON pointers (RFC 6901) in the mission."""
+"""Where the parts of guards, templates and trees are: JSON pointers (RFC 6901) in the mission."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def template_reads(template: Any, place: str) -> Iterator[tuple[str, str]]:
 
 
 class NodeRef(NamedTuple):
-    """A node of a tree where it stands."""
+    """A node of a tree where it is."""
 
     node: TreeNode
     place: str
     timed: bool
     """A `timeout` around it bounds it."""
     option: Option | None
-    """The innermost option under whose `then` it stands."""
+    """The innermost option under whose `then` it is."""
 
 
 def tree_nodes(root: TreeNode, place: str) -> Iterator[NodeRef]:

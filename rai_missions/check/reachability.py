@@ -17,7 +17,7 @@ Found = Iterator[tuple[str, str]]
 
 
 class Reach:
-    """What can be active at some time, as far as the rows' targets say: guards and triggers do not count."""
+    """What can be active at some time, as far as the rows' targets state: guards and triggers do not count."""
 
     def __init__(self, survey: MissionIndex) -> None:
         self.survey = survey
@@ -99,7 +99,7 @@ def unreachable_states(survey: MissionIndex) -> Found:
 
 
 def _own_fault(survey: MissionIndex, spot: StateRef) -> bool:
-    """Whether nothing else is told of it that explains why it is not reached."""
+    """Whether nothing else is notified of it that explains why it is not reached."""
     homeless = spot.parent is None or isinstance(spot.parent.state, Parallel)
     return survey.by_name[spot.name] is spot and not (homeless and isinstance(spot.state, History))
 
@@ -160,7 +160,7 @@ def _rows_here(spot: StateRef) -> Iterator[TransitionRef]:
 
 
 def _own_rows(survey: MissionIndex) -> list[TransitionRef]:
-    """The mission's own rows, which stand last."""
+    """The mission's own rows, which are last."""
     return survey.rows[len(survey.rows) - len(survey.mission.transitions) :]
 
 
@@ -178,7 +178,7 @@ def _frees(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> bool:
 
 
 def _covered_by(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> frozenset[str]:
-    """The outcomes that a row can hear while a state that runs nothing is active: those of regions beside it."""
+    """The outcomes that a row can receive while a state that runs nothing is active: those of regions next to it."""
     if row.transition.of is not None:
         source = survey.spot(row.transition.of)
         return reported(survey).by(source) if source is not None else frozenset()

@@ -11,7 +11,7 @@ from rai_missions.states import Compound, Each, Final, History, Include, Paralle
 __all__ = ("Reported", "reported")
 
 ENDS = frozenset({"succeeded", "failed", "aborted", "canceled", "unverified"})
-"""What finals can say."""
+"""What finals can report."""
 
 
 class Reported:
@@ -33,7 +33,7 @@ class Reported:
         return self._ends[spot.index]
 
     def possible_at(self, spot: StateRef | None) -> frozenset[str]:
-        """What rows of it can hear: its own, and what climbs from inside."""
+        """What rows of it can receive: its own, and what climbs from inside."""
         return self.anywhere if spot is None else self._ends[spot.index] | self._below[spot.index]
 
     def _of(self, spot: StateRef) -> frozenset[str]:

@@ -86,7 +86,7 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("unused-key", "warning", keys.unused_keys),
     CheckRule("unused-event", "warning", keys.unused_events),
 )
-"""In this order where they stand at one place."""
+"""In this order where they are at one place."""
 
 
 def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Finding, ...]:

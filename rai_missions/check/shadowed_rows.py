@@ -91,7 +91,7 @@ def impossible_guards(survey: MissionIndex) -> Found:
 
 
 def unwatched_holds(survey: MissionIndex) -> Found:
-    """`held` stands in a row, an invariant or a tree: it is watched there, and nowhere else."""
+    """`held` is in a row, an invariant or a tree: it is watched there, and nowhere else."""
     for guard, place, role, _ in survey.guards:
         held = next((part for part in guard.walk() if part.held_s > 0), None)
         if held is not None and role in ("achieved", "option", "requires"):
@@ -103,7 +103,7 @@ def unwatched_holds(survey: MissionIndex) -> Found:
 
 
 def _there(survey: MissionIndex, this: Form, owner: StateRef | None) -> Form:
-    """A guard where it stands: `in` a state that is never active together with its owner is not true there."""
+    """A guard where it is: `in` a state that is never active together with its owner is not true there."""
     if isinstance(this, Junction):
         return Junction(this.word, tuple(_there(survey, part, owner) for part in this.parts))
     spot = survey.by_name.get(this.path) if this.kind == "in" else None

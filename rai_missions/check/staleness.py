@@ -18,7 +18,7 @@ Found = Iterator[tuple[str, str]]
 
 
 def blind_rows(survey: MissionIndex) -> Found:
-    """A row or invariant that protects has, beside it or further out, one that reacts when its key goes stale."""
+    """A row or invariant that protects has, next to it or further out, one that reacts when its key goes stale."""
     watched: dict[str, set[StateRef | None]] = {}
     for ruled in survey.guards:
         if ruled.role in ("row", "invariant"):
@@ -31,7 +31,7 @@ def blind_rows(survey: MissionIndex) -> Found:
             if not (owners if depth == "within" else owners & {None, *_upward(ruled.scope.owner)}):
                 yield (
                     ruled.place,
-                    f"this protects only while '{key}' is heard: when it goes stale this is unknown, and nobody "
+                    f"this protects only while '{key}' is received: when it goes stale this is unknown, and no one "
                     f'handles that; join {{"not": {{"fresh": "{key}"}}}} to it with "any", or write a row for it',
                 )
 
@@ -53,7 +53,7 @@ def _protects(survey: MissionIndex, ruled: GuardUse) -> str:
 
 
 def _gives_up(survey: MissionIndex, row: TransitionRef) -> bool:
-    """Whether a row leads to an end that is no success, or hands control to somebody else."""
+    """Whether a row leads to an end that is no success, or hands control to someone else."""
     before = _control(row.owner)
     for target in survey.found(row.transition.to):
         if isinstance(target.state, Final) and target.state.final != "succeeded":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What may stand where: initials, lists of targets, history, finals, rows into themselves."""
+"""What may be where: initials, lists of targets, history, finals, rows into themselves."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Found = Iterator[tuple[str, str]]
 
 
 def initial_outside(survey: MissionIndex) -> Found:
-    """`initial` names a state inside the one that it stands in; a history of the same has a default."""
+    """`initial` names a state inside the one that it is in; a history of the same has a default."""
     for spot in survey.spots:
         names = getattr(spot.state, "initial", ())
         for index, name in enumerate(names):
@@ -103,19 +103,19 @@ def _clash(targets: Sequence[StateRef]) -> str:
 
 
 def misplaced_states(survey: MissionIndex) -> Found:
-    """A history stands in a compound state, a final not beside regions, and neither has a timeout or control."""
+    """A history is in a compound state, a final not next to regions, and neither has a timeout or control."""
     for spot in survey.spots:
         state, parent = spot.state, spot.parent
         if isinstance(state, History) and (parent is None or isinstance(parent.state, Parallel)):
             where = "at the top, which is never left" if parent is None else f"among the regions of '{parent.name}'"
             yield (
                 spot.place,
-                f"the history '{spot.name}' stands {where}; put it into the compound state that it is to remember",
+                f"the history '{spot.name}' is {where}; put it into the compound state that it is to remember",
             )
         if isinstance(state, Final) and parent is not None and isinstance(parent.state, Parallel):
             yield (
                 spot.place,
-                f"the final '{spot.name}' stands among the regions of '{parent.name}'; put it into a region",
+                f"the final '{spot.name}' is among the regions of '{parent.name}'; put it into a region",
             )
         if isinstance(state, Final | History):
             kind = "final" if isinstance(state, Final) else "history"
@@ -155,7 +155,7 @@ def crossing_rows(survey: MissionIndex) -> Found:
                 yield (
                     f"{row.place}/to",
                     f"'{target.name}' is in another region of '{parallel.name}', so all its regions are left and "
-                    "entered anew; raise an event that a row there waits for, or lead out of the parallel",
+                    "entered again; raise an event that a row there waits for, or lead out of the parallel",
                 )
 
 

@@ -15,7 +15,7 @@ Found = Iterator[tuple[str, str]]
 
 
 def lost_timers(survey: MissionIndex) -> Found:
-    """A transition with `after_s` and `when` fires at one instant or never; another one says what happens otherwise."""
+    """A transition with `after_s` and `when` fires at one instant or never; give another one for the other case."""
     for row in survey.rows:
         after_s, guard = row.transition.after_s, row.transition.when
         if after_s is not None and guard is not None and not _continues(survey, row):

@@ -22,7 +22,7 @@ def _kind(survey: MissionIndex, path: str, scope: Scope) -> str | None:
 
 
 class _Declared:
-    """What is declared where a guard stands."""
+    """What is declared where a guard is."""
 
     def __init__(self, survey: MissionIndex, scope: Scope) -> None:
         self._survey, self._scope = survey, scope

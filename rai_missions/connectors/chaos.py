@@ -36,7 +36,7 @@ class Rates:
     garble: float = 0.05
     """A field of a message on a topic is NaN, infinite, missing, or of another type."""
     silence: float = 0.0
-    """A topic has nothing more to say from this message on."""
+    """A topic has nothing more to state from this message on."""
     longest_s: float = 1.0
 
 
@@ -53,7 +53,7 @@ class ChaosConnector:
     Args:
         connector: Through which everything goes.
         seed: What befalls what follows from it.
-        incoming: What befalls messages heard, replies and reports.
+        incoming: What befalls messages received, replies and reports.
         outgoing: What befalls messages sent, calls, goals and cancels.
         later: Has something done after so many seconds; on the wall's clock by default.
     """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The door to the robot: publish-subscribe, services and actions, the three modes of the RAI paper.
 
-Rule: nothing here waits. What comes back is told to a callback, which may run on any thread and must return at once.
+Rule: nothing here waits. What comes back is passed to a callback, which may run on any thread and must return at once.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Close = Callable[[], None]
 
 
 class Message(NamedTuple):
-    """One message heard on a topic."""
+    """One message received on a topic."""
 
     topic: str
     data: Data
@@ -70,12 +70,12 @@ class Reply(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What an action's server says of one goal.
+    """What an action's server reports about one goal.
 
-    `failed` is an action's `aborted`; `lost` says that the server is gone or knows nothing of the goal. These two,
+    `failed` is an action's `aborted`; `lost` reports that the server is gone or knows nothing of the goal. These two,
     `rejected`, `succeeded` and `canceled` are ends: one of them is reported, and no other report follows but two.
     `stray`: the goal is executing at some server although its end was reported; it is canceled there. `over`: a goal
-    that was lost or stray is executing nowhere any more. `cancel_rejected` says that the server does not cancel the
+    that was lost or stray is executing nowhere any more. `cancel_rejected` reports that the server does not cancel the
     goal, `contested` that a second server of the action was seen while the goal was under way.
     """
 
@@ -102,10 +102,10 @@ class ActionServer(Protocol):
 
 @runtime_checkable
 class SupportsRawMessages(Protocol):
-    """A connector whose messages can be had as they came over the wire too, for whoever records them."""
+    """A connector whose messages can be had as they came over the wire too, for anyone who records them."""
 
     def definition(self, type_name: str) -> str:
-        """How the bytes of a type are read, as the wire's own language says it; raises `ConnectorError`."""
+        """How the bytes of a type are read, as the wire's own language reports it; raises `ConnectorError`."""
 
     def tap(
         self, topic: str, type_name: str, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None]
@@ -121,13 +121,13 @@ class SupportsPreconnect(Protocol):
         """A service or an action will be used, or a topic published on; others see the topic from now on.
 
         Raises:
-            ConnectorError: It cannot be, as its first use would say.
+            ConnectorError: It cannot be, as its first use would state.
         """
 
 
 @runtime_checkable
 class SupportsDiscoveryCount(Protocol):
-    """A connector that tells who is there from who only waits for somebody; `listed` has the names of both."""
+    """A connector that counts the peers that publish or serve; `listed` has those that only wait, too."""
 
     def offered(self, mode: Mode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action."""
@@ -174,9 +174,9 @@ class Connector(Protocol):
         """Close everything; afterwards no callback runs. Goals that still run are canceled first."""
 
     def listed(self, mode: Mode) -> Mapping[str, str]:
-        """What is there now, by name: each with the name of its type, empty where nobody says it.
+        """What is there now, by name: each with the name of its type, empty where no one reports it.
 
-        What somebody listens to counts as a topic too. A connector that does not run lists nothing.
+        What someone listens to counts as a topic too. A connector that does not run lists nothing.
         """
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close: ...
@@ -192,7 +192,7 @@ class Connector(Protocol):
         on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
-        """Call a service; `on_reply` is told exactly once."""
+        """Call a service; `on_reply` is called exactly once."""
 
     def send_goal(
         self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
@@ -200,9 +200,9 @@ class Connector(Protocol):
         """Ask an action's server to pursue a goal under the id given."""
 
     def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
-        """Ask for a goal that an earlier process sent, and be told of it from now on.
+        """Ask for a goal that an earlier process sent, and be notified of it from now on.
 
-        Reports `accepted` if it runs, its end if it has ended, and `lost` if its server knows nothing of it or nobody
+        Reports `accepted` if it runs, its end if it has ended, and `lost` if its server knows nothing of it or no one
         serves the action.
         """
 
@@ -210,7 +210,7 @@ class Connector(Protocol):
         """Ask for a goal's end; before its acceptance too. An unknown or ended goal: nothing happens."""
 
     def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
-        """Serve a service; an exception of `answer` is a `failed` reply that says why."""
+        """Serve a service; an exception of `answer` is a `failed` reply that states why."""
 
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
         """Serve an action."""

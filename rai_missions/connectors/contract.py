@@ -24,7 +24,7 @@ ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 
 
 class Inbox(Generic[T]):
-    """Collects what a callback is told, from any thread.
+    """Collects what a callback receives, from any thread.
 
     Args:
         within_s: How long `wait` waits before it gives up.
@@ -41,15 +41,15 @@ class Inbox(Generic[T]):
             self._changed.notify_all()
 
     def wait(self, enough: Callable[[list[T]], bool], what: str) -> list[T]:
-        """Wait until enough was heard, and something at all; else an `AssertionError` that says what did not come."""
+        """Wait until enough was received, and something at all; else an `AssertionError` names what is missing."""
         with self._changed:
             is_enough = self._changed.wait_for(lambda: bool(self.all) and enough(self.all), self._within_s)
-            assert is_enough, f"{what}; heard only {self.all}"
+            assert is_enough, f"{what}; received only {self.all}"
             return list(self.all)
 
 
 class PatientServer:
-    """An action server that does only what the test tells it; the words of its goals are kept in order."""
+    """An action server that does only what the test asks; the words of its goals are kept in order."""
 
     def __init__(self) -> None:
         self.asked: Inbox[tuple[str, str]] = Inbox()
@@ -78,7 +78,7 @@ def check_connector(
         goal: A goal of that type.
 
     Raises:
-        AssertionError: A promise is broken; the text says which.
+        AssertionError: A promise is broken; the text states which.
     """
     checks = {"topics": TOPICS, "services": SERVICES, "actions": ACTIONS}
     for mode in sorted(make().modes):
@@ -151,7 +151,7 @@ def _receives_what_is_published(connector: Connector, *_: Any) -> None:
     close()
     close()
     connector.publish("/check/topic", STRING, {"data": "late"})
-    assert len(inbox.all) == 3, "a closed subscription hears nothing"
+    assert len(inbox.all) == 3, "a closed subscription receives nothing"
 
 
 def _receives_nothing_after_stop(connector: Connector, *_: Any) -> None:
@@ -188,7 +188,7 @@ def _reports_that_no_server_offers(connector: Connector, *_: Any) -> None:
     close = connector.serve("/check/service", TRIGGER, lambda _request: {})
     close()
     connector.call("/check/service", TRIGGER, {}, on_reply=replies, timeout_s=0.5)
-    (reply,) = replies.wait(bool, "nobody serves it")
+    (reply,) = replies.wait(bool, "no server offers it")
     assert reply.outcome in ("unavailable", "timed_out"), reply
 
 
@@ -280,7 +280,7 @@ def _is_refused(serve: Callable[[], Any]) -> None:
 def _rejects_what_no_server_offers(connector: Connector, action_type: str, goal: Data) -> None:
     reports: Inbox[Report] = Inbox()
     connector.send_goal("/check/nobody", action_type, goal, goal_id="g4", on_report=reports)
-    (report,) = reports.wait(bool, "nobody serves the action")
+    (report,) = reports.wait(bool, "no server offers the action")
     assert report.status in ("rejected", "lost"), report
 
 

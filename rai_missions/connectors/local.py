@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The in-process connector: robot and mission meet in one object, on the caller's thread.
 
-Rule: no lock is held while somebody else's code runs, so a callback may use the connector freely.
+Rule: no lock is held while someone else's code runs, so a callback may use the connector freely.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class LocalConnector:
     """Topics, services and actions inside one process; a `Connector`.
 
     Publishing calls the subscribers, in the order in which they subscribed, before it returns; a service answers
-    before `call` returns, so its `timeout_s` never runs out. Whoever is stopped hears and says nothing.
-    An empty `type_name` stands for whatever type the other side uses.
+    before `call` returns, so its `timeout_s` never runs out. A connector that is stopped receives and reports nothing.
+    An empty `type_name` represents whatever type the other side uses.
 
     Args:
         now: Seconds on the run's clock. Stamps are of that clock, or of the time of day where they are nearer to it.
@@ -48,7 +48,7 @@ class LocalConnector:
         self._servers: dict[str, tuple[ActionServer, SerialQueue]] = {}
         self._goals: dict[str, LocalGoal] = {}
         self._ended: dict[str, LocalGoal] = {}
-        """The last goals that have ended, for whoever asks again."""
+        """The last goals that have ended, for anyone who asks again."""
 
     @property
     def running(self) -> bool:
@@ -71,7 +71,7 @@ class LocalConnector:
             goal.silence()
 
     def listed(self, mode: Mode) -> Mapping[str, str]:
-        """What is served, and the topics that somebody listens to or has spoken on since the start."""
+        """What is served, and the topics that someone listens to or has spoken on since the start."""
         with self._lock:
             if mode == "topics":
                 spoken = [name for kind, name in self._types if kind == "topics"]
@@ -112,7 +112,7 @@ class LocalConnector:
             answer = self._services.get(service) if self._running else None
             wrong = self._disagreement("services", service, type_name)
         if answer is None:
-            on_reply(Reply("unavailable", {}, f"nobody serves {service}"))
+            on_reply(Reply("unavailable", {}, f"no server offers {service}"))
         elif wrong:
             on_reply(Reply("failed", {}, wrong))
         else:
@@ -131,7 +131,7 @@ class LocalConnector:
                 sent = LocalGoal(goal_id, action, found[0], found[1], on_report, ended=self._forget)
                 self._goals[goal_id] = sent
         if found is None:
-            on_report(Report(goal_id, "rejected", {}, f"nobody serves {action}"))
+            on_report(Report(goal_id, "rejected", {}, f"no server offers {action}"))
         elif wrong:
             on_report(Report(goal_id, "rejected", {}, wrong))
         else:
@@ -144,7 +144,7 @@ class LocalConnector:
         if found is not None:
             found.deliver(on_report)
         else:
-            why = f"the server of {action} knows nothing of the goal" if is_served else f"nobody serves {action}"
+            why = f"the server of {action} knows nothing of the goal" if is_served else f"no server offers {action}"
             on_report(Report(goal_id, "lost", {}, why))
 
     def cancel_goal(self, goal_id: str) -> None:

@@ -22,7 +22,7 @@ ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
 class SerialQueue:
     """Runs what is posted one after the other, on the thread that finds it idle.
 
-    A post from inside a running piece, or from another thread, is run by whoever is running already.
+    A post from inside a running piece, or from another thread, is run by the one that is running already.
     """
 
     def __init__(self) -> None:
@@ -55,9 +55,9 @@ class LocalGoal:
         goal_id: Unique among the goals that run.
         action: The action's name.
         server: Who serves it.
-        calls: The server's mailbox: its calls come one after the other, whoever makes them.
-        report: Whom to tell.
-        ended: Told once, before the end is reported.
+        calls: The server's mailbox: its calls come one after the other, from whichever thread.
+        report: Whom to notify.
+        ended: Called once, before the end is reported.
     """
 
     def __init__(
@@ -84,11 +84,11 @@ class LocalGoal:
         self._reports.post(self._want_no_more)
 
     def on_report(self, report: Report) -> None:
-        """What the server says; dropped when it comes late, twice or under another goal's id."""
+        """What the server reports; dropped when it comes late, twice or under another goal's id."""
         self._reports.post(lambda: self._pass_on(report))
 
     def deliver(self, on_report: Callable[[Report], None]) -> None:
-        """Tell somebody else from now on, beginning with what has become of it."""
+        """Notify someone else from now on, beginning with what has become of it."""
         self._reports.post(lambda: self._begin_again(on_report))
 
     def _begin_again(self, on_report: Callable[[Report], None]) -> None:
@@ -143,4 +143,4 @@ class LocalGoal:
 
 
 def _discard(_report: Report) -> None:
-    """Nobody listens any more."""
+    """No one listens any more."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who a robot is: a folder with a description, pictures of it, its build and further documents.
 
-Rule: nothing outside the folder is read, whatever its files or links say, and nothing without a bound.
+Rule: nothing outside the folder is read, whatever its files or links name, and nothing without a bound.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ class Identity:
     """A robot as it knows itself."""
 
     description: str
-    """What `description.md` says."""
+    """The text of `description.md`."""
     images: tuple[Image, ...] = ()
     """Its pictures in the order of their names, one called `portrait` first."""
     body: Body | None = None
-    """Its links and joints, where a URDF tells them."""
+    """Its links and joints, where a URDF has them."""
     documents: Mapping[str, str] = field(default_factory=dict)
     """Its other documents: file name → text."""
 
@@ -48,7 +48,7 @@ class Identity:
         return self.images[0] if self.images else None
 
     def words(self) -> str:
-        """The description and the build, for whoever thinks for this robot."""
+        """The description and the build, for anyone who thinks for this robot."""
         parts = (self.description.strip(), self.body.words() if self.body else "")
         return "\n\n".join(part for part in parts if part)
 
@@ -66,7 +66,7 @@ class Identity:
         if len(bodies) > 1:
             reader.fault("", f"{' and '.join(bodies)} both describe the build; keep one")
         if DESCRIPTION not in reader.files:
-            reader.fault(DESCRIPTION, "is missing; say in it who the robot is")
+            reader.fault(DESCRIPTION, "is missing; write in it who the robot is")
         if reader.faults:
             raise DefinitionError(reader.faults, str(folder))
         images = tuple(pictures[name] for name in sorted(pictures, key=_portrait_first))
@@ -144,7 +144,7 @@ def _text(name: str, data: bytes) -> str:
     except UnicodeDecodeError as error:
         raise ValueError(f"is not UTF-8 at byte {error.start}; save it as UTF-8") from None
     if name == DESCRIPTION and not text.strip():
-        raise ValueError("is empty; say in it who the robot is")
+        raise ValueError("is empty; write in it who the robot is")
     return text
 
 

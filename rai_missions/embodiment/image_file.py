@@ -15,7 +15,7 @@ __all__ = ("read_picture",)
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 JPEG_SIGNATURE = b"\xff\xd8"
 FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
-"""Markers that begin a frame, and so tell its size."""
+"""Markers that begin a frame, and so report its size."""
 LONE = frozenset(range(0xD0, 0xD8)) | {0x01}
 """Markers without a length."""
 
@@ -33,7 +33,7 @@ def read_picture(name: str, data: bytes) -> Image:
     else:
         raise ValueError("is neither a PNG nor a JPEG file")
     if size is None or min(size) < 1:
-        raise ValueError(f"is a broken {kind.upper()} file: it does not tell its size")
+        raise ValueError(f"is a broken {kind.upper()} file: it does not report its size")
     return Image(f"identity/{name}", *size, kind, data)
 
 

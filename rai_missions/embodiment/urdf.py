@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a URDF says of a robot's build: the names of its links and joints.
+"""What a URDF holds of a robot's build: the names of its links and joints.
 
 Source: the URDF XML specification (`robot`, `link`, `joint` and its `type`).
 """
@@ -45,7 +45,7 @@ class Refused(Exception):
 
 
 class _Listener:
-    """Hears the elements of a URDF."""
+    """Receives the elements of a URDF."""
 
     def __init__(self) -> None:
         self.path: list[str] = []

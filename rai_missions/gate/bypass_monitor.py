@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who else publishes to the actuators: what they say reaches them past the gate, whoever holds control.
+"""Who else publishes to the actuators: what they state reaches them past the gate, no matter who holds control.
 
 Rule: looking never waits on the gate's own threads, and stops nothing; it is for a person to mend.
 """
@@ -18,16 +18,16 @@ __all__ = ("BypassMonitor",)
 log = logger(__name__)
 
 LOOK_S = 2.0
-"""Seconds between two looks; also how long whoever is there already may take to be found."""
+"""Seconds between two looks; also how long anyone who is there already may take to be found."""
 
 
 class BypassMonitor:
     """Looks for others on the gate's topics, an `Agent`.
 
     Args:
-        connector: The gate's; where it cannot tell who is there, nobody is found.
+        connector: The gate's; where it cannot determine who is there, no one is found.
         topics: The actuators', each of which the gate publishes on itself.
-        told: Hears of a topic once when others are there, and again after they were gone: topic and how many.
+        reported: Is notified of a topic once when others are there, and again after they were gone: topic and how many.
     """
 
     def __init__(self, connector: Connector, topics: Iterable[str], on_change: Callable[[str, int], None]) -> None:
@@ -50,7 +50,7 @@ class BypassMonitor:
         """Begin on a thread of its own; returns at once."""
         if self._thread is None:
             self._is_over.clear()
-            self._thread = threading.Thread(target=self._watch, name="beside the gate", daemon=True)
+            self._thread = threading.Thread(target=self._watch, name="next to the gate", daemon=True)
             self._thread.start()
 
     def stop(self) -> None:
@@ -65,4 +65,4 @@ class BypassMonitor:
             try:
                 self.look()
             except ConnectorError as fault:
-                log.info("nobody could be counted: %s", fault)
+                log.info("no one could be counted: %s", fault)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person says of a gate: in a file, or on the command line.
+"""What a person writes about a gate: in a file, or on the command line.
 
-Rule: topics are named after who speaks on them, so that one rule of a network's security covers all that a holder says.
+Rule: topics are named after who speaks on them, so that one rule of a network's security covers all that a holder
+sends.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ class GateWords(MissionModel):
 
     format: Literal[1] = 1
     name: Topic = "/gate"
-    """What its topics and services stand below."""
+    """What its topics and services are below."""
     commands: tuple[CommandTopic, ...] = Field(
         default_factory=lambda: (CommandTopic("/cmd_vel", "geometry_msgs/msg/Twist"),)
     )
@@ -82,7 +83,7 @@ class GateWords(MissionModel):
     @classmethod
     def _knows_its_holders(cls, leases: dict[str, float]) -> dict[str, float]:
         for who in leases.keys() - set(COMMANDERS):
-            raise fault("leases", f"nobody called '{who}' commands actuators{suggestion(who, COMMANDERS)}")
+            raise fault("leases", f"no one called '{who}' commands actuators{suggestion(who, COMMANDERS)}")
         for who, lease_s in leases.items():
             if 0 < lease_s < SHORTEST_LEASE_S:
                 raise fault("leases", f"{lease_s:g} s for '{who}' is shorter than a message's way; give 0.01 or more")
@@ -95,7 +96,7 @@ class GateWords(MissionModel):
             raise fault("commands", "a gate without command topics guards nothing; give at least one")
         for topic in topics:
             if topics.count(topic) > 1:
-                raise fault("commands", f"'{topic}' stands here twice; drop one")
+                raise fault("commands", f"'{topic}' is here twice; drop one")
         return self
 
     @property
@@ -106,7 +107,7 @@ class GateWords(MissionModel):
         return GateRules(leases=leases, safe=self.safe, status_s=self.status_s, unlooked=unlooked)
 
     def options(self, **options: Any) -> dict[str, Any]:
-        """What a connector of kind `ros2` is opened with: the quality of each topic, beside what is given."""
+        """What a connector of kind `ros2` is opened with: the quality of each topic, next to what is given."""
         latched = {"durability": "latched", "depth": 1}
         qos: dict[str, Any] = {f"{self.name}/status": latched, f"{self.name}/holder": latched}
         for each in self.commands:
@@ -141,7 +142,7 @@ def gate_words(data: Mapping[str, Any], source: str = "") -> GateWords:
 
 
 def command_topic(text: str) -> dict[str, str]:
-    """`TOPIC=TYPE` as it stands in a gate's file.
+    """`TOPIC=TYPE` as it is in a gate's file.
 
     Raises:
         UsageError: It is not written so.
@@ -153,7 +154,7 @@ def command_topic(text: str) -> dict[str, str]:
 
 
 def leases_of(texts: Iterable[str]) -> dict[str, float]:
-    """`HOLDER=SECONDS`, several of them, as they stand in a gate's file.
+    """`HOLDER=SECONDS`, several of them, as they are in a gate's file.
 
     Raises:
         UsageError: One is not written so.

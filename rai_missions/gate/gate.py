@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gate at work: hears commands and requests over a connector, and passes on what its rules let through.
+"""The gate at work: receives commands and requests over a connector, and passes on what its rules let through.
 
 Rule: what is published leaves in the order of the rules' deeds, whichever thread brought what. So nothing of a former
 holder follows the stop that ended its hold.
@@ -50,14 +50,14 @@ STRING, EMPTY, TRIGGER = "std_msgs/msg/String", "std_msgs/msg/Empty", "std_srvs/
 
 
 class GateAgent:
-    """Stands where the actuators are; an `Agent`.
+    """Is where the actuators are; an `Agent`.
 
     Args:
         words: What it guards, and by which terms.
-        connector: Started by whoever made it; its `now` is the clock's.
+        connector: Started by its maker; its `now` is the clock's.
         clock: Time; the wall's by default.
-        observe: Told of each deed in order, after it was done.
-        memory: Who held control when a gate stood here last; without one it begins with its safe holder.
+        observe: Notified of each deed in order, after it was done.
+        memory: Who held control when a gate was here last; without one it begins with its safe holder.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class GateAgent:
         self.gate = Gate(holder=first, since=self._clock.now())
         """What it knows now."""
         self.gives_way = False
-        """Another gate of this name stood here before, so this one has ended: two would make two holders."""
+        """Another gate of this name was here before, so this one has ended: two would make two holders."""
 
     # -- its life --------------------------------------------------------------------------------------------------
 
@@ -109,7 +109,7 @@ class GateAgent:
         self._mailbox.wake()
 
     def serve(self) -> None:
-        """Stand there until `end`."""
+        """Stay there until `end`."""
         try:
             self.open()
             while not self._is_over:
@@ -122,7 +122,7 @@ class GateAgent:
             self.close()
 
     def open(self) -> None:
-        """Stop the actuators, say who holds control, and listen.
+        """Stop the actuators, state who holds control, and listen.
 
         Raises:
             ConnectorError: A type is not there, or a stop is no message of its topic's type.
@@ -144,7 +144,7 @@ class GateAgent:
         self.tick()
 
     def close(self) -> None:
-        """Hear nothing more, and stop the actuators."""
+        """Receive nothing more, and stop the actuators."""
         while self._closes:
             self._closes.pop()()
         self._do_in_turn((Halt("the gate has ended"),), is_last=True)
@@ -159,7 +159,7 @@ class GateAgent:
         self._take(TimePassed)
 
     def ask(self, to: str, by: str) -> Mapping[str, Any]:
-        """Ask for control to go to somebody; the answer is a std_srvs/srv/Trigger's."""
+        """Ask for control to go to someone; the answer is a std_srvs/srv/Trigger's."""
         for each in self._take(lambda at: Request(at, to, by)):
             if isinstance(each, Answer):
                 holds = f"{to} holds control, grant {each.revision}"
@@ -193,7 +193,7 @@ class GateAgent:
             return
         if is_older and not self.gives_way:
             self.gives_way = True
-            log.critical("another gate stands at %s already; this one ends", self._words.name)
+            log.critical("another gate is at %s already; this one ends", self._words.name)
             self.end()
 
     def _command(self, who: str, topic: str, message: Message) -> None:
@@ -203,7 +203,7 @@ class GateAgent:
     # -- what is done ----------------------------------------------------------------------------------------------
 
     def _take(self, happening: Callable[[float], GateEvent]) -> tuple[Deed, ...]:
-        """Ask the rules, and do what they say."""
+        """Ask the rules, and do what they state."""
         with self._lock:
             if self._is_closed:
                 return ()
@@ -215,7 +215,7 @@ class GateAgent:
         return done
 
     def _do_in_turn(self, deeds: tuple[Deed, ...], *, is_last: bool = False) -> None:
-        """Do what waits to be done; whoever comes while somebody is at it leaves it to that one."""
+        """Do what waits to be done; anyone who comes while someone is at it leaves it to that one."""
         with self._lock:
             self._deeds.extend(deeds)
             self._is_closed = self._is_closed or is_last

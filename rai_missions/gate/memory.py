@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a gate finds again when it is started again: who held control last.
 
-Rule: where that is not known, though there was a gate before, the operator may have held it: nobody begins.
+Rule: where that is not known, though there was a gate before, the operator may have held it: no one begins.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Memory:
         self.path = path
 
     def first(self, safe: str) -> str:
-        """Who holds control as the gate begins: the safe one, unless the operator or nobody may have had it last."""
+        """Who holds control as the gate begins: the safe one, unless the operator or no one may have had it last."""
         try:
             if sort := irregular(self.path):  # a pipe would never end
                 raise OSError(f"that is {sort}")
@@ -40,7 +40,7 @@ class Memory:
         except FileNotFoundError:
             return safe
         except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
-            log.warning("who held control last is not known, so nobody has it: %s: %s", self.path, error)
+            log.warning("who held control last is not known, so no one has it: %s: %s", self.path, error)
             return "nobody"
         return safe if last in CONTROLLERS and last not in ("operator", "nobody") else "nobody"
 

@@ -55,7 +55,7 @@ def step(terms: GateRules, gate: Gate, happening: GateEvent) -> Turn:
 def _lapse(terms: GateRules, gate: Gate) -> Turn:
     """A holder that is silent for longer than its lease loses control to the safe one.
 
-    Where the safe one or the operator does, nobody has it: only the operator gives back what the operator had.
+    Where the safe one or the operator does, no one has it: only the operator gives back what the operator had.
     """
     if gate.at < gate.lapses_at(terms):
         return gate, ()
@@ -71,7 +71,7 @@ def _request(gate: Gate, request: Request) -> Turn:
     except UsageError as error:
         why = str(error)
     if request.by not in COMMANDERS:
-        why = f"nobody called '{request.by}' can ask for control; there is: {', '.join(COMMANDERS)}"
+        why = f"no one called '{request.by}' can ask for control; there is: {', '.join(COMMANDERS)}"
     if why:
         note = f"{request.by} asked for control to go to {request.to}: {why}"
         gate = gate._replace(requests_refused=_counted(gate.requests_refused, request.by), last_refusal=note)
@@ -95,7 +95,7 @@ def _command(terms: GateRules, gate: Gate, command: ActuatorCommand) -> Turn:
 
 
 def _stops(gate: Gate, command: ActuatorCommand) -> str:
-    """Why a command goes no further; empty if it goes on."""
+    """Why a command goes no further; empty if it is passed on."""
     if command.who != gate.holder:
         return f"{gate.holder} holds control"
     if command.made < gate.since:

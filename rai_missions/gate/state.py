@@ -37,7 +37,7 @@ NOTHING: Mapping[str, Any] = {}
 
 
 class GateRules(NamedTuple):
-    """What a gate is told before it begins."""
+    """What a gate is configured with before it begins."""
 
     leases: Mapping[str, float] = NOTHING
     """Holder → seconds of silence after which it loses control; one that is not here may be silent for ever."""
@@ -53,7 +53,7 @@ class GateRules(NamedTuple):
 
 
 class Request(NamedTuple):
-    """Somebody asks for control to go to somebody."""
+    """Someone asks for control to go to someone."""
 
     at: float
     to: str
@@ -61,7 +61,7 @@ class Request(NamedTuple):
 
 
 class ActuatorCommand(NamedTuple):
-    """Somebody commands an actuator."""
+    """Someone commands an actuator."""
 
     at: float
     who: str
@@ -73,7 +73,7 @@ class ActuatorCommand(NamedTuple):
 
 
 class Alive(NamedTuple):
-    """Somebody is there, and has nothing to command."""
+    """Someone is there, and has nothing to command."""
 
     at: float
     who: str
@@ -101,13 +101,13 @@ class ControlChange(NamedTuple):
 
 
 class Halt(NamedTuple):
-    """The actuators are stopped, whoever holds control: the gate begins or ends."""
+    """The actuators are stopped, no matter who holds control: the gate begins or ends."""
 
     why: str
 
 
 class Pass(NamedTuple):
-    """A command goes on to the actuators."""
+    """A command is passed on to the actuators."""
 
     revision: int
     command: ActuatorCommand
@@ -155,13 +155,13 @@ class Gate(NamedTuple):
     at: float = 0.0
     """The last instant that it knows of."""
     published: float = -math.inf
-    """When the status was last told."""
+    """When the status was last reported."""
     alive: Mapping[str, float] = NOTHING
     """Who → its last sign of life: a command, refused or not, or a heartbeat."""
     commanded: Mapping[str, float] = NOTHING
     """Who → its last command."""
     passed: Mapping[str, int] = NOTHING
-    """Who → its commands that went on."""
+    """Who → its commands that were passed on."""
     refused: Mapping[str, int] = NOTHING
     """Who → its commands that did not."""
     requests_refused: Mapping[str, int] = NOTHING

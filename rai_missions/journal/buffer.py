@@ -46,7 +46,7 @@ class BufferedWriter:
         self._book, self._clerk = book, WriterThread(called)
         self._carried: dict[str, tuple[str, Any, float]] = {}
         self._since = self.silent_from = math.inf
-        """`silent_from`: the instant from which nothing says any more how far the run's clock had come."""
+        """`silent_from`: the instant from which nothing reports any more how far the run's clock had come."""
         self.path = str(book.path) if book is not None else None
 
     @property
@@ -55,8 +55,8 @@ class BufferedWriter:
         return self._since + QUIET_S
 
     def resume(self, at: float) -> None:
-        """The run was cut short, and goes on at this instant of its clock; raises as `write` does."""
-        self.note("taken up again")
+        """The run was cut short, and continues at this instant of its clock; raises as `write` does."""
+        self.note("resumed")
         self.silent_from = at + QUIET_S if self._book is not None else math.inf
 
     def carry(self, step: Step, board: Blackboard) -> None:
@@ -82,7 +82,7 @@ class BufferedWriter:
             self.settle(step.seq, "performed")
 
     def settle(self, seq: int, how: str) -> None:
-        """Write down what has become of effects of which nothing said so; raises as `write` does."""
+        """Write down what has become of effects of which nothing stated it; raises as `write` does."""
         if (book := self._book) is not None:
             self._clerk.do(lambda: book.confirm(seq, how))
 
@@ -92,7 +92,7 @@ class BufferedWriter:
             self._clerk.do(lambda: book.note(text, data))
 
     def call(self) -> None:
-        """There is an emergency: a runner that waits for the disk is told so at once; from any thread."""
+        """There is an emergency: a runner that waits for the disk is notified at once; from any thread."""
         self._clerk.call()
 
     def close(self) -> None:

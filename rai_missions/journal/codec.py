@@ -40,7 +40,7 @@ def _checked(*kinds: type) -> FieldCodec:
     def read(value: Any, fetch: Fetch) -> Any:
         if type(value) not in kinds:
             raise ValueError(
-                f"{cut_repr(value, 60)} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs"
+                f"{cut_repr(value, 60)} is given where {' or '.join(kind.__name__ for kind in kinds)} belongs"
             )
         return value
 
@@ -53,7 +53,7 @@ def _tuple_of(form: FieldCodec) -> FieldCodec:
 
     def read(value: Any, fetch: Fetch) -> Any:
         if not isinstance(value, list):
-            raise ValueError(f"{cut_repr(value, 60)} stands where a list belongs")
+            raise ValueError(f"{cut_repr(value, 60)} is given where a list belongs")
         return tuple([form.read(item, fetch) for item in value])
 
     return FieldCodec(write, read)
@@ -72,9 +72,9 @@ def _pair(second: FieldCodec) -> FieldCodec:
 
 TEXT, INTEGER, NUMBER, TRUTH = _checked(str), _checked(int), _checked(float, int), _checked(bool, type(None))
 VALUE = FieldCodec(lambda value, keep: to_json(value), from_json)
-"""Any value; also the form of every field whose type says no more."""
+"""Any value; also the form of every field whose type reports no more."""
 SHOWN = FieldCodec(to_json, from_json)
-"""What somebody is asked about: the bytes of its pictures are kept."""
+"""What someone is asked about: the bytes of its pictures are kept."""
 TEXTS = _tuple_of(TEXT)
 
 
@@ -85,7 +85,7 @@ def _value_of(*kinds: type) -> FieldCodec:
         found = from_json(value, fetch)
         if type(found) not in kinds:
             raise ValueError(
-                f"{cut_repr(value, 60)} stands where {' or '.join(kind.__name__ for kind in kinds)} belongs"
+                f"{cut_repr(value, 60)} is given where {' or '.join(kind.__name__ for kind in kinds)} belongs"
             )
         return found
 
@@ -97,7 +97,7 @@ def _word_of(words: Any) -> FieldCodec:
 
     def read(value: Any, fetch: Fetch) -> Any:
         if value not in get_args(words):
-            raise ValueError(f"{cut_repr(value, 60)} stands where one of {', '.join(get_args(words))} belongs")
+            raise ValueError(f"{cut_repr(value, 60)} is where one of {', '.join(get_args(words))} belongs")
         return value
 
     return FieldCodec(_same, read)
@@ -133,7 +133,7 @@ def _record(kind: type[Any], /, **forms: FieldCodec) -> FieldCodec:
 
     def read(value: Any, fetch: Fetch) -> Any:
         if not isinstance(value, dict):
-            raise ValueError(f"{cut_repr(value, 60)} stands where an object belongs")
+            raise ValueError(f"{cut_repr(value, 60)} is given where an object belongs")
         unknown = sorted(value.keys() - by_name.keys())
         if unknown:
             raise ValueError(f"a {kind.__name__} has no {unknown[0]!r}")

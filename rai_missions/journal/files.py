@@ -31,7 +31,7 @@ def make_way(path: Path) -> Path | None:
 
 
 def free_name(path: Path) -> Path:
-    """The first name beside a file that no file has: `run.1.journal` for `run.journal`.
+    """The first name next to a file that no file has: `run.1.journal` for `run.journal`.
 
     Nor may a log be left there, of a journal that was deleted: SQLite would take its rows for those of the next one.
     """
@@ -44,7 +44,7 @@ def set_aside(path: Path, to: Path | None = None) -> Path:
 
     Args:
         path: Where it is.
-        to: Its new name; by default the first that is free once nobody else may move it.
+        to: Its new name; by default the first that is free once no other process may move it.
 
     Raises:
         UsageError: Another process writes it, or its log cannot be folded in.
@@ -61,7 +61,7 @@ def set_aside(path: Path, to: Path | None = None) -> Path:
 
 
 def _fold_in(path: Path) -> None:
-    """SQLite does so when whoever writes closes the file, and takes the log away."""
+    """SQLite does so when anyone who writes closes the file, and takes the log away."""
     log = log_of(path)
     if not log.exists():
         return

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a run had under way when its journal ends: started and not ended, asked and not answered, not surely done.
 
-Rule: it is read from rows alone. Whether any of it still goes on is for the robot to say.
+Rule: it is read from rows alone. Whether any of it still continues is for the robot to state.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SPOKEN = frozenset({"accepted", "feedback", "result"})
 
 
 def needs_confirmation(step: Step) -> bool:
-    """Its effects may not be carried out twice, so the journal says when they have been."""
+    """Its effects may not be carried out twice, so the journal reports when they have been."""
     return any(isinstance(effect, WEIGHTY) for effect in step.effects)
 
 
@@ -50,7 +50,7 @@ class InFlight:
         self.canceled: set[int] = set()
         """Of these, the goals whose end was asked for."""
         self.unsure: dict[int, tuple[Effect, ...]] = {}
-        """Number of a step → those of its effects of which nothing says that they were carried out."""
+        """Number of a step → those of its effects of which nothing reports that they were carried out."""
         self.handover: Handover | None = None
         """Asked for and not acknowledged."""
 
@@ -66,7 +66,7 @@ class InFlight:
     def stop(self) -> None:
         """An emergency stop, which is carried out before it is written: only goals still have an end to come.
 
-        What waited for the disk when it came was not begun; and nobody begins anything again after one.
+        What waited for the disk when it came was not begun; and no one begins anything again after one.
         """
         self.open = {number: effect for number, effect in self.open.items() if isinstance(effect, StartGoal)}
         self.canceled |= self.open.keys()
@@ -75,7 +75,7 @@ class InFlight:
 
     @property
     def unconfirmed(self) -> tuple[Effect, ...]:
-        """All effects of which nothing says that they were carried out."""
+        """All effects of which nothing reports that they were carried out."""
         return tuple(effect for effects in self.unsure.values() for effect in effects)
 
     def _step(self, step: Step) -> None:
@@ -97,7 +97,7 @@ class InFlight:
             self._control(event)
         for effect in step.effects:
             self._effect(effect)
-        if event.kind == "command" and event.name == "migrate":  # what was under way in the run that it goes on with
+        if event.kind == "command" and event.name == "migrate":  # what was under way in the run that it continues with
             accepted = event.data.get("accepted")
             self.accepted |= {number for number in self.open if isinstance(accepted, list) and number in accepted}
         if event.kind == "command" and event.name == "kill":
@@ -107,7 +107,7 @@ class InFlight:
             self.unsure |= {step.seq: weighs} if weighs else {}
 
     def _settle(self, is_settled: Callable[[Effect], bool]) -> None:
-        """What came back since says that they were carried out, or the mission has heard of the doubt."""
+        """What came back since reports that they were carried out, or the mission has learned of the doubt."""
         left = {seq: tuple(each for each in effects if not is_settled(each)) for seq, effects in self.unsure.items()}
         self.unsure = {seq: effects for seq, effects in left.items() if effects}
 

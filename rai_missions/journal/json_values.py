@@ -64,7 +64,7 @@ def to_json(value: Any, keep: Keep = keep_nothing) -> Any:
 
 def _infinite(value: float) -> dict[str, str]:
     if math.isnan(value):
-        raise UsageError("a journal holds no NaN, for it never equals itself; say null for an unknown number")
+        raise UsageError("a journal holds no NaN, for it never equals itself; state null for an unknown number")
     return {"$number": "inf" if value > 0 else "-inf"}
 
 
@@ -82,7 +82,7 @@ def _object(value: Mapping[Any, Any], keep: Keep) -> dict[str, Any]:
 
 
 def pictures_in(written: Any) -> Iterator[Mapping[str, Any]]:
-    """The pictures of which a written value says that their bytes are kept, each as it is written."""
+    """The pictures of which a written value reports that their bytes are kept, each as it is written."""
     if isinstance(written, list):
         for item in written:
             yield from pictures_in(item)
@@ -135,5 +135,5 @@ def _image(written: Mapping[str, Any], fetch: Fetch) -> Image:
     size = written["width"], written["height"]
     ref, encoding, digest = written["$image"], written["encoding"], written.get("sha256", "")
     if [type(item) for item in (*size, encoding, digest)] != [int, int, str, str]:
-        raise ValueError(f"{cut_repr(written, 80)} stands where a picture belongs")
+        raise ValueError(f"{cut_repr(written, 80)} is given where a picture belongs")
     return Image(ref, *size, encoding, fetch(ref, digest))

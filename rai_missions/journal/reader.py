@@ -28,7 +28,7 @@ BAD = (ValueError, TypeError, KeyError, AttributeError, OverflowError, Recursion
 
 
 class Record:
-    """What stood in a journal when it was opened. A context manager.
+    """What was in a journal when it was opened. A context manager.
 
     Made by `read`, which checks it first; opened by itself, nothing is known of it but that it is a journal.
 
@@ -93,7 +93,7 @@ class Record:
         return row if isinstance(row, StepRow) else None
 
     def raw(self, after: int | None = None) -> Iterator[Raw]:
-        """Every row as it stands, unread; those behind a number, where one is given."""
+        """Every row as it is, unread; those behind a number, where one is given."""
         where, numbers = ("", ()) if after is None else ("WHERE number > ?", (after,))
         query = f"SELECT number, kind, content, hash FROM rows {where} ORDER BY number"
         return self._once(self._found(query, *numbers), at=2)
@@ -129,7 +129,7 @@ class Record:
             yield str(digest)
 
     def pictures(self) -> Iterator[Blob]:
-        """The bytes that are kept, as they stand in the file."""
+        """The bytes that are kept, as they are in the file."""
         query = "SELECT rowid, bytes, sha256, media_type FROM blobs ORDER BY rowid"
         for _, data, digest, media_type in self._once(self._found(query), at=1):
             yield str(digest), str(media_type), data
@@ -141,7 +141,7 @@ class Record:
                 yield str(sentence)
 
     def close(self) -> None:
-        """Ends the reading; the bytes of pictures that nobody asked for are out of reach then."""
+        """Ends the reading; the bytes of pictures that no one asked for are out of reach then."""
         self._close()
 
     def __enter__(self) -> Self:
@@ -156,7 +156,7 @@ class Record:
         """The rows of a query.
 
         Raises:
-            DefinitionError: The file is damaged where they stand.
+            DefinitionError: The file is damaged where they are.
         """
         try:
             for row in self._database.execute(query, values):  # noqa: UP028 - `yield from` would close the cursor
@@ -166,21 +166,21 @@ class Record:
             raise DefinitionError([Fault("", sentence)], str(self.path)) from None
 
     def _once(self, rows: Iterator[Any], *, at: int) -> Iterator[Any]:
-        """Rows whose numbers come first, each read once: a page of the file may be made to stand in many places.
+        """Rows whose numbers come first, each read once: a page of the file may be made to be in many places.
 
         Args:
             rows: By their numbers.
-            at: Where in a row that stands of which a file holds no more than it has bytes.
+            at: Where in a row that is of which a file holds no more than it has bytes.
 
         Raises:
-            DefinitionError: The file says more than it holds.
+            DefinitionError: The file reports more than it holds.
         """
         left, before = self._size, -math.inf
         for row in rows:
             left -= len(row[at]) if isinstance(row[at], str | bytes) else 0
             if row[0] <= before or left < 0:
                 sentence = (
-                    "the file is damaged: a part of it is said to stand in several places; give a whole copy of it"
+                    "the file is damaged: a part of it is reported to be in several places; give a whole copy of it"
                 )
                 raise DefinitionError([Fault("", sentence)], str(self.path))
             before = row[0]

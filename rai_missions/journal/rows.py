@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stands in a journal's rows, and the chain of hashes that holds them together.
+"""What is in a journal's rows, and the chain of hashes that holds them together.
 
-Rule: a row's content is JSON text, and its hash covers that text byte for byte; nothing is worked out anew to check it.
+Rule: a row's content is JSON text, and its hash covers that text byte for byte; nothing is worked out again to check
+it.
 """
 
 from __future__ import annotations
@@ -36,10 +37,10 @@ __all__ = (
 
 GENESIS = "0" * 64
 """What row 0 follows."""
-MIGRATED = "the run goes on in another mission"
+MIGRATED = "the run continues in another mission"
 """The text of the note that is a journal's last row from then on; its data names the other journal."""
 Raw = tuple[int, Any, Any, Any]
-"""A row as it stands in the file: number, kind, content and hash."""
+"""A row as it is in the file: number, kind, content and hash."""
 Blob = tuple[str, str, bytes]
 """Bytes that a journal keeps: their SHA-256 in hex, their media type, and they themselves."""
 
@@ -134,7 +135,7 @@ def read_header(kind: str, content: str, fetch: Fetch) -> Header:
         ValueError, TypeError, KeyError: There is none in it.
     """
     if kind != "header":
-        raise ValueError(f"a {cut_repr(kind, 20)} stands in its place")
+        raise ValueError(f"a {cut_repr(kind, 20)} is in its place")
     fields = _object(content)
     if fields.pop("format") != 1:
         raise ValueError("its 'format' is not 1")
@@ -164,7 +165,7 @@ def _object(content: str) -> dict[str, Any]:
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
     if not isinstance(found, dict):
-        raise ValueError(f"{cut_repr(found, 60)} stands where an object belongs")
+        raise ValueError(f"{cut_repr(found, 60)} is given where an object belongs")
     return found
 
 

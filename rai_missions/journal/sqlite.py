@@ -33,7 +33,7 @@ __all__ = (
 SqliteError = sqlite3.Error
 
 APPLICATION = 0x5241494D
-"""`RAIM` in the file's header: what tells a journal from other SQLite files."""
+"""`RAIM` in the file's header: what reports a journal from other SQLite files."""
 FORMAT = 1
 COLUMNS = {
     "rows": "number INTEGER PRIMARY KEY, kind TEXT NOT NULL, content TEXT NOT NULL, hash TEXT NOT NULL",
@@ -52,24 +52,24 @@ SCHEMA = sorted(
 LONGEST_BYTES = 64 * 1024 * 1024
 """No row and no picture is longer: neither written nor read."""
 WAL_HEADER, WAL_FRAME = 32, 24
-"""Bytes of the header of a write-ahead log, and of each of its frames beside its page."""
+"""Bytes of the header of a write-ahead log, and of each of its frames next to its page."""
 DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
 
 
 class Unbegun(DefinitionError):
-    """A file without a row, as whoever dies while it makes a journal leaves it."""
+    """A file without a row, as anyone who dies while it makes a journal leaves it."""
 
 
 class Lock:
     """The right to write a journal: held by one process, given back by its end, however it ends.
 
     Two readings of one file in one process share SQLite's own locks, and closing any descriptor of the file would drop
-    them; that is why whoever reads in the process that writes reads through this descriptor.
+    them; that is why anyone who reads in the process that writes reads through this descriptor.
 
     Raises:
-        UsageError: Somebody else has it, or the file cannot be opened for writing.
+        UsageError: Someone else has it, or the file cannot be opened for writing.
     """
 
     held: dict[tuple[int, int], int] = {}  # noqa: RUF012 - one table a process is the point
@@ -140,7 +140,7 @@ def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
 
 
 def open_to_read(path: Path) -> JournalReader:
-    """A connection to what stands in a journal now, also while another process writes it or after it was killed.
+    """A connection to what is in a journal now, also while another process writes it or after it was killed.
 
     Raises:
         UsageError: There is no such file, or it may not be read.

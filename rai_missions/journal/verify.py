@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a journal is the one that was written: every fault at once, each with its row.
 
-Rule: nobody reads a journal whose chain is broken; a run that is half believed is worse than none.
+Rule: no one reads a journal whose chain is broken; a run that is half believed is worse than none.
 """
 
 from __future__ import annotations
@@ -161,7 +161,7 @@ def _blob_faults(record: Record) -> Iterator[Fault]:
 
 
 class Shown(NamedTuple):
-    """A picture whose bytes a journal's rows say to be kept."""
+    """A picture whose bytes a journal's rows state to be kept."""
 
     row: int
     """The first that has it."""

@@ -32,7 +32,8 @@ CLOSE_S = 1.0
 Redact = Callable[[str], str]
 """Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
 Witness = Callable[[Raw, tuple[Blob, ...]], None]
-"""Is told of each row once it is written, with the pictures that came with it; must return at once, and never raise."""
+"""Is notified of each row once it is written, with the pictures that came with it; must return at once, and never
+raise."""
 
 
 def versions() -> dict[str, str]:
@@ -95,7 +96,7 @@ class Journal:
     def open(
         cls, path: Path | str, *, redact: Redact | None = None, witness: Witness | None = None, seal: str | None = None
     ) -> Self:
-        """A journal that is there, to go on with.
+        """A journal that is there, to continue with.
 
         Args:
             seal: The hash of its last row, as `Record.seal` read it; left out, any will do.
@@ -113,7 +114,7 @@ class Journal:
                 journal._number, journal._hash = last
             if seal is not None and journal._hash != seal:
                 journal.close()
-                raise UsageError(f"another process has gone on with the run of {path} meanwhile; start once more")
+                raise UsageError(f"another process has continued with the run of {path} meanwhile; start once more")
         except BaseException:
             lock.release()
             raise
@@ -221,7 +222,7 @@ def _filled(header: Header) -> Header:
 def _digest(image: Image, pictures: dict[str, Image]) -> str:
     try:
         digest = image.digest
-    except Exception:  # noqa: BLE001 - whoever is asked meets the same fault; the step is not lost for a picture
+    except Exception:  # noqa: BLE001 - every reader meets the same fault; the step is not lost for a picture
         return ""
     pictures[digest] = image
     return digest

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Waits for the disk on a run's behalf, so that a disk which hangs holds up no emergency stop.
 
-Rule: whoever hands something over goes on only when it is written, just as if it had written it itself.
+Rule: anyone who hands something over continues only when it is written, just as if it had written it itself.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class WriterThread:
     """Writes on a thread of its own, which it has from the first writing to `close`.
 
     Args:
-        called: Done by whoever waits, at once, when `call` is.
+        called: Done by the one that waits, at once, when `call` is.
     """
 
     def __init__(self, called: Callable[[], None]) -> None:
@@ -57,7 +57,7 @@ class WriterThread:
             raise task[1]
 
     def call(self) -> None:
-        """Whoever waits looks up; from any thread."""
+        """Wake the one that waits; from any thread."""
         self._bell.put((CALL, None))
 
     def close(self) -> None:

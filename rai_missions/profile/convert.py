@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot's messages say, as values of the blackboard, and values as messages.
+"""What a robot's messages state, as values of the blackboard, and values as messages.
 
-Rule: pure, and suspicious. What a message leaves open is None: not heard. What it may not be is a `ConnectorError`.
+Rule: pure, and suspicious. What a message leaves open is None: not received. What it may not be is a `ConnectorError`.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ def plain(value: Any, depth: int = 0) -> Any:
         kind = int if isinstance(value, int) else float
         return kind(value) if is_number(value) else None
     if depth > DEEPEST:
-        raise ConnectorError(f"a message is nested deeper than {DEEPEST}; its sender sends something else than it says")
+        raise ConnectorError(
+            f"a message is nested deeper than {DEEPEST}; its sender sends something else than it reports"
+        )
     if isinstance(value, Mapping):
         if not all(isinstance(name, str) for name in value):
             raise ConnectorError(
@@ -74,7 +76,7 @@ def json_of(text: Any) -> Any:
         ConnectorError: It is no JSON, too long, or nested too deeply.
     """
     if not isinstance(text, str):
-        raise ConnectorError(f"{cut_repr(text, 60)} stands where JSON text belongs")
+        raise ConnectorError(f"{cut_repr(text, 60)} is given where JSON text belongs")
     if len(text) > LONGEST_TEXT:
         raise ConnectorError(f"JSON text of {len(text)} characters; at most {LONGEST_TEXT} are read")
     try:
@@ -100,7 +102,7 @@ def pose_of(message: Any) -> dict[str, Any] | None:
     place, turn = at_path(inner, "position"), at_path(inner, "orientation")
     if not isinstance(place, Mapping) or not isinstance(turn, Mapping):
         raise ConnectorError(
-            f"{cut_repr(message, 60)} stands where a pose belongs: it has no 'position' and 'orientation'"
+            f"{cut_repr(message, 60)} is given where a pose belongs: it has no 'position' and 'orientation'"
         )
     numbers = [
         place.get("x"),
@@ -125,7 +127,7 @@ def pose_message(pose: Any, *, stamped: bool = True) -> dict[str, Any]:
         ConnectorError: It is no pose.
     """
     if not isinstance(pose, Mapping) or not all(is_number(pose.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")):
-        raise ConnectorError(f"{cut_repr(pose, 60)} stands where a pose belongs: {{'x', 'y', 'z', 'yaw', 'frame'}}")
+        raise ConnectorError(f"{cut_repr(pose, 60)} is given where a pose belongs: {{'x', 'y', 'z', 'yaw', 'frame'}}")
     half = float(pose.get("yaw", 0.0)) / 2
     made = {
         "position": {axis: float(pose.get(axis, 0.0)) for axis in "xyz"},
@@ -155,7 +157,7 @@ def image_of(message: Any, ref: str) -> Image:
         except (ValueError, TypeError):
             data = None
     if not isinstance(data, bytes | bytearray | memoryview):
-        raise ConnectorError(f"{cut_repr(message, 60)} stands where a picture belongs: its 'data' is no bytes")
+        raise ConnectorError(f"{cut_repr(message, 60)} is given where a picture belongs: its 'data' is no bytes")
     raw, format_name = bytes(data), message.get("format")
     if isinstance(format_name, str):
         return Image(ref, 0, 0, "png" if "png" in format_name.lower() else "jpeg", raw)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a robot has all that a mission uses, told before anything moves.
+"""Whether a robot has all that a mission uses, reported before anything moves.
 
-Rule: a place is where the profile's author mends it; the sentence says where the mission wants it.
+Rule: a place is where the profile's author mends it; the sentence states where the mission wants it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def actions_of(mission: Mission) -> frozenset[str]:
 
 def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str) -> Fault:
     near = suggestion(name, known) if known else ""
-    sentence = f"missing; the mission uses it at {place}{near or '; say what stands behind it'}"
+    sentence = f"missing; the mission uses it at {place}{near or '; name what is behind it'}"
     return Fault(pointer([sort, name]), sentence)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stands behind the names of actions, services and topics: whom to ask, and how a mission's words become theirs.
+"""What is behind the names of actions, services and topics: whom to ask, and how a mission's words become theirs.
 
-Rule: a template is data. `{"from": "pose"}` takes a field of what the mission gives, `"as"` says how it is written.
+Rule: a template is data. `{"from": "pose"}` takes a field of what the mission gives, `"as"` states how it is written.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ POSES = ("PoseStamped", "Pose")
 class ServiceEntry(MissionModel):
     """A service: its type, what it is asked with, and when its reply is a success.
 
-    Its name alone stands for one of std_srvs/srv/Trigger where it begins, ends or hands over something.
+    Its name alone means one of std_srvs/srv/Trigger where it begins, ends or hands over something.
     """
 
     positional: ClassVar = ("service",)
@@ -35,7 +35,7 @@ class ServiceEntry(MissionModel):
     service: Text
     type: Text = TRIGGER
     request: dict[Text, Json] = Field(default_factory=dict)
-    """What it is asked with, beside and below what the mission gives; or a template with `{"from": field}`."""
+    """What it is asked with, next to and below what the mission gives; or a template with `{"from": field}`."""
     good: OneOf[Guard] | None = Field(default=None, alias="succeeded")
     """Over the fields of the reply; left out, a reply whose `success` is false has failed, any other has succeeded."""
     repeat: Bool = False
@@ -62,7 +62,7 @@ def _short(service: ServiceEntry) -> Any:
 
 
 class _OrItsName:
-    """Tells the JSON Schema that text may stand for the object."""
+    """Adds to the JSON Schema that text may replace the object."""
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
         return {"anyOf": [{"type": "string"}, handler(core)]}
@@ -74,7 +74,7 @@ OneService = Annotated[
     PlainSerializer(_short, return_type=Any),
     _OrItsName(),
 ]
-"""A service; its name alone in JSON where there is no more to say."""
+"""A service; its name alone in JSON where there is no more to state."""
 
 
 class ActionEntry(MissionModel):
@@ -83,7 +83,7 @@ class ActionEntry(MissionModel):
     action: Text | None = None
     type: Text = ""
     goal: dict[Text, Json] = Field(default_factory=dict)
-    """What the goal has beside and below what the mission gives; or a template with `{"from": field}`."""
+    """What the goal has next to and below what the mission gives; or a template with `{"from": field}`."""
     result: dict[Text, Text] = Field(default_factory=dict)
     """Names for the mission → fields of the server's result; left out, the result as it is."""
     start: OneService | None = None
@@ -99,7 +99,7 @@ class ActionEntry(MissionModel):
     ] = ()
     """What it occupies; two actions that share one conflict. None named: all."""
     keep: Bool = False
-    """Its goal goes on while the mission is paused."""
+    """Its goal continues while the mission is paused."""
     repeat: Bool = False
     """Starting twice does no harm: after a crash it may be started again."""
 
@@ -111,13 +111,13 @@ class ActionEntry(MissionModel):
         if self.start is None:
             given = [word for word in ("cancel", "succeeded", "failed") if getattr(self, word) is not None]
             if given:
-                raise fault("action", f"the server of '{self.action}' says how it ends: drop {', '.join(given)}")
+                raise fault("action", f"the server of '{self.action}' reports how it ends: drop {', '.join(given)}")
         else:
             given = [word for word in ("type", "goal", "result") if getattr(self, word)]
             if given:
                 raise fault("action", f"a composed action has no server: drop {', '.join(given)}")
             if self.succeeded is None:
-                raise fault("succeeded", "a composed action needs 'succeeded': a guard that says when it has")
+                raise fault("succeeded", "a composed action needs 'succeeded': a guard that states when it has")
         return self
 
     @property
@@ -148,7 +148,7 @@ class TopicEntry(MissionModel):
     topic: Text
     type: Text
     message: dict[Text, Json] = Field(default_factory=dict)
-    """What a message has beside and below what the mission gives; or a template with `{"from": field}`."""
+    """What a message has next to and below what the mission gives; or a template with `{"from": field}`."""
     repeat: Bool = False
     """Publishing twice does no harm: after a crash it may be published again."""
 
@@ -158,14 +158,14 @@ class TopicEntry(MissionModel):
 
 
 class AliveEntry(MissionModel):
-    """A topic on which a run says that it goes on."""
+    """A topic on which a run reports that it continues."""
 
     positional: ClassVar = ("topic",)
 
     topic: Text
     type: Text = "std_msgs/msg/Empty"
     every_s: Seconds = Field(default=0.1, gt=0)
-    """Seconds between two messages; well below the lease of whoever listens."""
+    """Seconds between two messages; well below the lease of anyone who listens."""
 
 
 def references(template: Any) -> Iterator[str]:
@@ -184,7 +184,7 @@ def given_to(template: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str,
     """What the robot is given, as values of its own: a template filled, or the mission's fields over the profile's.
 
     Raises:
-        ConnectorError: A field that the template wants is not given, or cannot be written as it says.
+        ConnectorError: A field that the template wants is not given, or cannot be written as it reports.
     """
     if not any(True for _ in references(template)):
         return cast("dict[str, Any]", apart(_over(template, given)))

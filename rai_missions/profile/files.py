@@ -27,7 +27,8 @@ def load_profile(path: str | os.PathLike[str]) -> Robot:
     """The robot profile in a JSON file.
 
     Raises:
-        DefinitionError: The profile is at fault, or names a folder that is not beside it; every fault with its pointer.
+        DefinitionError: The profile is at fault, or names a folder that is not next to it; every fault with its
+            pointer.
         UsageError: There is no such file.
     """
     file = Path(path)
@@ -62,9 +63,9 @@ def identity_folder(robot: Robot, file: str | os.PathLike[str]) -> Path | None:
     try:
         folder = (home / robot.identity).resolve()
         if not folder.is_relative_to(home):
-            sentence = f"{shown(robot.identity)} lies outside the profile's own folder; move it beside the profile"
+            sentence = f"{shown(robot.identity)} lies outside the profile's own folder; move it next to the profile"
         elif not folder.is_dir():
-            sentence = f"there is no folder {shown(robot.identity)} beside the profile; add it or drop 'identity'"
+            sentence = f"there is no folder {shown(robot.identity)} next to the profile; add it or drop 'identity'"
         else:
             return folder
     except (OSError, ValueError, RuntimeError) as error:

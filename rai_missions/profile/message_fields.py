@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the messages that a profile hears have the fields that it names.
+"""Whether the messages that a profile receives have the fields that it names.
 
 Rule: what a message leaves open is no fault; what its type, or the message itself, has no place for is one.
 """
@@ -23,7 +23,7 @@ from rai_missions.redaction import cut_repr
 __all__ = ("FieldsOf", "misnamed", "unread", "unsaid")
 
 MANY = 20
-"""Fields that are told of one message."""
+"""The fields of one message."""
 DEEPEST = 20
 """How deep a message is looked through for numbers that are not finite."""
 FieldsOf = Callable[[str, Kind], Mapping[str, Any] | None]
@@ -35,9 +35,9 @@ def misnamed(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tupl
     """The fields that a profile names and its types have not.
 
     Args:
-        mission: What is to run; without one everything that the profile hears is looked at.
+        mission: What is to run; without one everything that the profile receives is looked at.
         robot: On which robot.
-        fields_of: Tells what a type holds; what it cannot tell is left to the run.
+        fields_of: Reports what a type holds; what it cannot determine is left to the run.
     """
     faults = []
     for sort, name, source in listened(mission, robot):
@@ -79,7 +79,7 @@ def _a(type_name: str) -> str:
 
 
 def _paths(source: Source | EventSource) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Where a path into the message stands in a source, and the path."""
+    """Where a path into the message is in a source, and the path."""
     if isinstance(source, Source):
         if source.path:
             yield ("field",), source.path

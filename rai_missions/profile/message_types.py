@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which types of messages a mission meets on a robot, so that one that is not here is told before anything moves."""
+"""Which types of messages a mission meets on a robot: one that is missing is reported before anything moves."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
 
 
 def listened(mission: Mission | None, robot: Robot) -> Iterator[tuple[str, str, Source | EventSource]]:
-    """What the mission hears, everything without one: `blackboard` or `events`, the name there, and the source."""
+    """What the mission receives, everything without one: `blackboard` or `events`, the name there, and the source."""
     for name, source in robot.blackboard.items():
         if mission is None or name in mission.blackboard:
             yield "blackboard", name, source
@@ -65,7 +65,7 @@ def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> 
     Args:
         mission: What is to run.
         robot: On which robot.
-        why: Says of a type and its kind why it is not here; empty if it is.
+        why: Reports about a type and its kind why it is not here; empty if it is.
     """
     reasons = {each: why(each.type, each.kind) for each in typed(mission, robot)}
     return tuple(Fault(each.place, sentence) for each, sentence in reasons.items() if sentence)

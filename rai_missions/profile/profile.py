@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot profile: what stands behind the names that a mission uses.
+"""A robot profile: what is behind the names that a mission uses.
 
-Rule: a profile says where things are heard and done, never what they mean for a mission.
+Rule: a profile states where things are received and done, never what they mean for a mission.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = ("Endpoint", "Robot", "Rule", "ToolPolicy", "endpoints", "terms")
 
 CONTROLLERS: tuple[str, ...] = (*get_args(Controller), "nobody")
 HANDS_OVER = ("agent", "operator")
-"""By whom control may be handed over; each has services of its own where the name says `{by}`."""
+"""By whom control may be handed over; each has services of its own where the name reports `{by}`."""
 
 
 class Rule(MissionModel):
@@ -72,7 +72,7 @@ class Robot(MissionModel):
     connector: dict[Text, Json] = Field(default_factory=lambda: {"kind": "local"})
     """How it is reached: `kind`, and what that kind of connector takes."""
     blackboard: dict[Name, Source] = Field(default_factory=dict)
-    """Key → where its values are heard."""
+    """Key → where its values are received."""
     events: dict[Name, EventSource] = Field(default_factory=dict)
     actions: dict[Name, ActionEntry] = Field(default_factory=dict)
     services: dict[Name, ServiceEntry] = Field(default_factory=dict)
@@ -86,11 +86,12 @@ class Robot(MissionModel):
     `{by}` in the service's name becomes `operator` where an operator asks, else `agent`: the mission asks as the agent.
     """
     holder: Source | None = None
-    """Where it is heard who holds control, by name; what is heard there counts, whatever a handover's service says."""
+    """Where it is received who holds control, by name; what is received there counts, whatever a handover's service
+    reports."""
     alive: AliveEntry | None = None
-    """Where the run says again and again that it goes on, so that control can be taken from one that hangs."""
+    """Where the run reports again and again that it continues, so that control can be taken from one that hangs."""
     identity: Text = ""
-    """The folder with the robot's identity, beside this file."""
+    """The folder with the robot's identity, next to this file."""
     tools: ToolPolicy | None = None
     """What the tools of a model may touch; left out, it has none."""
 
@@ -103,7 +104,7 @@ class Robot(MissionModel):
     @classmethod
     def _knows_its_controllers(cls, control: dict[str, ServiceEntry]) -> dict[str, ServiceEntry]:
         for holder in control.keys() - set(CONTROLLERS):
-            raise fault("control", f"nobody called '{holder}' can hold control{suggestion(holder, CONTROLLERS)}")
+            raise fault("control", f"no one called '{holder}' can hold control{suggestion(holder, CONTROLLERS)}")
         return control
 
     @model_validator(mode="after")
@@ -117,7 +118,7 @@ class Robot(MissionModel):
         for name, event in self.events.items():
             if event.during is not None and event.during not in self.actions:
                 near = suggestion(event.during, self.actions)
-                raise fault("events", f"'{name}' is heard during '{event.during}', which is no action here{near}")
+                raise fault("events", f"'{name}' is received during '{event.during}', which is no action here{near}")
         return self
 
     def written(self) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a key's values or an event come from: a topic, or a service that is asked again and again.
 
-Rule: a source says how a message is understood; who listens, and when, is the performer's affair.
+Rule: a source reports how a message is understood; who listens, and when, is the performer's affair.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ READ_AS: Mapping[str, Read] = {
     "Image": "image",
     "CompressedImage": "image",
 }
-"""The last word of a message's type → how it is read where nothing else is said."""
+"""The last word of a message's type → how it is read where nothing else is reported."""
 NUMBERS = ("Byte", "Int8", "Int16", "Int32", "Int64", "UInt8", "UInt16", "UInt32", "UInt64")
 GIVES: Mapping[str, str] = {
     "Bool": "boolean",
@@ -60,9 +60,9 @@ class Source(MissionModel):
     """The field that counts, `pose.pose` or `ranges.0`; empty for the whole message, and for `data` of the simple
     messages of std_msgs."""
     json_: Bool = Field(default=False, alias="json")
-    """The field, or `data` where none is named, is JSON text; what it says is the value."""
+    """The field, or `data` where none is named, is JSON text; what it reports is the value."""
     read: Read | None = Field(default=None, alias="as")
-    """`pose` or `image`; left out, the type of the message says it."""
+    """`pose` or `image`; left out, the type of the message states it."""
 
     @model_validator(mode="after")
     def _has_a_source(self) -> Self:
@@ -82,7 +82,7 @@ class Source(MissionModel):
 
     @property
     def gives(self) -> str | None:
-        """The blackboard's type of its values, where the message's type says it."""
+        """The blackboard's type of its values, where the message's type reports it."""
         if self.reads != "plain":
             return self.reads
         return GIVES.get(self._kind) if not self.json_ and self.path == "data" and self._is_simple else None
@@ -93,17 +93,17 @@ class Source(MissionModel):
         return self.field or ("data" if self.json_ or self._is_simple else "")
 
     def value(self, message: Mapping[str, Any], at: float = 0.0) -> Any:
-        """What a message, or a service's reply, says.
+        """What a message, or a service's reply, reports.
 
         Args:
             message: As a connector brings it.
-            at: When it was heard, seconds; it names a picture that has no name of its own.
+            at: When it was received, seconds; it names a picture that has no name of its own.
 
         Returns:
-            A value of the blackboard; None where the message leaves it open, which is as if nothing was heard.
+            A value of the blackboard; None where the message leaves it open, which is as if nothing was received.
 
         Raises:
-            ConnectorError: The message is not what the profile says it is.
+            ConnectorError: The message is not what the profile states it is.
         """
         part = at_path(message, self.path)
         if self.json_:
@@ -126,7 +126,7 @@ class Source(MissionModel):
 
 
 class EventSource(MissionModel):
-    """What is heard when an event happens: every message, or the first for which `when` becomes true."""
+    """What is received when an event happens: every message, or the first for which `when` becomes true."""
 
     topic: Text | None = None
     service: Text | None = None
@@ -134,44 +134,44 @@ class EventSource(MissionModel):
     every_s: Seconds | None = Field(default=None, gt=0)
     request: dict[Text, Json] = Field(default_factory=dict)
     json_: Bool = Field(default=False, alias="json")
-    """`data` is JSON text; `when` and `fields` name fields of what it says."""
+    """`data` is JSON text; `when` and `fields` name fields of what it reports."""
     when: OneOf[Guard] | None = None
     """Over the fields of the message: `{"key": "message", "==": "WAITING"}`."""
     fields: dict[Name, Text] = Field(default_factory=dict)
-    """The payload's fields → where they stand in the message; left out, the whole message."""
+    """The payload's fields → where they are in the message; left out, the whole message."""
     during: Name | None = None
-    """An action of the profile: heard only from its start until the mission asks for its end. What was so before it
+    """An action of the profile: received only from its start until the mission asks for its end. What was so before it
     began is no news."""
     posted: Bool = False
-    """Nothing of the robot says it: another program or a person posts it to the runner."""
+    """Nothing of the robot reports it: another program or a person posts it to the runner."""
 
     @model_validator(mode="after")
     def _has_a_source(self) -> Self:
         if not self.posted:
             check_source(self.topic, self.service, self.every_s)
         elif self.topic is not None or self.service is not None:
-            raise fault("posted", "an event is 'posted' or heard on a topic or service, not both; drop one")
+            raise fault("posted", "an event is 'posted' or received on a topic or service, not both; drop one")
         elif self.during is not None:
             raise fault("during", "an event that is 'posted' is not listened for; drop 'during'")
         return self
 
     def fires(self, message: Mapping[str, Any]) -> Truth:
-        """What `when` says of a message; true without one.
+        """What `when` reports about a message; true without one.
 
         Raises:
-            ConnectorError: The message is not what the profile says it is.
+            ConnectorError: The message is not what the profile states it is.
         """
         return True if self.when is None else truth_of(self.when, self._content(message))
 
     def happens(self, before: Truth, now: Truth) -> bool:
-        """Whether it happens with a message for which `fires` says `now`, after one for which it said `before`."""
+        """Whether it happens with a message for which `fires` is `now`, after one for which it was `before`."""
         return now is True and (self.when is None or before is not True)
 
     def payload(self, message: Mapping[str, Any]) -> dict[str, Any]:
         """The event's data.
 
         Raises:
-            ConnectorError: The message is not what the profile says it is.
+            ConnectorError: The message is not what the profile states it is.
         """
         content = self._content(message)
         if self.fields:
@@ -183,12 +183,12 @@ class EventSource(MissionModel):
     def _content(self, message: Mapping[str, Any]) -> Mapping[str, Any]:
         content = json_of(message.get("data")) if self.json_ else message
         if not isinstance(content, Mapping):
-            raise ConnectorError(f"{cut_repr(content, 60)} stands where an object with fields belongs")
+            raise ConnectorError(f"{cut_repr(content, 60)} is given where an object with fields belongs")
         return content
 
 
 def truth_of(guard: Guard, message: Mapping[str, Any]) -> Truth:
-    """What a guard says whose keys are the fields of a message."""
+    """What a guard reports whose keys are the fields of a message."""
     board = {name: Stamped(item, 0.0) for name, item in message.items() if not isinstance(item, Image | bytes)}
     view = SimpleNamespace(at=0.0, board=board, active=frozenset(), entered={}, held={}, event={}, answer={})
     return guard.compile(Site("", WORDS_OF_GUARDS))(cast(View, view))
@@ -203,6 +203,6 @@ def check_source(topic: str | None, service: str | None, every_s: float | None) 
     if (topic is None) == (service is None):
         raise fault("source", f"a source is a 'topic' or a 'service', this is {'neither' if topic is None else 'both'}")
     if service is not None and every_s is None:
-        raise fault("every_s", f"'{service}' is a service and is asked again and again: say how often with 'every_s'")
+        raise fault("every_s", f"'{service}' is a service and is asked again and again: state how often with 'every_s'")
     if topic is not None and every_s is not None:
         raise fault("every_s", f"'{topic}' is a topic and speaks by itself: drop 'every_s'")

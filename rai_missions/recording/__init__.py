@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run as an MCAP file: the robot's messages, the mission's steps, and its journal; for other tools and for replay.
 
-Rule: whoever looks on cannot harm the run. A recording never makes it wait and never ends it; what it could not keep
-it counts and says. The library mcap is known in this room only, and comes in when a recording is written or read.
+Rule: an observer cannot harm the run. A recording never makes it wait and never ends it; what it could not keep
+it counts and reports. The library mcap is known in this room only, and comes in when a recording is written or read.
 
 Imports `connectors`, `engine`, `journal`, `mission` and `runtime`, and the modules of the root.
 """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A connector that is recorded: it does what the one inside does, and hands what is heard to the recording.
+"""A connector that is recorded: it does what the one inside does, and hands what is received to the recording.
 
-Rule: what a mission hears is the same with it and without it.
+Rule: what a mission receives is the same with it and without it.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ __all__ = ("RecordedConnector", "recorded")
 
 
 class RecordedConnector:
-    """Around a `Connector`, for the mission that runs with it; whoever else uses the one inside is not recorded.
+    """Around a `Connector`, for the mission that runs with it; another user of the one inside is not recorded.
 
     Args:
         inner: Does everything.
-        recording: Is told what is heard: messages (raw where they can be had so), replies and reports.
+        recording: Learns what is received: messages (raw where they can be had so), replies and reports.
     """
 
     def __init__(self, inner: Connector, recording: Recording) -> None:
@@ -87,7 +87,7 @@ class RecordedConnector:
         return end
 
     def _definition(self, type_name: str) -> str:
-        """How the bytes of a type are read; empty where nobody knows, and messages are recorded as plain data."""
+        """How the bytes of a type are read; empty where no one knows, and messages are recorded as plain data."""
         try:
             return self._inner.definition(type_name) if isinstance(self._inner, SupportsRawMessages) else ""
         except ConnectorError:

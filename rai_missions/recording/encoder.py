@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes what happened into the file, each in its own form.
 
-Rule: only the recording's own thread comes here, so what takes long, such as rendering, holds up nobody else.
+Rule: only the recording's own thread comes here, so what takes long, such as rendering, holds up no one else.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class MessageEncoder:
         self.json(message.topic, self._schemas[message.topic], content, when)
 
     def row(self, raw: Raw, blobs: Iterable[Blob], when: When) -> None:
-        """A row of the journal with the pictures that it refers to, and what it tells, for those who only look."""
+        """A row of the journal with the pictures that it refers to, and what it reports, for those who only look."""
         number, kind, content, digest = raw
         self._rows.add(number)
         self.attach(blobs, when)

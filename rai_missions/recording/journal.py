@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The journal out of a recording, so that whatever reads journals reads recordings.
 
-Rule: what is missing or altered is said; a recording that was cut off is read as far as it goes, and says so.
+Rule: what is missing or altered is reported; a recording that was cut off is read as far as it goes, and states it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Replayed(NamedTuple):
 
 def is_mcap(path: Path) -> bool:
     """Whether a file is an MCAP file, by how it begins."""
-    if not path.is_file():  # a pipe would keep whoever opens it
+    if not path.is_file():  # a pipe would keep anyone who opens it
         return False
     try:
         with path.open("rb") as file:

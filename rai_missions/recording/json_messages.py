@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a recording says, as JSON: messages of the robot, pictures, steps, writes and lines for a log.
+"""What a recording reports, as JSON: messages of the robot, pictures, steps, writes and lines for a log.
 
-Rule: pure. Whatever comes becomes JSON; what JSON has not, becomes the text that says it.
+Rule: pure. Whatever comes becomes JSON; what JSON has not, becomes the text that states it.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def image_in(data: Any) -> Image | None:
 
 
 def picture_of(image: Image, data: Any, at_ns: int) -> tuple[Schema, Json]:
-    """A picture as Foxglove shows it; its bytes are made here if nobody has asked for them before."""
+    """A picture as Foxglove shows it; its bytes are made here if no one has asked for them before."""
     header = data.get("header") if isinstance(data, Mapping) else None
     frame = header.get("frame_id") if isinstance(header, Mapping) else None
     words: Json = {"timestamp": stamp(at_ns), "frame_id": str(frame or "")}
@@ -101,7 +101,7 @@ def state_of(active: Sequence[str], mission: Mission) -> str:
 
 
 def step_of(written: Json) -> Json:
-    """A step, out of its row in the journal (`journal.codec` says how it is written there)."""
+    """A step, out of its row in the journal (`journal.codec` reports how it is written there)."""
     event, moves, notes = written.get("event", {}), written.get("moves", []), written.get("notes", [])
     return {
         "seq": written["seq"], "at": written["at"],

@@ -42,7 +42,7 @@ MOST_UNPACKED, UNPACKED_RATIO = 4 << 30, 2_000
 
 
 def restore(path: Path, journal: Path) -> str:
-    """Write the journal that a recording holds, and say what a reader should know of it.
+    """Write the journal that a recording holds, and state what a reader should know of it.
 
     Raises:
         DefinitionError: It is no recording of a run, or it is damaged.
@@ -154,7 +154,7 @@ def _records(file: IO[bytes], end: int) -> Iterator[Any]:
 
 
 def _checked_size(chunk: Chunk) -> int:
-    """A few bytes can be packed so that they fill the memory: what they say of their size is looked at first.
+    """A few bytes can be packed so that they fill the memory: what they report about their size is looked at first.
 
     Returns:
         How many bytes are in it.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who looks on at a run: its recording first, then whoever else wants to."""
+"""Who looks on at a run: its recording first, then any other observer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OnStatus = Callable[[Status], None] | None
 
 
 def observers(recording: Recording | None, on_step: OnStep, on_status: OnStatus) -> tuple[OnStep, OnStatus]:
-    """What a runner is to tell of steps and of statuses."""
+    """What a runner is to report of steps and of statuses."""
     if recording is None:
         return on_step, on_status
     return _both(recording.step, on_step), _both(recording.status, on_status)

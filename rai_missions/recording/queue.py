@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where what is to be recorded waits: bounded, and never an obstacle to whoever brings it.
+"""Where what is to be recorded waits: bounded, and never an obstacle to anyone who brings it.
 
 Rule: `put` returns at once. What has no room is not kept, and is counted by the name under which it came.
 """
@@ -74,7 +74,7 @@ class BoundedQueue:
             self._closing.wait(seconds)
 
     def take(self) -> QueuedItem | None:
-        """The one who has waited longest; None if nobody does."""
+        """The one who has waited longest; None if no one does."""
         with self._lock:
             if not self._queue:
                 if not self._closing.is_set():
@@ -86,13 +86,13 @@ class BoundedQueue:
             return taken
 
     def close(self) -> None:
-        """Nobody else comes in; those who wait can still be taken."""
+        """No one else comes in; those who wait can still be taken."""
         with self._lock:
             self._closing.set()
         self._some.set()
 
     def clear(self) -> None:
-        """Nobody waits any longer."""
+        """No one waits any longer."""
         with self._lock:
             self._queue.clear()
             self._count.clear()

@@ -39,7 +39,7 @@ SPELL_S, REST_S = 0.002, 0.02
 PATIENCE_S = 60.0
 """How long the end waits for what is still to be written."""
 MESSAGE_BYTES = 500
-"""What a message as plain data is taken to weigh; nobody measures it on the robot's thread."""
+"""What a message as plain data is taken to weigh; no one measures it on the robot's thread."""
 
 
 class Summary(NamedTuple):
@@ -82,7 +82,7 @@ class Recording:
         stream: Where to write.
         path: What the file is called.
         mission: The mission that runs.
-        about: Words about the run, for whoever lists the file's metadata.
+        about: Words about the run, for anyone who lists the file's metadata.
         now: Seconds on the run's clock.
         clean: Takes secrets out of what is written as plain data; what came over the wire is kept as it came.
         profile: MCAP's: `ros2` for a robot of ROS 2.
@@ -156,7 +156,7 @@ class Recording:
         self._write("calls", CALL, lambda: plain(record))
 
     def reported(self, action: str, report: Report) -> None:
-        """An action's server has said something of a goal."""
+        """An action's server has reported something of a goal."""
         rest = report._asdict()
         record = {"action": action, "said": rest.pop("status"), **rest}  # the file's word
         self._write("goals", GOAL, lambda: plain(record))
@@ -235,7 +235,7 @@ class Recording:
             self._give_up(str(fault) or type(fault).__name__)
 
     def _write_waiting(self) -> None:
-        """All who wait, and whoever comes meanwhile; every second what was written leaves the process.
+        """All who wait, and anyone who comes meanwhile; every second what was written leaves the process.
 
         Python runs one thread at a time: so this one works in short spells and rests between them, lest the robot wait.
         """
@@ -272,11 +272,11 @@ class Recording:
                     self._pen.row(raw, (), when)
 
     def _give_up(self, why: str) -> None:
-        """The recording cannot go on: nothing more is taken, and what waits is let go."""
+        """The recording cannot continue: nothing more is taken, and what waits is let go."""
         if self._why:
             return
         self._why = why
-        log.warning("the recording %s stops, the mission goes on: %s", self.path, why)
+        log.warning("the recording %s stops, the mission continues: %s", self.path, why)
         self._room.clear()
         with suppress(Exception):
             self._file.abandon()

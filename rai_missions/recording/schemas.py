@@ -2,8 +2,8 @@
 """What the messages of a recording look like, as JSON Schemas.
 
 Rule: a schema has nothing but objects with `properties`, lists of one kind of item, and plain values, each with its
-`type`. Foxglove reads no more, and does not open a topic whose schema says something else; what cannot be said so is
-left out of the schema, and stands in the message all the same.
+`type`. Foxglove reads no more, and does not open a topic whose schema states something else; what cannot be stated it
+is left out of the schema, and is in the message all the same.
 Source: the schemas that Foxglove publishes (foxglove-sdk, schemas/jsonschema: CompressedImage, RawImage, Log).
 """
 
@@ -79,7 +79,7 @@ STATUS = _schema(
 )  # fmt: skip
 BLACKBOARD = _schema(
     "rai_missions.BlackboardWrite",
-    "A key that was written; `value` is any JSON, `number` is there where it is one (1 for true), `text` says it short",
+    "A key that was written; `value` is any JSON, `number` only where it is one (1 for true), `text` is it in short",
     key=TEXT, at=NUMBER, text=TEXT,
 )  # fmt: skip
 CALL = _schema(

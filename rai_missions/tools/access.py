@@ -52,7 +52,7 @@ class AllowedConnector:
     """A connector as far as tools may use it. Safe to use from any thread.
 
     Args:
-        connector: Started, and stopped, by somebody else.
+        connector: Started, and stopped, by someone else.
         allowed: What may be touched.
         now: Seconds on the clock that stamps the connector's messages.
     """
@@ -133,7 +133,7 @@ class AllowedConnector:
         Args:
             wanted: Topic → its type, or nothing where it is to be found out.
             ends: An instant of `time.monotonic`.
-            enough: Whether what was heard so far will do; asked with each message.
+            enough: Whether what was received so far will do; asked with each message.
 
         Returns:
             Topic → its newest message, of those that came in time; old ones too, if nothing newer came.
@@ -185,7 +185,7 @@ class AllowedConnector:
         self._connector.send_goal(action, type_name, goal, goal_id=goal_id, on_report=on_report)
 
     def cancel_goal(self, goal_id: str) -> None:
-        """Whoever was allowed to start a goal may end it."""
+        """Anyone who was allowed to start a goal may end it."""
         self._connector.cancel_goal(goal_id)
 
     def _has(self, mode: Mode) -> None:
@@ -205,7 +205,7 @@ class AllowedConnector:
 
 
 class Ear:
-    """Keeps the newest message of each topic that it is told."""
+    """Keeps the newest message of each topic that it receives."""
 
     def __init__(self) -> None:
         self.changed: Latest[Message] = Latest()

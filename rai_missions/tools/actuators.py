@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What acts: publishing, calling services, and actions from their start to their confirmed end.
 
-Rule: the words say what became of it, and never more than the robot confirmed.
+Rule: the words state what became of it, and never more than the robot confirmed.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Acting:
         fields = _checked("message", message)
         found = self._reach.type_of("topics", topic, type_name, until(timeout_s), "write")
         self._reach.publish(topic, found, fields)
-        words = f"The message was published on {topic}; whether anybody heard it is unknown."
+        words = f"The message was published on {topic}; whether anybody received it is unknown."
         return ToolResult(words, {"topic": topic, "type": found, "message": fields})
 
     def call_service(
@@ -94,7 +94,7 @@ def _result(status: GoalState) -> ToolResult:
 def _checked(what: str, given: Any) -> dict[str, Any]:
     """What a message, request or goal is made of; a model may send anything."""
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
-        raise UsageError(f"{what}: {cut_repr(given, 60)} stands where an object with fields belongs")
+        raise UsageError(f"{what}: {cut_repr(given, 60)} is given where an object with fields belongs")
     try:
         length = len(json.dumps(given, default=lambda item: "x" * len(item) if isinstance(item, bytes) else str(item)))
     except (TypeError, ValueError, RecursionError) as fault:

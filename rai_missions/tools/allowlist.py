@@ -27,18 +27,18 @@ SHOWN = 12
 
 @dataclass(frozen=True)
 class Allowed:
-    """The names that tools may use, as patterns: `*` stands for any characters, the slash too; `?` for one.
+    """The names that tools may use, as patterns: `*` represents any characters, the slash too; `?` for one.
 
     Raises:
         UsageError: A pattern is no text, or is empty.
     """
 
     read: tuple[str, ...] = ("*",)
-    """What may be looked at: topics heard, everything listed."""
+    """What may be looked at: topics received, everything listed."""
     write: tuple[str, ...] = ()
     """What may be published on, called and started; and read."""
     never: tuple[str, ...] = ()
-    """What is not touched, whatever the others say; nor is anything below such a name."""
+    """What is not touched, whatever the others state; nor is anything below such a name."""
 
     def __post_init__(self) -> None:
         for word in ("read", "write", "never"):

@@ -93,17 +93,17 @@ class CancelAction(Arguments):
 
 
 class GetTransform(Arguments):
-    target: Name = Field(description="The frame in which the answer is told, such as 'map'.")
+    target: Name = Field(description="The frame in which the answer is reported, such as 'map'.")
     source: Name = Field(description="The frame whose pose is asked for, such as 'base_link'.")
     at_s: float | None = Field(
-        None, allow_inf_nan=False, description="When, in seconds, as the stamps of messages say; empty: the newest."
+        None, allow_inf_nan=False, description="When, in seconds, as the stamps of messages state; empty: the newest."
     )
     max_age_s: Age = Field(None, description="The oldest that will do, in seconds.")
     timeout_s: Timeout = 2.0
 
 
 class GetDistanceToObjects(Arguments):
-    detections_topic: Name = Field(description="Where a detector says what it sees: boxes with names.")
+    detections_topic: Name = Field(description="Where a detector reports what it sees: boxes with names.")
     depth_topic: str = Field("", max_length=LONGEST, description="A depth image's topic; this or cloud_topic.")
     cloud_topic: str = Field("", max_length=LONGEST, description="A point cloud's topic; this or depth_topic.")
     camera_info_topic: str = Field("", max_length=LONGEST, description="The camera's calibration; for a depth image.")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a detector says: boxes in a picture, with the names of what is in them.
+"""What a detector reports: boxes in a picture, with the names of what is in them.
 
 Source: vision_msgs/msg/Detection2DArray, and the plain JSON that small detectors send.
 """
@@ -27,7 +27,7 @@ LONGEST_NAME = 100
 class Detection(NamedTuple):
     name: str
     score: float | None
-    """How sure the detector is, 0 to 1; None: it does not say."""
+    """How sure the detector is, 0 to 1; None: it does not state."""
     box: Box
 
 

@@ -58,7 +58,7 @@ class Measuring:
         age_s = None if found.heard_at is None else max(0.0, self._reach.now() - found.heard_at)
         if max_age_s is not None and age_s is not None and age_s > max_age_s:
             raise ConnectorError(
-                f"'{source}' in '{target}' was last heard {age_s:.2f} s ago, more than {max_age_s:g} s"
+                f"'{source}' in '{target}' was last received {age_s:.2f} s ago, more than {max_age_s:g} s"
             )
         (x, y, z), (qx, qy, qz, qw) = found.transform
         data = {
@@ -67,7 +67,7 @@ class Measuring:
             "yaw": math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)),
             "stamp_s": found.at, "age_s": age_s,
         }  # fmt: skip
-        when = "it does not change" if age_s is None else f"heard {age_s:.2f} s ago"
+        when = "it does not change" if age_s is None else f"received {age_s:.2f} s ago"
         words = f"The pose of the frame '{source}' in '{target}' (metres, radians), {when}:"
         return ToolResult(words, data, {word: data[word] for word in ("translation", "rotation", "yaw", "stamp_s")})
 
@@ -76,7 +76,7 @@ class Measuring:
         names: Sequence[str] = (), max_age_s: float | None = 2.0, max_apart_s: float = 0.5, timeout_s: float = 5.0,
     ) -> ToolResult:  # fmt: skip
         if bool(depth_topic) == bool(cloud_topic):
-            raise UsageError("say one of depth_topic and cloud_topic: what the distances are measured with")
+            raise UsageError("state one of depth_topic and cloud_topic: what the distances are measured with")
         if depth_topic and not camera_info_topic:
             raise UsageError("a depth image needs its camera_info_topic")
         depth, ends = depth_topic or cloud_topic, until(timeout_s)
@@ -156,13 +156,13 @@ class Measuring:
 def _misfit(
     received: Mapping[str, Sample], wanted: Mapping[str, str], pair: tuple[str, str], oldest_s: float, apart_s: float
 ) -> str:
-    """Why what was heard does not fit together (yet); empty if it does."""
+    """Why what was received does not fit together (yet); empty if it does."""
     for topic in wanted:
         if topic not in received:
-            return f"nothing was heard on {topic}"
+            return f"nothing was received on {topic}"
     for topic in pair:
         if received[topic].age_s > oldest_s:
-            return f"what was heard on {topic} is {received[topic].age_s:.2f} s old"
+            return f"what was received on {topic} is {received[topic].age_s:.2f} s old"
     gap_s = abs(received[pair[0]].at - received[pair[1]].at)
     return f"{pair[0]} and {pair[1]} are {gap_s:.2f} s apart" if gap_s > apart_s else ""
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Goals that tools have sent to actions: each by its id, with what its server truly said of it.
+"""Goals that tools have sent to actions: each by its id, with what its server truly reported about it.
 
-Rule: how a goal ended is what its server reported; until it has, the goal is not over, and nobody is told that it is.
+Rule: how a goal ended is what its server reported; until it has, the goal is not over, and no one is notified that it
+is.
 """
 
 from __future__ import annotations
@@ -25,16 +26,16 @@ STATES: Mapping[str, State] = {
     "accepted": "running", "feedback": "running", "cancel_rejected": "running", "rejected": "rejected",
     "succeeded": "succeeded", "failed": "aborted", "canceled": "canceled", "lost": "lost",
 }  # fmt: skip
-"""What a server says → how the goal stands; `aborted` is ROS's word for a failed action."""
+"""What a server reports → how the goal is; `aborted` is ROS's word for a failed action."""
 ENDS = frozenset({"rejected", "succeeded", "aborted", "canceled", "lost"})
 WORDS: Mapping[State, str] = {
-    "sent": "was sent; the server has not yet said whether it takes it",
+    "sent": "was sent; the server has not yet reported whether it takes it",
     "running": "was accepted and is still running; it has not ended",
     "rejected": "was REJECTED by the server and never ran",
     "succeeded": "has SUCCEEDED",
     "aborted": "was ABORTED: the server gave up, and it has not succeeded",
     "canceled": "was CANCELED before it was done, and has not succeeded",
-    "lost": "is LOST: its server is gone, and whether it goes on is unknown",
+    "lost": "is LOST: its server is gone, and whether it continues is unknown",
 }
 NOTHING: Data = MappingProxyType({})
 KEPT = 100
@@ -44,7 +45,7 @@ AT_ONCE = 20
 
 
 class GoalState(NamedTuple):
-    """How a goal stands."""
+    """How a goal is."""
 
     goal_id: str
     action: str
@@ -64,7 +65,7 @@ class GoalState(NamedTuple):
         return self.state in ENDS
 
     def words(self) -> str:
-        """In a sentence of our own; what the server said beside it is data."""
+        """In a sentence of our own; what the server reported next to it is data."""
         refused = "; the server refused to cancel it" if self.cancel == "refused" and not self.is_over else ""
         asked = "; it was asked to cancel and has not confirmed" if self.cancel == "asked" and not self.is_over else ""
         return f"goal {self.goal_id} of {self.action} {WORDS[self.state]}{refused}{asked}"
@@ -87,7 +88,7 @@ class ToolGoal:
         return self.news.value
 
     def receive(self, report: Report) -> None:
-        """What the server says; after an end nothing changes it."""
+        """What the server reports; after an end nothing changes it."""
         with self._lock:
             now = self.state_now
             if now.is_over or report.goal_id != now.goal_id:
@@ -121,7 +122,7 @@ class ToolGoals:
         self._is_stopped = False
 
     def start(self, action: str, type_name: str, goal: Data, ends: float) -> GoalState:
-        """Send a goal, and wait until its server has said whether it takes it."""
+        """Send a goal, and wait until its server has reported whether it takes it."""
         goal_id = f"tool-{uuid.uuid4().hex[:10]}"  # fifteen letters: ROS carries them as they are
         sent = self._keep(ToolGoal(goal_id, action), goal_id)
         try:
@@ -135,13 +136,13 @@ class ToolGoals:
         return sent.state_now
 
     def watch(self, goal_id: str, ends: float) -> GoalState:
-        """How a goal stands once it is over, or when the time is."""
+        """How a goal is once it is over, or when the time is."""
         goal = self._known(goal_id)
         goal.news.wait(ends, lambda status: status.is_over)
         return goal.state_now
 
     def cancel(self, goal_id: str, ends: float) -> GoalState:
-        """Ask a goal's server to end it, and wait for what it says of that."""
+        """Ask a goal's server to end it, and wait for what it reports about that."""
         goal = self._known(goal_id)
         goal.want_no_more()
         if not goal.state_now.is_over:

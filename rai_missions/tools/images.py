@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A camera's message as a picture that a model can be sent: bounded in pixels and in bytes.
 
-Rule: what a camera sends becomes a picture of at most `LARGEST` bytes, or a `ConnectorError` that says why not.
+Rule: what a camera sends becomes a picture of at most `LARGEST` bytes, or a `ConnectorError` that states why not.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a callback of the connector leaves what it heard, and a tool waits for it.
+"""Where a callback of the connector leaves what it received, and a tool waits for it.
 
 Rule: a wait has an end: what was wanted, the time, or the end of the tools.
 """
@@ -36,7 +36,7 @@ class Latest(Generic[T]):
             self._changed.notify_all()
 
     def close(self) -> None:
-        """Whoever waits waits no longer."""
+        """End the wait."""
         with self._changed:
             self._is_closed = True
             self._changed.notify_all()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far away detected objects are: boxes in a camera's picture, and what a depth image or a point cloud says there.
+"""How far away detected objects are: boxes in a camera's picture, and the depth image or point cloud there.
 
 Rule: pure. What has too few valid measurements is unknown, never a guess; NaN, infinity and zero are no measurements.
 
@@ -90,7 +90,7 @@ def depth_points(image: Mapping[str, Any], camera: PinholeCamera, box: Sequence[
 
     Args:
         image: A sensor_msgs/msg/Image of the same view as the camera's; of another size, it is scaled.
-        camera: Whose pixels the box is told in.
+        camera: Whose pixels the box is reported in.
         box: Left, top, right, bottom.
 
     Raises:
@@ -160,7 +160,7 @@ def cloud_points(
         found = [(float(place[1]), float(place[0]), point) for place, point in _points(cloud, seen)]
         return [(u, v, _moved(to_camera, point)) for u, v, point in found], len(rows) * len(columns)
     if camera is None:
-        raise ConnectorError("a point cloud without rows is seen through a camera: say its camera_info topic")
+        raise ConnectorError("a point cloud without rows is seen through a camera: state its camera_info topic")
     samples = []
     for _, point in _points(cloud, ((0, column) for column in range(width))):
         moved = _moved(to_camera, point)
@@ -201,7 +201,7 @@ def ranged(samples: Sequence[Sample], looked_at: int) -> Range:
 
     Args:
         samples: The valid measurements.
-        looked_at: How many there could be; 0 where nobody knows.
+        looked_at: How many there could be; 0 where no one knows.
     """
     least = max(LEAST, math.ceil(looked_at * LEAST_SHARE)) if looked_at >= LEAST else max(1, looked_at)
     if not looked_at:
@@ -235,4 +235,4 @@ def _bytes(data: Any) -> bytes:
     try:
         return bytes(data)
     except (TypeError, ValueError):
-        raise ConnectorError(f"{cut_repr(data, 40)} stands where bytes belong") from None
+        raise ConnectorError(f"{cut_repr(data, 40)} is given where bytes belong") from None

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a tool says: words and a picture for a model, data for a program.
+"""What a tool reports: words and a picture for a model, data for a program.
 
-Rule: what came from the robot stands between <facts> and </facts>, which no fact can close; only our own words stand
+Rule: what came from the robot is between <facts> and </facts>, which no fact can close; only our own words are
 outside.
 """
 
@@ -33,7 +33,7 @@ class ToolResult(NamedTuple):
     data: Mapping[str, Any]
     """For programs: everything, uncut; bytes and `Image` as they are."""
     facts: Any = None
-    """Of the robot: what a model is shown of it; None: nothing beside the words."""
+    """Of the robot: what a model is shown of it; None: nothing besides the words."""
     picture: Mapping[str, Any] | None = None
     """A content block that shows a picture."""
 
@@ -102,7 +102,7 @@ def _shortened(text: str, length: int) -> str:
 
 
 def _quoted(facts: Any) -> str:
-    """Facts on one line of JSON that cannot end the block that it stands in."""
+    """Facts on one line of JSON that cannot end the block that it is in."""
     text = json.dumps(outline(facts), ensure_ascii=False, allow_nan=False)
     more = "" if len(text) <= LONGEST else f"… (cut: {len(text)} characters; ask for less, such as one field)"
     return cut(text, LONGEST).replace("<", "\\u003c").replace(">", "\\u003e") + more

@@ -115,13 +115,13 @@ class Looking:
         data = {"topic": topic, "message": None, "age_s": None if too_old is None else too_old.age_s}
         if too_old is not None:
             words = (
-                f"What was heard on {topic} within {timeout_s:g} s is {_old(too_old)}, and {max_age_s:g} s was the most"
+                f"What was received on {topic} within {timeout_s:g} s is {_old(too_old)}, and at most {max_age_s:g} s"
             )
-            return ToolResult(f"{words} that was asked for: it is not shown. What is so now is unknown.", data)
+            return ToolResult(f"{words} were asked for: it is not shown. What is so now is unknown.", data)
         there, _ = self._reach.listed("topics")
         missing = "" if topic in there else " No such topic is listed."
         return ToolResult(
-            f"Nothing was heard on {topic} within {timeout_s:g} s.{missing} What is so now is unknown.", data
+            f"Nothing was received on {topic} within {timeout_s:g} s.{missing} What is so now is unknown.", data
         )
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One tool as langchain has it: words for a model, data for a program, and a fault as an answer like any other.
 
-Rule: whatever goes wrong is told to whoever called, as data; no exception of ours or of the robot's ends an agent.
+Rule: whatever goes wrong is returned to the caller, as data; no exception of ours or of the robot's ends an agent.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ log = logger(__name__)
 
 
 def _failed(fault: ToolException) -> str:
-    """A fault may quote what the robot said: it is data as well."""
+    """A fault may quote what the robot reported: it is data as well."""
     return ToolResult("This was not done:", {}, str(fault)).text()
 
 
@@ -33,7 +33,7 @@ def _not_understood(fault: Any) -> str:
 
 
 class RobotTool(BaseTool):
-    """A tool over a connector; `metadata["read_only"]` says whether it only looks.
+    """A tool over a connector; `metadata["read_only"]` states whether it only looks.
 
     What it gives a model marks the robot's data as such (`metadata["marks_data"]`).
     """
@@ -64,6 +64,6 @@ class RobotTool(BaseTool):
 def robot_tool(
     name: str, about: str, arguments: type[BaseModel], act: Callable[..., ToolResult], *, read_only: bool
 ) -> RobotTool:
-    """A tool of a name, with what a model is told of it."""
+    """A tool of a name, with what a model is shown of it."""
     marks = {"read_only": read_only, "marks_data": True}
     return RobotTool(name=name, description=about, args_schema=arguments, act=act, metadata=marks)

@@ -28,7 +28,7 @@ class Toolbox:
     `MissionError`; for a model they are langchain's, in `tools`, which raise nothing.
 
     Args:
-        connector: Started, and stopped, by whoever opened it.
+        connector: Started, and stopped, by its owner.
         allowed: What may be read, written and never touched; left out, everything may be read and nothing written.
         now: Seconds on the clock that stamps the connector's messages: the run's.
     """
@@ -47,14 +47,14 @@ class Toolbox:
         return tuple(tool for tool in self.tools if tool.is_read_only)
 
     def stop(self, within_s: float = 5.0) -> tuple[GoalState, ...]:
-        """Cancel the goals that still run and end every wait; the goals whose end nobody confirmed in time."""
+        """Cancel the goals that still run and end every wait; the goals whose end no one confirmed in time."""
         left = self._goals.stop(until(within_s))
         self.measuring.stop()
         self._reach.stop()
         return left
 
     def close(self) -> None:
-        """Stop, for whoever asks nothing."""
+        """Stop, for a caller that needs no answer."""
         self.stop()
 
 
@@ -67,7 +67,7 @@ def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
         ("describe_type", "The fields of a message, service or action type.", args.DescribeType, look.describe_type),
         (
             "receive_message",
-            "The newest message of a topic, with its age in seconds. Says so if none comes in time.",
+            "The newest message of a topic, with its age in seconds. States it if none comes in time.",
             args.ReceiveMessage,
             look.receive_message,
         ),
@@ -86,8 +86,8 @@ def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
         ),
         (
             "watch_action",
-            "How a goal stands that start_action started: running, succeeded, aborted, canceled, rejected or lost, "
-            "with its feedback and result. Waits for its end as long as told.",
+            "How a goal is that start_action started: running, succeeded, aborted, canceled, rejected or lost, "
+            "with its feedback and result. Waits for its end as long as it may.",
             args.WatchAction,
             box.acting.watch_action,
         ),
@@ -101,14 +101,14 @@ def _that_act(box: Toolbox) -> tuple[RobotTool, ...]:
         ("call_service", "Call a service and wait for its reply.", args.CallService, box.acting.call_service),
         (
             "start_action",
-            "Start an action. Says whether its server took the goal, and the goal's id for watch_action and "
+            "Start an action. Reports whether its server took the goal, and the goal's id for watch_action and "
             "cancel_action; it does not wait for the end, and an accepted goal has not succeeded.",
             args.StartAction,
             box.acting.start_action,
         ),
         (
             "cancel_action",
-            "Ask for the end of a goal, and say how it ended or that it has not.",
+            "Ask for the end of a goal, and state how it ended or that it has not.",
             args.CancelAction,
             box.acting.cancel_action,
         ),

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where frames lie to each other over the last seconds: a tree of frames heard from /tf and /tf_static.
+"""Where frames lie to each other over the last seconds: a tree of frames received from /tf and /tf_static.
 
-Rule: nothing here knows a connector. Between two heard instants a transform is interpolated; outside of what was heard
-there is none.
+Rule: nothing here knows a connector. Between two received instants a transform is interpolated; outside of what was
+received there is none.
 
 Source: tf2_msgs/msg/TFMessage; tf2's TimeCache (linear in translation, spherical in rotation).
 """
@@ -64,7 +64,7 @@ class Found(NamedTuple):
     at: float | None
     """The instant, of the messages' stamps; None for what does not change with time."""
     heard_at: float | None
-    """When the oldest of what it rests on was last heard, on the run's clock; None for what does not change."""
+    """When the oldest of what it rests on was last received, on the run's clock; None for what does not change."""
 
 
 class Track:
@@ -85,7 +85,7 @@ class Track:
         del self.samples[: bisect_left(self.samples, oldest, key=lambda sample: sample[0])]
 
     def at(self, at: float) -> Transform | None:
-        """At an instant; None outside of what was heard."""
+        """At an instant; None outside of what was received."""
         if self.is_static:
             return self.samples[0][1]
         place = bisect_left(self.samples, at, key=lambda sample: sample[0])
@@ -101,22 +101,22 @@ class Track:
 
 
 class Frames:
-    """What was heard on /tf and /tf_static."""
+    """What was received on /tf and /tf_static."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._tracks: dict[str, Track] = {}
 
     def receive(self, message: Mapping[str, Any], *, is_static: bool = False, received_at: float = 0.0) -> None:
-        """Take in a tf2_msgs/msg/TFMessage, heard at an instant of the run's clock.
+        """Take in a tf2_msgs/msg/TFMessage, received at an instant of the run's clock.
 
         Raises:
-            ConnectorError: It is none, or holds what is no transform; what stands before that is taken in.
+            ConnectorError: It is none, or holds what is no transform; what is before that is taken in.
         """
         transforms = message.get("transforms")
         if not isinstance(transforms, list | tuple):
             raise ConnectorError(
-                f"{cut_repr(message, 60)} stands where a tf2_msgs/msg/TFMessage belongs: no 'transforms'"
+                f"{cut_repr(message, 60)} is given where a tf2_msgs/msg/TFMessage belongs: no 'transforms'"
             )
         for each in transforms:
             self._take(*_read(each), is_static=is_static, received_at=received_at)
@@ -141,12 +141,12 @@ class Frames:
         """The pose of `source` in `target`.
 
         Args:
-            target: The frame in which the answer is told.
-            source: The frame whose pose is told.
+            target: The frame in which the answer is reported.
+            source: The frame whose pose is reported.
             at: An instant of the messages' stamps; left out, the newest at which all of the way is known.
 
         Raises:
-            UsageError: A frame was not heard of, the two are not connected, or the time is not in what was heard.
+            UsageError: A frame was not learned of, the two are not connected, or the time is not in what was received.
         """
         with self._lock:
             up, down = self._ways(target, source)
@@ -162,7 +162,7 @@ class Frames:
         for name in (target, source):
             if name not in names:
                 raise UsageError(
-                    f"no frame {cut_repr(name, 80)} was heard of; there is: {', '.join(names[:20]) or 'none yet'}"
+                    f"no frame {cut_repr(name, 80)} was reported; there is: {', '.join(names[:20]) or 'none yet'}"
                 )
         up, down = self._way(source), self._way(target)
         shared = next((name for name in up if name in down), None)
@@ -187,7 +187,7 @@ class Frames:
             track = self._tracks[name]
             found = track.at(0.0 if at is None else at)
             if found is None:
-                window = f"it was heard from {track.samples[0][0]:.3f} to {track.samples[-1][0]:.3f} s"
+                window = f"it was received from {track.samples[0][0]:.3f} to {track.samples[-1][0]:.3f} s"
                 raise UsageError(f"at {at:.3f} s '{name}' in '{track.parent}' is not known: {window}")
             whole = found @ whole
         return whole
@@ -212,7 +212,7 @@ def _read(given: Any) -> tuple[str, str, float, Transform]:
 
 
 def stamp_of(header: Mapping[str, Any]) -> float:
-    """Seconds of a header's stamp, on the clock of whoever sent it."""
+    """Seconds of a header's stamp, on the clock of its sender."""
     stamp = header["stamp"]
     return (
         float((int(stamp["sec"]) * 10**9 + int(stamp["nanosec"])) / 1e9) if isinstance(stamp, Mapping) else float(stamp)

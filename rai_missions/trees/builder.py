@@ -29,11 +29,11 @@ PLAIN: Mapping[type[tree.TreeNode], type[nodes.Decorator]] = {
     tree.RunningIsSuccess: nodes.RunningIsSuccess,
     tree.PassThrough: nodes.PassThrough,
 }
-"""The decorators that have nothing to be told but their child."""
+"""The decorators whose only field is their child."""
 
 
 class BuiltNode(NamedTuple):
-    """What stands at a path."""
+    """What is at a path."""
 
     behaviour: Any
     site: Site | None
@@ -53,7 +53,7 @@ class TreeBuilder:
     def __init__(self, place: str, keys: Mapping[str, Key], state: str, round: Tick) -> None:  # noqa: A002
         self.place, self.keys, self.state, self.round = place, keys, state, round
         self.planted: dict[str, BuiltNode] = {}
-        """Path → what stands there, outer before inner."""
+        """Path → what is there, outer before inner."""
 
     def plant(self, node: tree.TreeNode, path: str = "") -> Behaviour:
         """The live behaviour of a node, with all that is inside it."""

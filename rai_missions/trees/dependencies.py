@@ -49,7 +49,7 @@ class BehaviourWatch:
     """Over the live behaviours of one tree.
 
     Args:
-        planted: Path → what stands there.
+        planted: Path → what is there.
     """
 
     def __init__(self, planted: Mapping[str, BuiltNode]) -> None:
@@ -63,7 +63,7 @@ class BehaviourWatch:
         )
         """By what the guards change whose duration is counted, whether the next tick looks at them or not."""
         self.turns = dict(_turns(planted))
-        """Path → the child of a loop that stands there."""
+        """Path → the child of a loop that is there."""
 
     def hold(self, sight: TickView) -> TickView:
         """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The leaves of a tree, and the decision, as behaviours: what they do is told to the round, never done here."""
+"""The leaves of a tree, and the decision, as behaviours: what they do is handed to the round, never done here."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class ActivityLeaf(Leaf):
 
     @property
     def awaited(self) -> bool:
-        """The chart runs it and has not been told to end it."""
+        """The chart runs it and has not been asked to end it."""
         return self.status is RUNNING
 
     def initialise(self) -> None:
@@ -144,7 +144,7 @@ class ActivityLeaf(Leaf):
 
 
 class PythonLeaf(ActivityLeaf):
-    """A live behaviour of the user's program that is ticked beside the mission: this says what it said last."""
+    """A live behaviour of the user's program that is ticked next to the mission: this reports what it reported last."""
 
     def act(self) -> Status:
         result = self.round.take(self.path)

@@ -34,7 +34,7 @@ def word(status: Status) -> Any:
 
 
 class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
-    """Mixed into a behaviour: where it stands, its trace, and what of it outlives a tick."""
+    """Mixed into a behaviour: where it is, its trace, and what of it outlives a tick."""
 
     path: str
     round: Tick
@@ -60,7 +60,7 @@ class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
         return {}
 
     def recall(self, memory: dict[str, Any]) -> None:
-        """Be again as `kept` told."""
+        """Restore what `kept` holds."""
 
     def deadline(self) -> float | None:
         """The instant at which time alone changes something, while it runs."""
@@ -83,7 +83,7 @@ class _OldFirst(Composite):
     """A composite in which a child can take over from one that still runs: the old one ends first.
 
     py_trees ticks the child that takes over and then stops the others. Nothing of the second depends on the first, so
-    the two are told in the other order; leaves are started and ended after the tick, the ended ones first.
+    the two are reported in the other order; leaves are started and ended after the tick, the ended ones first.
     """
 
     _moved: tuple[int, int] | None = None
@@ -102,7 +102,7 @@ class _OldFirst(Composite):
             yield node
 
     def takes_over(self, child: Behaviour) -> bool:
-        """Whether a child that was ticked now stands in for the one that runs."""
+        """Whether a child that was ticked now replaces the one that runs."""
         return child.status is RUNNING
 
     def _end_old_first(self) -> None:
@@ -221,7 +221,7 @@ class Timeout(Decorator, _Timed):
 
 
 class _Mirror(decorators.Decorator):
-    """Says what its child says."""
+    """Reports what its child reports."""
 
     def update(self) -> Status:
         return self.decorated.status
@@ -241,7 +241,7 @@ class EternalGuard(Decorator, _Mirror):
 
 
 class _Report(_Mirror):
-    """py_trees' StatusToBlackboard, writing a key of the mission where it says something new."""
+    """py_trees' StatusToBlackboard, writing a key of the mission where it states something new."""
 
     key: str
     round: Tick
@@ -259,4 +259,4 @@ class StatusToBlackboard(Decorator, _Report):
 
 
 LOOPS = (Retry, Repeat, FailureIsRunning, SuccessIsRunning, Condition)
-"""Decorators that say they run while their child has ended: at the next tick it begins anew."""
+"""Decorators that state they run while their child has ended: at the next tick it begins again."""

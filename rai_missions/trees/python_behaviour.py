@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A behaviour of the user's program while it lives: ticked beside the mission, by whoever has the clock.
+"""A behaviour of the user's program while it lives: ticked next to the mission, by the owner of the clock.
 
-Rule: what it says reaches the mission as an Event of kind `behaviour`, and in no other way.
+Rule: what it reports reaches the mission as an Event of kind `behaviour`, and in no other way.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ log = logger(__name__)
 class LiveBehaviour:
     """Made and set up when its leaf is started; `stop` when the leaf is ended, has ended, or the run is over.
 
-    A tick that raises counts as a failure: the mission goes on, and the log says what it was. So does one after which
-    the status is `INVALID`, which is what py_trees makes of an `update` that returns nothing.
+    A tick that raises counts as a failure: the mission continues, and the log reports what it was. So does one after
+    which the status is `INVALID`, which is what py_trees makes of an `update` that returns nothing.
 
     Args:
         leaf: Brings the factory.

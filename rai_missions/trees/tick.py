@@ -19,7 +19,7 @@ class TickView:
     Args:
         view: What is known at the start of the tick.
         state: The state that runs the tree.
-        began: When the tree was ticked first; stands for the state's entry where the view does not know it.
+        began: When the tree was ticked first; represents the state's entry where the view does not know it.
         held: Held guard → since when its inner guard has been true; the tree keeps these itself.
     """
 

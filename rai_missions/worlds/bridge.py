@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A world in a process of its own: its robot on a connector that other processes reach, its time on `/clock`.
 
-Rule: what this machine has no types for is left out, and said; the rest of the robot is there.
+Rule: what this machine has no types for is left out, and reported; the rest of the robot is there.
 """
 
 from __future__ import annotations
@@ -28,9 +28,10 @@ log = logger(__name__)
 
 CLOCK, CLOCK_TYPE = "/clock", "rosgraph_msgs/msg/Clock"
 FLUSH = 20
-"""Steps between two waits for what was published to have left: a world that goes faster would be heard ever later."""
+"""Steps between two waits for what was published to have left: a world that goes faster would be received ever
+later."""
 LONGEST = 60
-"""Characters of a fact that is told."""
+"""Characters of a fact that is reported."""
 
 
 class Front:
@@ -38,8 +39,9 @@ class Front:
 
     Args:
         connector: Where it stands; the front passes everything on to it.
-        told: Hears of each plain fact (a number, a truth, a word on a topic) that is not what it was: name and fact.
-        taken: Mode → names that somebody else has there, as `company` found them; to open one of them is refused.
+        reported: Is notified of each plain fact (a number, a truth, a word on a topic) that is not what it was: name
+            and fact.
+        taken: Mode → names that someone else has there, as `company` found them; to open one of them is refused.
     """
 
     def __init__(
@@ -78,10 +80,10 @@ class Front:
                     self.topics[name] = type_name
 
     def refuse_company(self) -> None:
-        """See that nobody else has by now what is here.
+        """See that no one else has by now what is here.
 
         Raises:
-            UsageError: Somebody has.
+            UsageError: Someone has.
         """
         ours: Mapping[Mode, Collection[str]] = {
             "topics": self.topics, "services": self.services, "actions": self.actions,
@@ -132,7 +134,7 @@ class Front:
 
 
 def company(connector: Connector) -> Mapping[Mode, Collection[str]]:
-    """What others have on a connector, by mode, as far as it can tell who is there."""
+    """What others have on a connector, by mode, as far as it can determine who is there."""
     return {mode: frozenset(counts) for mode, counts in _counted(connector).items()}
 
 
@@ -154,11 +156,11 @@ def _refuse(mode: Mode, name: str, taken: Mapping[Mode, Collection[str]]) -> Non
 
 
 class Stage:
-    """A world that says after each step what time it is, so that whoever reaches it can live by its time.
+    """A world that reports after each step what time it is, so that anyone who reaches it can live by its time.
 
     Args:
         world: Opened on the connector.
-        connector: Where its time is said.
+        connector: Where its time is reported.
     """
 
     def __init__(self, world: World, connector: Connector) -> None:

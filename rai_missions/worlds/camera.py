@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The front camera: colour, depth and segmentation, rendered when somebody looks.
+"""The front camera: colour, depth and segmentation, rendered when someone looks.
 
 Rule: a picture can be asked for from any thread, and shows the moment at which it was taken, whenever it is rendered.
 """
@@ -68,7 +68,7 @@ class Camera:
         self._renderers = Renderers(model)
 
     def check(self) -> None:
-        """Make sure that it can render; a `UsageError` says what is missing."""
+        """Make sure that it can render; a `UsageError` reports what is missing."""
         self._renderers.do(lambda: self._renderers.of(*self._frame_size))
 
     def moment(self, data: Any) -> Moment:

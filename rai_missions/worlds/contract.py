@@ -21,7 +21,7 @@ def check_world(make: Callable[[], World], topics: Iterable[str], *, steps: int 
         steps: How many steps to go.
 
     Raises:
-        AssertionError: A promise is broken; the text says which.
+        AssertionError: A promise is broken; the text states which.
     """
     names = tuple(topics)
     first, second = _published(make(), names, steps), _published(make(), names, steps)

@@ -13,6 +13,6 @@ __all__ = ("choose_renderer",)
 
 
 def choose_renderer() -> None:
-    """Without a display, render through EGL, unless `MUJOCO_GL` says otherwise."""
+    """Without a display, render through EGL, unless `MUJOCO_GL` reports otherwise."""
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         os.environ.setdefault("MUJOCO_GL", "egl")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the world has to say, kept until its step is over.
+"""What the world has to state, kept until its step is over.
 
-Rule: nothing leaves while the world's lock is held, so whoever hears it may call the world's services at once.
+Rule: nothing leaves while the world's lock is held, so anyone who receives it may call the world's services at once.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Outbox:
         self._sent: dict[str, Any] = {}
 
     def open(self, connector: Connector, without: Collection[str] = ()) -> None:
-        """Publish on a connector from now on; whoever looks sees every topic at once, also those that are yet silent.
+        """Publish on a connector from now on; every topic is visible at once, silent ones too.
 
         Args:
             connector: Where to.
@@ -54,7 +54,7 @@ class Outbox:
             self.add(lambda: connector.publish(self.name(name), self._types[name], message))
 
     def put(self, name: str, fact: Any, message: Data, *, anyway: bool = False) -> None:
-        """Publish a fact if it is not what was told last, or anyway."""
+        """Publish a fact if it is not what was reported last, or anyway."""
         if anyway or self._sent.get(name) != fact:
             self._sent[name] = fact
             self.publish(name, message)

@@ -2,7 +2,7 @@
 """The renderers of one compiled world, and the thread that they live on.
 
 Rule: everything of OpenGL happens on one thread, since a context belongs to the thread that made it. What was made
-there is freed there, also when nobody says that it is over: a garbage collection happens on any thread.
+there is freed there, also when no one reports that it is over: a garbage collection happens on any thread.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Renderers:
         """The renderer of a size in pixels; to be asked for on the thread.
 
         Raises:
-            UsageError: Nothing can be rendered here; it says what is missing.
+            UsageError: Nothing can be rendered here; it states what is missing.
         """
         size = height, width
         if size not in self._made:

@@ -112,7 +112,7 @@ def _check_sorts(name: str, world: Any, options: Mapping[str, Any]) -> None:
     """Whether each option has a value of its type; what an object or a list holds is the world's affair.
 
     Raises:
-        UsageError: One has not; all such are told at once.
+        UsageError: One has not; all such are reported at once.
     """
     takes = get_type_hints(world.__init__)
     wrong = [f"{option} takes {why}" for option, value in options.items() if (why := _misfit(takes.get(option), value))]

@@ -111,7 +111,7 @@ def test_an_agent_that_is_stopped_at_once_has_canceled_its_mission_too() -> None
         assert agent.result is not None and agent.result.outcome == "canceled"
 
 
-def test_an_agent_whose_run_breaks_off_says_why(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_agent_whose_run_breaks_off_reports_why(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.CRITICAL + 1)
     keys = {"battery": {"type": "number", "source": "robot"}}
     states = {

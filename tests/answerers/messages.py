@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What models may say, for hypothesis: texts, JSON and calls, near to what is asked for and far from it."""
+"""What models may state, for hypothesis: texts, JSON and calls, near to what is asked for and far from it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The contracts catch those who break them, and the shipped doubles break what they say."""
+"""The contracts catch those who break them, and the shipped doubles break what they state."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_an_answer_of_the_contract_has_no_fault(reply: Any) -> None:
         (GOOD | {"usage": USAGE | {"model": None}}, "usage of model is not None"),
     ],
 )
-def test_an_answer_of_another_shape_is_told(reply: Any, fault: str) -> None:
+def test_an_answer_of_another_shape_is_reported(reply: Any, fault: str) -> None:
     assert answer_fault(reply).startswith(fault)
 
 
@@ -105,7 +105,7 @@ def test_an_agent_that_leaves_a_thread_behind_does_not_pass() -> None:
     released.set()
 
 
-def test_a_late_answer_comes_when_the_test_says_so_withdrawn_or_not() -> None:
+def test_a_late_answer_comes_when_the_test_states_it_withdrawn_or_not() -> None:
     late, reported = LateAnswerer(), ReplyCollector()
     late.ask(QUESTION, reported)
     late.withdraw(1)

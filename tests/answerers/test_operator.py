@@ -71,7 +71,7 @@ class Desk:
         os.write(self.person, text.encode())
 
     def left_over(self) -> bytes:
-        """What the terminal still holds for whoever reads next."""
+        """What the terminal still holds for anyone who reads next."""
         ready, _, _ = select.select([self.terminal], [], [], 1.0)
         return os.read(self.terminal, 100) if ready else b""
 
@@ -213,7 +213,7 @@ def test_withdrawing_another_question_leaves_the_one_on_the_screen(desk: Desk) -
     assert other.all == []
 
 
-def test_time_that_is_over_is_told(desk: Desk) -> None:
+def test_time_that_is_over_is_reported(desk: Desk) -> None:
     reported = desk.ask(QUESTION._replace(budget=Limits(seconds=0.05)))
     assert reported.wait()["failed"].startswith("no answer within 0.")
     desk.screen.wait("(time is over)")

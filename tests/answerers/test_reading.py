@@ -41,7 +41,7 @@ def test_whatever_a_message_holds_one_thing_is_read_from_it(text: str, calls: li
 
 
 @given(TEXTS)
-def test_a_wish_stands_in_the_text_word_by_word(text: str) -> None:
+def test_a_wish_is_in_the_text_word_by_word(text: str) -> None:
     reading = said(text)
     if reading.wish is not None:
         assert json.dumps(reading.wish["option"]) in text or reading.wish["option"] == text.strip()
@@ -113,7 +113,7 @@ def test_one_object_or_one_name_is_a_wish(text: str, expected: dict[str, Any]) -
         ("x" * (LONGEST + 1), f"answered with {LONGEST + 1} characters; at most {LONGEST} are read"),
     ],
 )
-def test_anything_looser_is_told_as_what_it_is(text: str, why: str) -> None:
+def test_anything_looser_is_reported_as_what_it_is(text: str, why: str) -> None:
     reading = said(text)
     assert reading.failed.startswith(why)
     assert reading.wish is None
@@ -137,7 +137,7 @@ def test_a_call_of_something_else_is_a_call_of_a_tool() -> None:
     )
 
 
-def test_a_call_that_is_not_json_is_told() -> None:
+def test_a_call_that_is_not_json_is_reported() -> None:
     broken = {"name": "abort", "args": "{", "id": "1", "error": None, "type": "invalid_tool_call"}
     reading = read(said_of(AIMessage("", invalid_tool_calls=[broken])), QUESTION)
     assert reading.failed == "answered with 1 call whose arguments are not JSON"

@@ -67,7 +67,7 @@ def test_the_first_row_that_is_true_and_offered_answers(rows: list[Any], height:
     assert answered(rows, Seen(at=age, board=board)).get("option") == expected
 
 
-def test_a_rule_says_which_it_was() -> None:
+def test_a_rule_reports_which_it_was() -> None:
     seen = Seen(board={"height": Stamped(0.1, 0.0)})
     assert answered([(LOW, "fly"), (LOW, "signal"), (None, "abort")], seen) == {
         "option": "signal",

@@ -72,7 +72,7 @@ def server() -> Iterator[Server]:
 
 
 def completion(content: str | None = None, calls: list[tuple[str, str]] | None = None) -> Reply:
-    """A chat completion: a text, or calls of functions with their arguments as they stand on the wire."""
+    """A chat completion: a text, or calls of functions with their arguments as they are on the wire."""
     message: dict[str, Any] = {"role": "assistant", "content": content}
     if calls:
         message["tool_calls"] = [
@@ -183,7 +183,7 @@ def test_a_server_without_schemas_is_asked_in_the_next_way(server: Server) -> No
         (completion('{"option": "rep'), "answered with JSON that is broken"),
     ],
 )
-def test_a_server_at_fault_is_told_without_its_key(server: Server, reply: Reply, why: str) -> None:
+def test_a_server_at_fault_is_reported_without_its_key(server: Server, reply: Reply, why: str) -> None:
     server.replies = [reply]
     text = answer(server.model())
     assert why in text["failed"]

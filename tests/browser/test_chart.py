@@ -52,7 +52,7 @@ def names(mission: Mission) -> set[str]:
 
 
 def missing(window: Any) -> list[str]:
-    """Rows that are neither on an arrow nor told by a box of the open chart."""
+    """Rows that are neither on an arrow nor reported by a box of the open chart."""
     found: list[str] = window.evaluate(UNTOLD)
     return found
 

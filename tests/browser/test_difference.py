@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page of a difference in a browser: what matters is told first, leads to its place, and nothing of it runs."""
+"""The page of a difference in a browser: what matters is reported first, leads to its place, and nothing of it runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def window(opened: Open) -> Any:
     return opened(page(difference(tractor(), changed())))
 
 
-def test_what_is_safety_relevant_is_told_first_and_above(window: Any) -> None:
+def test_what_is_safety_relevant_is_reported_first_and_above(window: Any) -> None:
     found = difference(tractor(), changed())
     assert window.inner_text("#banner") == "⚠ 6 safety-relevant changes, 5 others"
     assert window.inner_text("#version") == "1.0.0 → 1.1.0"
@@ -31,7 +31,7 @@ def test_what_is_safety_relevant_is_told_first_and_above(window: Any) -> None:
     ]
 
 
-def test_a_change_leads_to_its_place_and_its_place_tells_the_change(window: Any) -> None:
+def test_a_change_leads_to_its_place_and_its_place_reports_the_change(window: Any) -> None:
     window.click("#changes >> text=guard weakened")
     assert window.locator(".state.selected").get_attribute("data-state") == "assessing"
     assert "What changed here" in window.inner_text("#details")

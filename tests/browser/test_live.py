@@ -103,7 +103,7 @@ CUT = """() => {
     new MutationObserver(look).observe(document.body, { attributes: true, childList: true, subtree: true });
     live.line.cut.abort();
 }"""
-"""It is back so soon that nobody else may have seen it away."""
+"""It is back so soon that no one else may have seen it away."""
 
 
 def test_a_page_that_was_cut_off_comes_back_to_what_is_so(run: Run, look: Look) -> None:
@@ -118,7 +118,7 @@ def test_a_page_that_was_cut_off_comes_back_to_what_is_so(run: Run, look: Look) 
 
 @contextmanager
 def hung(page: LivePage) -> Iterator[None]:
-    """The server takes connections and says nothing, as a stopped process does."""
+    """The server takes connections and reports nothing, as a stopped process does."""
     resume = threading.Event()
     assert page._loop is not None
     page._loop.call_soon_threadsafe(resume.wait)
@@ -128,7 +128,7 @@ def hung(page: LivePage) -> Iterator[None]:
         resume.set()
 
 
-def test_a_page_that_hears_nothing_says_so_and_its_ages_run_on(run: Run, look: Look) -> None:
+def test_a_page_that_receives_nothing_states_it_and_its_ages_run_on(run: Run, look: Look) -> None:
     window = look(run.page)
     window.wait_for_selector("[data-line=live]")
     with hung(run.page):
@@ -145,7 +145,7 @@ def test_a_page_that_hears_nothing_says_so_and_its_ages_run_on(run: Run, look: L
     assert window.inner_text("#heard") == ""
 
 
-def test_an_order_says_at_once_that_it_is_sent_and_then_what_became_of_it(look: Look) -> None:
+def test_an_order_reports_at_once_that_it_is_sent_and_then_what_became_of_it(look: Look) -> None:
     desk = Desk()
     with Run(tractor(), desk) as run:
         run.start()
@@ -165,7 +165,7 @@ def test_an_order_says_at_once_that_it_is_sent_and_then_what_became_of_it(look: 
         window.wait_for_selector("#said.alarm:has-text('e-stop: not delivered')")
 
 
-def test_a_state_that_waits_for_control_says_so_and_the_way_out_is_a_button(look: Look) -> None:
+def test_a_state_that_waits_for_control_states_it_and_the_way_out_is_a_button(look: Look) -> None:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     with Run(tractor(), Desk()) as run:
         run.write("battery", 0.8)
@@ -205,7 +205,7 @@ def test_an_option_whose_guard_falls_is_greyed_with_its_reason_and_comes_back(lo
         assert window.is_hidden(f"{button} ~ .reason")
 
 
-def test_evidence_says_how_long_ago_it_was_shown_and_what_is_so_now(run: Run, look: Look) -> None:
+def test_evidence_reports_how_long_ago_it_was_shown_and_what_is_so_now(run: Run, look: Look) -> None:
     window = look(run.page)
     play(run, "obstacle")
     play(run, "anomaly")
@@ -219,7 +219,7 @@ def test_evidence_says_how_long_ago_it_was_shown_and_what_is_so_now(run: Run, lo
     assert "as offered" in window.inner_text(".question")
 
 
-def test_after_the_end_nothing_looks_as_if_it_went_on(look: Look) -> None:
+def test_after_the_end_nothing_looks_as_if_it_continued(look: Look) -> None:
     with Run(tractor(), Desk()) as run:
         run.write("battery", 0.8)
         run.start()
@@ -287,7 +287,7 @@ def test_another_site_can_neither_read_nor_act(run: Run, browser: Any, tmp_path:
     context.close()
 
 
-def test_nothing_that_a_mission_a_model_or_a_robot_says_is_run(look: Look) -> None:
+def test_nothing_that_a_mission_a_model_or_a_robot_reports_is_run(look: Look) -> None:
     mission: Mission = poisoned()
     with Run(mission) as run:
         run.write("battery", 0.8)

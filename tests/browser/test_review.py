@@ -36,7 +36,7 @@ def journal(tmp_path: Path) -> Path:
 
 
 def poisoned() -> Mission:
-    """The tractor's mission with a hostile text wherever a text may stand."""
+    """The tractor's mission with a hostile text wherever a text may be."""
     given = document()
     given["about"] = " ".join(HOSTILE[:5])
     texts = iter(HOSTILE * 40)
@@ -54,7 +54,7 @@ def poisoned() -> Mission:
     return Mission.model_validate(given)
 
 
-def test_a_click_tells_all_of_a_state_and_the_address_names_it(opened: Open) -> None:
+def test_a_click_reports_all_of_a_state_and_the_address_names_it(opened: Open) -> None:
     window = opened(review(tractor()))
     window.click("[data-state=crossing] .form", position={"x": 5, "y": 5})
     reported = window.inner_text("#details")
@@ -74,7 +74,7 @@ def test_a_click_tells_all_of_a_state_and_the_address_names_it(opened: Open) -> 
     assert window.evaluate("location.hash") == "#state=assessing"
 
 
-def test_a_click_tells_all_of_a_row(opened: Open) -> None:
+def test_a_click_reports_all_of_a_row(opened: Open) -> None:
     window = opened(review(tractor()))
     window.locator("[data-rows='/states/assessing/transitions/0'] .grip").dispatch_event("click")
     reported = window.inner_text("#details")
@@ -114,7 +114,7 @@ def test_a_switch_lights_what_answers_it_and_dims_all_else(name: str, key: str, 
     assert not window.is_visible("#lens")
 
 
-def test_help_tells_the_keys(opened: Open) -> None:
+def test_help_reports_the_keys(opened: Open) -> None:
     window = opened(review(tractor()))
     window.keyboard.press("?")
     assert window.is_visible("#keys")
@@ -172,7 +172,7 @@ def test_steps_go_by_keys_and_jump_from_change_to_change(journal: Path, opened: 
     until(window, f"{now}.includes('· 1 of')")
 
 
-def test_coverage_says_which_rows_were_never_taken_and_is_sorted_by_a_click(journal: Path, opened: Open) -> None:
+def test_coverage_reports_which_rows_were_never_taken_and_is_sorted_by_a_click(journal: Path, opened: Open) -> None:
     page = review(tractor(), [journal, journal])
     taken = data_of(page)["coverage"]["rows"]
     window = opened(page)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bad missions, each beside the exact messages expected: `tests/bad_missions/NAME.json` and `NAME.txt`.
+"""Bad missions, each next to the exact messages expected: `tests/bad_missions/NAME.json` and `NAME.txt`.
 
-`REWRITE_BAD_MISSIONS=1 pytest tests/check` writes the messages anew, for a person to read.
+`REWRITE_BAD_MISSIONS=1 pytest tests/check` writes the messages again, for a person to read.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def findings(name: str) -> tuple[Finding, ...]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_bad_mission_is_told_every_fault_with_its_place(name: str) -> None:
+def test_a_bad_mission_is_sent_every_fault_with_its_place(name: str) -> None:
     reported = "".join(f"{finding}\n" for finding in findings(name))
     expected = FOLDER / f"{name}.txt"
     if os.environ.get("REWRITE_BAD_MISSIONS"):
@@ -60,7 +60,7 @@ def test_an_error_ends_with_two_and_a_warning_with_one_where_warnings_count() ->
     assert [exit_status(each, strict=True) for each in (error, warning, ())] == [2, 1, 0]
 
 
-def test_every_sentence_says_what_would_be_right() -> None:
+def test_every_sentence_states_what_would_be_right() -> None:
     remedy = re.compile(r"; |\?$|and no|move this one")
     for name in NAMES:
         for finding in findings(name):
@@ -77,7 +77,7 @@ def test_every_place_is_in_the_document() -> None:
                 here = here[int(word)] if isinstance(here, list) else here[word.replace("~1", "/").replace("~0", "~")]
 
 
-def test_the_guide_lists_each_rule_with_its_sentence_and_an_example_that_check_tells() -> None:
+def test_the_guide_lists_each_rule_with_its_sentence_and_an_example_that_check_reports() -> None:
     guide = (ROOT / "docs" / "guide" / "checks.md").read_text(encoding="utf-8")
     rows = {line.split("|")[1].strip(" `"): line for line in guide.splitlines() if line.startswith("| `")}
     assert list(rows) == [rule.name for rule in RULES]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `check` lets pass, and where it draws the line, by examples beside the bad missions."""
+"""What `check` lets pass, and where it draws the line, by examples next to the bad missions."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_the_example_of_the_design_has_no_finding() -> None:
     assert check(Mission.model_validate(DESIGN)) == ()
 
 
-def test_what_an_author_forgets_in_the_example_is_told_once() -> None:
+def test_what_an_author_forgets_in_the_example_is_reported_once() -> None:
     assert rules(lambda d: d["states"]["crossing"].pop("timeout_s")) == ["unbounded-action"]
     assert rules(lambda d: d["states"]["done"].pop("requires")) == ["missing-requires"]
     assert rules(lambda d: d["states"]["replanning"].update(transitions=[])) == ["unhandled-success"]
@@ -56,7 +56,7 @@ def test_a_misspelled_name_is_one_fault_and_hides_no_other() -> None:
     assert rules(misspell) == ["unknown-event", "unknown-state", "unknown-key", "unknown-state"]
 
 
-def test_a_lost_group_of_states_is_told_by_what_leads_into_it() -> None:
+def test_a_lost_group_of_states_is_reported_by_what_leads_into_it() -> None:
     lost = [
         finding.sentence
         for finding in check(
@@ -94,7 +94,7 @@ UNFOUNDED: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("guard", FOUNDED.values(), ids=FOUNDED)
-def test_success_may_rest_on_what_the_robot_said(guard: Any) -> None:
+def test_success_may_rest_on_what_the_robot_reported(guard: Any) -> None:
     assert "unfounded-success" not in rules(lambda d: d["states"]["returning"].update(achieved=guard))
 
 
@@ -116,7 +116,7 @@ def test_success_may_not_rest_on_anything_else(guard: Any) -> None:
         ([], {"home": "arrived"}, True),
     ],
 )
-def test_what_the_robot_said_is_followed_through_copies(
+def test_what_the_robot_reported_is_followed_through_copies(
     writes: list[Any], result: dict[str, str], founded: bool
 ) -> None:
     def copy_keys(document: dict[str, Any]) -> None:
@@ -127,7 +127,7 @@ def test_what_the_robot_said_is_followed_through_copies(
     assert ("unfounded-success" in rules(copy_keys)) is not founded
 
 
-def test_the_result_of_an_outcome_counts_as_said_by_the_robot_and_an_event_does_not() -> None:
+def test_the_result_of_an_outcome_counts_as_reported_by_the_robot_and_an_event_does_not() -> None:
     def copy_payload(document: dict[str, Any], row: dict[str, Any]) -> None:
         document["blackboard"]["home"] = {"type": "boolean"}
         row["do"] = [{"set": "home", "from": "event.ok"}]
@@ -164,7 +164,7 @@ def test_rows_that_a_state_entered_puts_to_rest_are_no_cycle() -> None:
     assert rules(there_and_back(count, count, [{"set": "signals", "add": 1}])) == []
 
 
-def test_parallel_regions_wait_for_all_and_their_rows_stand_on_their_own() -> None:
+def test_parallel_regions_wait_for_all_and_their_rows_are_on_their_own() -> None:
     def region(name: str) -> dict[str, Any]:
         notify = {"call": "tell", "timeout_s": 2, "transitions": [{"on": "succeeded", "to": f"{name}_end"}]}
         return {"initial": f"{name}_tell", "states": {f"{name}_tell": notify, f"{name}_end": {"final": "succeeded"}}}
@@ -200,7 +200,7 @@ def test_names_that_inclusion_brought_have_their_places_escaped() -> None:
     assert [finding.place for finding in check(Mission.model_validate(document))] == ["/states/dock/states/dock~1go"]
 
 
-def test_a_generated_chart_has_no_finding_and_its_faults_are_all_told() -> None:
+def test_a_generated_chart_has_no_finding_and_its_faults_are_all_reported() -> None:
     assert check(Mission.model_validate(chart(200))) == ()
     faults = check(Mission.model_validate(faulty(chart(200))))
     assert {finding.rule for finding in faults} == {"unknown-state", "unknown-key", "unknown-event", "unbounded-action"}

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Laws of `check`: it never raises, says each thing once and in order, and what it says never happens never does."""
+"""Laws of `check`: it never raises, reports each thing once and in order, and what it reports never happens never
+does."""
 
 from __future__ import annotations
 
@@ -94,7 +95,7 @@ def test_whatever_is_done_to_a_mission_check_finds_and_never_raises(data: st.Dat
 
 
 @given(missions())
-def test_each_thing_is_said_once_and_in_document_order(mission: Mission) -> None:
+def test_each_thing_is_reported_once_and_in_document_order(mission: Mission) -> None:
     found = check(mission)
     order = document_order(mission)
     assert len(set(found)) == len(found)
@@ -103,12 +104,13 @@ def test_each_thing_is_said_once_and_in_document_order(mission: Mission) -> None
 
 
 @given(mission_documents(), st.data())
-def test_a_second_mission_equal_to_the_first_is_told_the_same(document: dict[str, Any], data: st.DataObject) -> None:
+def test_a_second_mission_equal_to_the_first_is_sent_the_same(document: dict[str, Any], data: st.DataObject) -> None:
     mission = Mission.model_validate(document)
     assert check(Mission.model_validate(mission.written())) == check(mission)
 
 
-# -- what is said never to happen never does --------------------------------------------------------------------------
+# -- what is reported never to happen never does
+# --------------------------------------------------------------------------
 
 
 def happenings(mission: Mission) -> st.SearchStrategy[list[Any]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `check` says of a tree's loop is what becomes of it in the chart."""
+"""What `check` reports about a tree's loop is what becomes of it in the chart."""
 
 from __future__ import annotations
 

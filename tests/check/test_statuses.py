@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a tree's node says is written like anything else: to a key of the mission that can hold it."""
+"""What a tree's node reports is written like anything else: to a key of the mission that can hold it."""
 
 from __future__ import annotations
 
@@ -45,5 +45,5 @@ def test_no_status_is_written_to_a_key_of_another_type() -> None:
     assert ("mismatched-write", HERE) in found({"type": "boolean"})
 
 
-def test_no_success_rests_on_what_the_mission_says_itself() -> None:
+def test_no_success_rests_on_what_the_mission_states_itself() -> None:
     assert any(rule == "unfounded-success" for rule, _ in found({"type": "string"}, requires=True))

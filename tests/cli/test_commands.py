@@ -39,7 +39,7 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(word in printed for word in ("run", "check", "draw", "diff", "replay", "schema", "new", "doctor"))
 
 
-def test_a_run_that_does_not_succeed_exits_with_1_and_says_why(
+def test_a_run_that_does_not_succeed_exits_with_1_and_reports_why(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", "lamp.json", "--journal", "a.journal"]) == 1
@@ -71,7 +71,7 @@ def test_a_file_that_is_no_journal_is_left_alone(folder: Path, capsys: pytest.Ca
     assert "a.journal" in capsys.readouterr().err
 
 
-def test_every_fault_is_told_on_stderr_with_its_place(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_fault_is_reported_on_stderr_with_its_place(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = {**LAMP, "states": {**LAMP["states"], "x": {"transitions": [{"on": "go", "to": "of"}]}}}
     (folder / "bad.json").write_text(json.dumps(bad))
     for command in (["check", "bad.json"], ["run", "bad.json"]):
@@ -123,7 +123,7 @@ def test_an_argument_that_the_mission_does_not_take_is_refused(
     assert "takes no argument 'speed'" in capsys.readouterr().err
 
 
-def test_a_mission_that_must_hear_a_robot_is_not_begun_without_one(
+def test_a_mission_that_must_receive_a_robot_is_not_begun_without_one(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     main(["new", "mine"])
@@ -186,7 +186,7 @@ def test_a_picture_of_an_altered_journal_is_refused_and_the_page_is_named_that_s
     assert "a.journal: drawn with this error: row 2" in capsys.readouterr().err
 
 
-def test_a_diagram_that_mermaid_will_not_draw_is_told_of(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_diagram_that_mermaid_will_not_draw_is_notified_of(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     states: dict[str, Any] = {f"s{n}": {"transitions": [{"after_s": 1, "to": f"s{n + 1}"}]} for n in range(900)}
     for version in ("1.0.0", "1.0.1"):
         big = {**LAMP, "version": version, "initial": "s0", "states": states | {"s900": {"final": "aborted"}}}
@@ -282,12 +282,16 @@ def test_a_file_of_guards_that_exits_is_no_run_that_succeeded(folder: Path, caps
     assert "guards.py: /: SystemExit: 0" in capsys.readouterr().err
 
 
-def test_a_folder_that_cannot_be_made_is_told_in_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_that_cannot_be_made_is_reported_in_a_sentence(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["new", "lamp.json/mine"]) == 2
     assert "rai-missions new: 'lamp.json/mine' cannot be made" in capsys.readouterr().err
 
 
-def test_a_file_that_cannot_be_written_is_told_in_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_that_cannot_be_written_is_reported_in_a_sentence(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["run", "lamp.json", "--journal", "a.journal", "--picture", "lamp.json/x.svg"]) == 2
     assert "rai-missions run: " in capsys.readouterr().err
 

@@ -83,7 +83,7 @@ def test_what_a_mission_includes_is_that_of_the_revision_too(
         (["--git", "HEAD", "away/mission.json"], "there is no folder"),
     ],
 )
-def test_what_cannot_be_compared_exits_with_2_and_says_why(
+def test_what_cannot_be_compared_exits_with_2_and_reports_why(
     repository: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     try:

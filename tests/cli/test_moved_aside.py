@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A journal whose name another run takes is moved aside, whole, and every output says where it is."""
+"""A journal whose name another run takes is moved aside, whole, and every output reports where it is."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def seal(path: str) -> str:
         return record.seal
 
 
-def test_the_terminal_says_so_at_the_start_and_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_terminal_states_it_at_the_start_and_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
     main(["run", "m.json", "--journal", "out.journal"])
     first = seal("out.journal")
     assert "earlier run" not in capsys.readouterr().out

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whoever takes what is printed, late or never: the run goes on, and so does its emergency stop."""
+"""Anyone who takes what is printed, late or never: the run continues, and so does its emergency stop."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def stalled() -> Iterator[Stalled]:
     made.goes_on.set()
 
 
-def test_a_run_whose_lines_nobody_takes_is_stopped_all_the_same(stalled: Stalled) -> None:
+def test_a_run_whose_lines_no_one_takes_is_stopped_all_the_same(stalled: Stalled) -> None:
     going = mission(ROUND)
     aside = BufferedStream(stalled)
     rig = Rig(going, on_step=Lines(going, aside, verbose=True).step)  # type: ignore[arg-type]
@@ -74,7 +74,7 @@ def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_co
     assert left_out.startswith(f"… {MAX_PENDING + 500 - len(kept)} pieces")
 
 
-def test_what_is_left_out_last_is_counted_as_well_and_what_is_said_at_the_end_is_not_left_out(
+def test_what_is_left_out_last_is_counted_as_well_and_what_is_reported_at_the_end_is_not_left_out(
     stalled: Stalled, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "stdout", stalled)
@@ -103,13 +103,13 @@ def test_at_the_end_all_of_it_is_out_and_the_streams_are_as_before(capsys: pytes
 
 
 class Gone(io.StringIO):
-    """A terminal that nobody has any more."""
+    """A terminal that no one has any more."""
 
     def write(self, text: str) -> int:
         raise BrokenPipeError
 
 
-def test_an_interrupt_cancels_the_run_although_nobody_can_be_told_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_cancels_the_run_although_no_one_can_be_reported_so(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig(mission(ROUND))
     rig.stage.play({1.0: lambda: signal.raise_signal(signal.SIGTERM)})
     monkeypatch.setattr(sys, "stderr", Gone())
@@ -117,7 +117,7 @@ def test_an_interrupt_cancels_the_run_although_nobody_can_be_told_so(monkeypatch
         assert rig.run().outcome == "canceled"
 
 
-def test_a_reader_that_has_gone_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reader_that_has_gone_is_reported_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", Gone())
     with pytest.raises(BrokenPipeError), nonblocking_output():
         sys.stdout.write("to nobody")

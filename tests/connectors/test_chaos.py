@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bad connection is as bad as it says: each thing that it does to what passes, and nothing else."""
+"""A bad connection is as bad as it reports: each thing that it does to what passes, and nothing else."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_what_it_garbles_is_of_another_type_or_no_number() -> None:
     assert 30 < len(wrong) < 90 and len({repr(each) for each in wrong}) > 5
 
 
-def test_a_topic_that_it_silences_has_nothing_more_to_say_and_others_have() -> None:
+def test_a_topic_that_it_silences_has_nothing_more_to_state_and_others_have() -> None:
     line = Line(silence=0.05)
     received = numbers(line.hear())
     assert received == [float(number) for number in range(len(received))] and len(received) < MESSAGES

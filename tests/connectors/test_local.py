@@ -61,7 +61,7 @@ def test_a_stamp_may_be_of_the_time_of_day(connector: LocalConnector, behind_s: 
     assert received[0].at == pytest.approx(at, abs=0.3) and received[0].age_s == pytest.approx(behind_s, abs=0.3)
 
 
-def test_a_reply_has_the_age_that_its_stamp_says(connector: LocalConnector) -> None:
+def test_a_reply_has_the_age_that_its_stamp_reports(connector: LocalConnector) -> None:
     replies: list[Reply] = []
     connector.serve("/s", "", lambda _request: {"stamp": 5.0})
     connector.call("/s", "", {}, on_reply=replies.append)
@@ -90,7 +90,7 @@ def test_a_subscriber_that_fails_does_not_keep_the_message_from_the_others(
     assert "a subscriber of /t failed" in caplog.text
 
 
-def test_a_subscriber_closed_by_another_hears_nothing(connector: LocalConnector) -> None:
+def test_a_subscriber_closed_by_another_receives_nothing(connector: LocalConnector) -> None:
     received: list[Message] = []
     connector.subscribe("/t", STRING, lambda _message: close())
     close = connector.subscribe("/t", STRING, received.append)
@@ -117,7 +117,7 @@ def test_a_name_is_served_once(connector: LocalConnector) -> None:
         connector.offer("/a", "", PatientServer())
 
 
-def test_what_is_stopped_neither_hears_nor_answers() -> None:
+def test_what_is_stopped_neither_receives_nor_answers() -> None:
     connector = LocalConnector()
     received: list[Message] = []
     replies: list[Reply] = []
@@ -129,8 +129,8 @@ def test_what_is_stopped_neither_hears_nor_answers() -> None:
     connector.call("/s", "", {}, on_reply=replies.append)
     connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
     assert received == []
-    assert replies == [Reply("unavailable", {}, "nobody serves /s")]
-    assert reports == [Report("g", "rejected", {}, "nobody serves /a")]
+    assert replies == [Reply("unavailable", {}, "no server offers /s")]
+    assert reports == [Report("g", "rejected", {}, "no server offers /a")]
 
 
 def test_what_was_opened_before_the_start_works_after_it() -> None:

@@ -96,10 +96,10 @@ def test_it_is_a_connector_without_actions() -> None:
 
 
 @needs_broker
-def test_nobody_is_told_at_once(connector: MqttConnector) -> None:
+def test_no_one_is_reported_at_once(connector: MqttConnector) -> None:
     replies = Inbox[Reply]()
     connector.call("/nobody", TRIGGER, {}, on_reply=replies)
-    assert replies.wait(bool, "the broker knows") == [Reply("unavailable", {}, "nobody serves /nobody")]
+    assert replies.wait(bool, "the broker knows") == [Reply("unavailable", {}, "no server offers /nobody")]
 
 
 @needs_broker
@@ -148,7 +148,7 @@ def test_calls_end_with_the_broker_and_what_was_open_works_when_it_is_back(
 
 @needs_broker
 @pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (3600.0, -3550.0), (-30.0, 50.0), (None, 50.0)])
-def test_a_stamp_is_told_on_the_runs_clock(connector: MqttConnector, age_s: float | None, at: float) -> None:
+def test_a_stamp_is_reported_on_the_runs_clock(connector: MqttConnector, age_s: float | None, at: float) -> None:
     received = Inbox[Message]()
     connector.subscribe("/stamped", "", received)
     begin = time.time()
@@ -174,7 +174,7 @@ def test_a_retained_message_is_as_old_as_its_stamp_and_known_for_what_it_is(
     assert message.age_s == pytest.approx(3600, abs=5)
 
 
-def test_without_a_broker_one_sentence_says_so() -> None:
+def test_without_a_broker_one_sentence_states_it() -> None:
     pytest.importorskip("paho.mqtt", reason="pip install -e '.[mqtt]'")
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -183,7 +183,7 @@ def test_without_a_broker_one_sentence_says_so() -> None:
             MqttConnector({"port": port}).start()
 
 
-def test_an_unknown_option_is_told_with_what_there_is() -> None:
+def test_an_unknown_option_is_reported_with_what_there_is() -> None:
     with pytest.raises(UsageError, match="no option 'hots'; there is: host, port"):
         MqttConnector({"hots": "x"})
 

@@ -69,12 +69,12 @@ def asks_for(option: str, **more: Any) -> str:
 
 
 class HostileModel(DoubleModel):
-    """Says something else each time that it is asked.
+    """Reports something else each time that it is asked.
 
     Args:
-        seed: What it says follows from it.
+        seed: What it reports follows from it.
         malice: How often, 0 to 1, it does not simply name an option that is there.
-        words: `streaming=True` makes it stream, for ever sometimes; `profile` says what it can do.
+        words: `streaming=True` makes it stream, for ever sometimes; `profile` reports what it can do.
     """
 
     api_key: SecretStr = SecretStr(OWN)
@@ -102,7 +102,7 @@ class HostileModel(DoubleModel):
         return self._overdrawn
 
     def release(self) -> None:
-        """Whoever hangs comes back, with an answer."""
+        """Anyone who hangs comes back, with an answer."""
         self._released.set()
 
     def says(self, messages: list[BaseMessage]) -> str | AIMessage:
@@ -209,7 +209,7 @@ def raises(model: HostileModel, messages: list[BaseMessage]) -> str:
 
 
 class Mute(Exception):
-    """One that cannot say what it is."""
+    """One that cannot state what it is."""
 
     def __str__(self) -> str:
         raise RuntimeError(OWN)
@@ -226,7 +226,7 @@ def answers_late(model: HostileModel, messages: list[BaseMessage]) -> str:
 
 
 def obeys_what_it_read(model: HostileModel, messages: list[BaseMessage]) -> str | AIMessage:
-    """Whatever an instruction in a fact, a document, a picture or a tool's answer says."""
+    """Whatever an instruction in a fact, a document, a picture or a tool's answer reports."""
     read = "\n".join(_texts(messages))
     found = [command for command in COMMANDS if _key(command) in _key(read)]
     if not found:

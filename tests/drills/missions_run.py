@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs missions in the yard under a hostile model, one after the other, and compares each with what is true.
 
-Rule: nothing is asserted here; every fault is told with the seed that makes it again.
+Rule: nothing is asserted here; every fault is reported with the seed that makes it again.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Log(logging.Handler):
 
 
 class Misnumbered:
-    """Passes questions on, and answers others beside: ones that were asked, will be asked, and never are."""
+    """Passes questions on, and answers others next to: ones that were asked, will be asked, and never are."""
 
     def __init__(self, agent: DecisionAgent, random: Random) -> None:
         self._agent, self._random = agent, random
@@ -92,11 +92,11 @@ def try_one(
     seed: str, folder: Path, *, shows: bool = False, mission: Mission | None = None, model: Any = None,
     deadline_s: float = DEADLINE_S,
 ) -> Trial:  # fmt: skip
-    """Run one mission, and say what was wrong.
+    """Run one mission, and state what was wrong.
 
     Args:
         seed: All that happens follows from it, as far as threads allow.
-        folder: Where its journal goes; emptied afterwards by whoever made it.
+        folder: Where its journal goes; emptied afterwards by anyone who made it.
         shows: Draw its page and its picture too.
         mission: Another than the yard's.
         model: Another than a hostile one of this seed.
@@ -197,7 +197,7 @@ def _decisions(steps: list[Step], deadline_s: float) -> Iterator[str]:
 
 
 def _leaks(folder: Path, message: str, *, shows: bool) -> Iterator[str]:
-    """Where a secret stands that should stand nowhere."""
+    """Where a secret is that should be nowhere."""
     if shows:
         from rai_missions.check import check
         from visualize import draw, draw_review

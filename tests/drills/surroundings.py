@@ -188,7 +188,7 @@ class Field:
 class AnyAnswers:
     """Answers each question at once, and perhaps again, with any of its options, or with nothing that is one.
 
-    Never with silence: while somebody thinks, simulated time goes no faster than the wall's.
+    Never with silence: while someone thinks, simulated time goes no faster than the wall's.
 
     Args:
         random: Which.
@@ -209,5 +209,5 @@ class AnyAnswers:
 
 
 def quick_tempers(random: Random) -> Mapping[str, AnyAnswers]:
-    """Somebody for each name in `ask`."""
+    """Someone for each name in `ask`."""
     return {name: AnyAnswers(random) for name in ("agent", "operator", "rules")}

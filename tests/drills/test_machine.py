@@ -93,7 +93,7 @@ WAITING: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_a_simulations_clock_that_leaps_never_moves_a_run_back_and_never_by_more_than_was_told(seed: int) -> None:
+def test_a_simulations_clock_that_leaps_never_moves_a_run_back_and_never_by_more_than_was_reported(seed: int) -> None:
     """Steps, resets to zero, repeats and leaps by years; the run's own time only ever grows, a minute at most."""
     random, clock, reported = Random(seed), HeardClock(silence_s=1e9), 0.0
     clock.hear(reported)
@@ -138,7 +138,7 @@ def test_a_mission_whose_simulation_is_reset_again_and_again_still_ends_in_its_o
     assert rig.move.canceled == rig.move.goals
 
 
-def test_messages_whose_stamps_leap_back_and_forth_are_as_old_as_they_say_and_never_from_the_future() -> None:
+def test_messages_whose_stamps_leap_back_and_forth_are_as_old_as_they_state_and_never_from_the_future() -> None:
     rig = Rig(WAITING)
     ages: list[float] = []
 
@@ -186,8 +186,8 @@ class Patrolled:
 
     Args:
         seed: All that happens follows from it.
-        until_s: When somebody stops it.
-        at: Told of each hour that is over.
+        until_s: When someone stops it.
+        at: Notified of each hour that is over.
     """
 
     period_s = 20.0

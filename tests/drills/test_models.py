@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever a model says, shows, calls, raises or leaves unsaid: its mission stays what its graph allows and true."""
+"""Whatever a model reports, shows, calls, raises or leaves unsaid: its mission stays what its graph allows and true."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_ten_thousand_missions_under_hostile_models(part: int) -> None:
 
 
 class Always(HostileModel):
-    """Says the same each time."""
+    """Reports the same each time."""
 
     said: str
 
@@ -57,7 +57,7 @@ class Always(HostileModel):
 
 
 def found(folder: Path, message: str, mission: Mission | None = None) -> Iterator[str]:
-    """What the drill finds in some missions in which a model always says the same."""
+    """What the drill finds in some missions in which a model always reports the same."""
     for number in range(12):
         (folder / str(number)).mkdir()
         trial: Trial = try_one(f"{SEED}/{number}", folder / str(number), mission=mission, model=Always(0, said=message))

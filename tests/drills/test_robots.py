@@ -43,7 +43,7 @@ ENDS = {"succeeded", "failed", "aborted", "canceled"}
 
 
 def unowned(running: Iterable[str], runner: Runner, steps: Sequence[Step]) -> list[str]:
-    """The goals that run on although nobody owns them and nothing in the journal says so."""
+    """The goals that run on although no one owns them and nothing in the journal states it."""
     notes = [note for step in steps for note in step.notes]
     started = {
         runner.performer._goals.goal_id(effect.number, effect.owner): effect.number
@@ -90,7 +90,8 @@ RATES = st.sampled_from([QUIET, BETWEEN, WORST])
 
 @pytest.fixture
 def _unlogged() -> Iterator[None]:
-    """Thousands of services that raise, each told with its traceback, would fill the memory of whoever listens."""
+    """Thousands of services that raise, each reported with its traceback, would fill the memory of anyone who
+    listens."""
     logging.disable()
     yield
     logging.disable(logging.NOTSET)
@@ -201,7 +202,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
 
 @pytest.mark.sim
 @pytest.mark.parametrize("seed", [2, 4, 6])
-def test_the_tractor_over_a_bad_connection_harms_nobody_and_claims_nothing(seed: int) -> None:
+def test_the_tractor_over_a_bad_connection_harms_no_one_and_claims_nothing(seed: int) -> None:
     assert with_the_tractor(seed, CALM, CALM) == []
 
 
@@ -218,7 +219,7 @@ def test_the_tractor_over_a_bad_connection_three_hundred_times(part: int) -> Non
 
 @pytest.mark.parametrize("both", [False, True])
 def test_a_topic_that_lies_within_its_type_is_believed_and_found_out_where_another_is_asked_too(both: bool) -> None:
-    """The robot says that it is there, and has not moved; its battery, which another wire tells of, is as full."""
+    """The robot reports that it is there, and has not moved; its battery, which another wire reports of, is as full."""
     there: dict[str, Any] = {"key": "there", "==": True}
     achieved = {"all": [there, {"key": "battery", "<": 0.9}]} if both else there
     rig = Rig({
@@ -244,7 +245,7 @@ class Mute(LocalConnector):
         pass
 
 
-def test_an_emergency_stop_ends_even_if_nobody_ever_says_that_control_is_let_go() -> None:
+def test_an_emergency_stop_ends_even_if_no_one_ever_reports_that_control_is_let_go() -> None:
     profile = robot(control={"nobody": {"service": "/let_go", "type": "std_srvs/srv/Trigger"}})
     states = {"moving": {"action": "move", "timeout_s": 50, "transitions": []}}
     rig = Rig(states, robot=profile, connector=Mute())

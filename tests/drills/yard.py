@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A fast world with things to hurt, its mission and its profile: a lane, things that lie on it, servers that may lie.
 
-Rule: what is true stands in the world's own fields; what a mission or a model says of it is compared with them.
+Rule: what is true is in the world's own fields; what a mission or a model reports about it is compared with them.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Yard:
         seed: Of what lies where, and of what its servers do.
         label: What is written on the things that lie there.
         apart_m: How far things lie apart at least.
-        lies: How often, 0 to 1, an action's server says that it succeeded without moving.
+        lies: How often, 0 to 1, an action's server reports that it succeeded without moving.
     """
 
     period_s = 0.1
@@ -97,7 +97,7 @@ class Yard:
 
     @property
     def ahead(self) -> Thing | None:
-        """What stands in the way, right here."""
+        """What is in the way, right here."""
         found = self.things[0] if self.things else None
         return found if found is not None and found.at_m <= self.position_m + 1e-9 else None
 
@@ -216,7 +216,7 @@ DRIVEN: Json = {"key": "position", ">=": LENGTH_M}
 
 
 def yard_mission(*, tries: int = 0, **decision: Any) -> Mission:
-    """Drive to the lane's end; what to do about what lies there is a model's to say.
+    """Drive to the lane's end; what to do about what lies there is a model's to state.
 
     Args:
         tries: So often it looks and drives on after something did not work out, before it gives up; and asks so much

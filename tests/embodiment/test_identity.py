@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An identity is read from its folder alone; what is wrong in it is told at once, each with its file."""
+"""An identity is read from its folder alone; what is wrong in it is reported at once, each with its file."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_a_pictures_size_is_read_from_its_bytes(width: int, height: int, kind: s
     assert (image.width, image.height, image.encoding) == (width, height, kind)
 
 
-def test_a_long_build_is_told_in_short() -> None:
+def test_a_long_build_is_reported_in_short() -> None:
     body = Body("snake", tuple(f"l{number}" for number in range(50)), ())
     assert body.words().endswith("l39, and 10 more. Moving joints: none.")
 
@@ -110,11 +110,11 @@ OUTSIDE = b'<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]><robot name="x
     ("name", "data", "sentence"),
     [
         ("description.md", b"\xff\xfe", "is not UTF-8 at byte 0; save it as UTF-8"),
-        ("description.md", b" \n", "is empty; say in it who the robot is"),
+        ("description.md", b" \n", "is empty; write in it who the robot is"),
         ("manual.md", b"x" * 200_001, "is larger than 200000 bytes"),
         ("a.png", b"GIF89a", "is neither a PNG nor a JPEG file"),
-        ("a.png", picture("png")[:20], "is a broken PNG file: it does not tell its size"),
-        ("a.JPG", picture("jpeg")[:10], "is a broken JPEG file: it does not tell its size"),
+        ("a.png", picture("png")[:20], "is a broken PNG file: it does not report its size"),
+        ("a.JPG", picture("jpeg")[:10], "is a broken JPEG file: it does not report its size"),
         ("a.urdf", b"<robot>", "is not well-formed XML: no element found: line 1, column 7"),
         ("a.urdf", b"<sdf/>", "is no URDF: it begins with <sdf> instead of <robot>"),
         ("a.urdf", BOMB, "brings a document type (<!DOCTYPE …>), which a URDF does not need; remove it"),
@@ -124,19 +124,19 @@ OUTSIDE = b'<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]><robot name="x
         ("a.urdf", b'<?xml version="1.0" encoding="x-none"?><robot/>', "is not well-formed XML: unknown encoding"),
     ],
 )
-def test_a_bad_file_is_told_with_its_name(tmp_path: Path, name: str, data: bytes, sentence: str) -> None:
+def test_a_bad_file_is_reported_with_its_name(tmp_path: Path, name: str, data: bytes, sentence: str) -> None:
     (fault,) = faults(folder(tmp_path, {name: data}))
     assert fault.startswith(f"/{name}: {sentence}")
 
 
-def test_every_fault_is_told_at_once(tmp_path: Path) -> None:
+def test_every_fault_is_reported_at_once(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"")
     (tmp_path / "a.urdf").write_bytes(URDF)
     (tmp_path / "b.urdf").write_bytes(URDF)
     assert faults(tmp_path) == [
         "/a.png: is neither a PNG nor a JPEG file",
         "/: a.urdf and b.urdf both describe the build; keep one",
-        "/description.md: is missing; say in it who the robot is",
+        "/description.md: is missing; write in it who the robot is",
     ]
 
 
@@ -163,7 +163,7 @@ def test_what_is_no_file_is_not_waited_for(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("make", [lambda path: path / "none", lambda path: folder(path, {}) / "description.md"])
-def test_what_is_no_folder_is_told(tmp_path: Path, make: Any) -> None:
+def test_what_is_no_folder_is_reported(tmp_path: Path, make: Any) -> None:
     (fault,) = faults(make(tmp_path))
     assert fault.startswith("/: the identity's folder cannot be read (")
     assert fault.endswith("; it is one with a description.md")

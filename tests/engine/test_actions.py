@@ -138,7 +138,7 @@ def test_a_goal_whose_end_is_never_confirmed_is_orphaned_and_bars_the_next_start
     assert f"goal {number} of 'go' never confirmed its end: orphaned" in step.notes
 
 
-def test_a_start_over_an_orphan_is_made_where_the_state_says_so() -> None:
+def test_a_start_over_an_orphan_is_made_where_the_state_states_it() -> None:
     states = driving(cancel_s=3)
     states["other"]["over_orphan"] = True
     made, number = started(states)
@@ -204,7 +204,7 @@ def test_events_wait_while_the_mission_is_paused() -> None:
     assert made.send(Event("resume", 3.0, {}, "command")).entered == ("other",)
 
 
-def test_an_action_that_the_profile_keeps_goes_on_while_paused() -> None:
+def test_an_action_that_the_profile_keeps_continues_while_paused() -> None:
     made, number = started(driving(), RobotFacts(keep=frozenset({"go"})))
     assert cancels(made.send(Event("pause", 1.0, {}, "command"))) == []
     assert says(made, "succeeded", number, at=2.0).moves == ()
@@ -272,7 +272,7 @@ def test_control_that_another_state_still_waits_for_is_not_asked_back() -> None:
     assert [each.to for each in made.send(Event("e", 1.0)).effects if isinstance(each, Handover)] == ["agent"]
 
 
-def test_a_round_in_which_another_has_control_asks_for_nobody_elses() -> None:
+def test_a_round_in_which_another_has_control_asks_for_no_one_elses() -> None:
     states = {
         "tour": {
             "each": "stops", "as": "stop", "control": "agent", "initial": "inside",

@@ -123,7 +123,7 @@ def test_an_absent_answerer_is_skipped_at_once_and_the_next_is_asked() -> None:
     assert step.question is not None and step.question.asked == "rules" and step.at == 0.0
 
 
-def test_a_failing_answerer_is_asked_as_often_as_attempts_says_then_the_next() -> None:
+def test_a_failing_answerer_is_asked_as_often_as_attempts_reports_then_the_next() -> None:
     made, question = asked()
     second = answers(made, question.number, failed="boom").question
     assert second is not None and (second.asked, second.attempt) == ("agent", 2)
@@ -131,7 +131,7 @@ def test_a_failing_answerer_is_asked_as_often_as_attempts_says_then_the_next() -
     assert third is not None and (third.asked, third.attempt) == ("rules", 1)
 
 
-def test_when_nobody_gives_an_answer_that_counts_the_fallback_is_taken() -> None:
+def test_when_no_one_gives_an_answer_that_counts_the_fallback_is_taken() -> None:
     made, question = asked(attempts=1)
     second = answers(made, question.number, "fly").question
     assert second is not None
@@ -161,7 +161,7 @@ def test_parameters_must_fit_their_schema_and_reach_the_row_and_the_blackboard()
     assert step.entered == ("grown",) and ("size", 3) in step.writes
 
 
-def test_the_evidence_says_how_old_it_is_and_what_is_unknown() -> None:
+def test_the_evidence_reports_how_old_it_is_and_what_is_unknown() -> None:
     made, question = asked()
     assert question.evidence[0].words() == "height: 0.5, 0.0 s old"
     again = answers(made, question.number, failed="x", at=3.2).question

@@ -35,7 +35,7 @@ def ways(kind: str, default: str | None, initial: str = "back") -> Mission:
         ("shallow", "box", ("up", "box", "b"), ("up", "box", "b")),
     ],
 )
-def test_a_state_that_begins_with_its_history_begins_by_its_default_and_goes_on_where_it_was(
+def test_a_state_that_begins_with_its_history_begins_by_its_default_and_continues_where_it_was(
     kind: str, default: str, first: tuple[str, ...], then: tuple[str, ...]
 ) -> None:
     made = Chart(ways(kind, default))
@@ -77,7 +77,7 @@ def test_a_default_only_leads(words: Json, why: str) -> None:
         History.model_validate({"history": "deep", "transitions": [words]})
 
 
-def test_python_writes_what_json_says() -> None:
+def test_python_writes_what_json_reports() -> None:
     inside = {"a": {}, "back": History("shallow", transitions=[{"to": "a"}])}
     assert Compound(initial="back", states=inside).written() == {
         "initial": "back", "states": {"a": {}, "back": {"history": "shallow", "transitions": [{"to": "a"}]}},

@@ -148,7 +148,7 @@ def test_an_open_question_stays_open_and_a_proposal_is_judged_at_the_hand_back()
     assert made.send(Event("operator", 1003.0, {"option": "no"}, "proposal", number + 1)).entered == ("c",)
 
 
-def test_a_question_goes_on_where_control_comes_back_elsewhere_and_is_asked_for() -> None:
+def test_a_question_continues_where_control_comes_back_elsewhere_and_is_asked_for() -> None:
     asked = {
         "question": "?",
         "options": {"no": {"about": "n"}},
@@ -165,7 +165,7 @@ def test_a_question_goes_on_where_control_comes_back_elsewhere_and_is_asked_for(
 
 
 @pytest.mark.parametrize("guard", [{"elapsed_s": 10}, {"held": {"key": "k", "==": True}, "for_s": 10}])
-def test_ages_in_held_states_stand_still(guard: Json) -> None:
+def test_ages_in_held_states_are_still(guard: Json) -> None:
     keys = {"k": {"type": "boolean", "source": "robot"}}
     made = Chart(mission({"a": {"control": "agent", "transitions": [{"when": guard, "to": "b"}]}, "b": {}},
                          blackboard=keys))  # fmt: skip
@@ -236,7 +236,7 @@ def test_control_that_the_mission_gave_to_the_operator_is_no_hold() -> None:
     assert made.held_by == "operator" and made.held == {"b"} and made.wake_at is None
 
 
-def test_a_state_of_the_operator_runs_while_the_operator_holds_control_and_waits_while_nobody_does() -> None:
+def test_a_state_of_the_operator_runs_while_the_operator_holds_control_and_waits_while_no_one_does() -> None:
     states = {"a": {"control": "operator", "transitions": [row("e", "b"), {"after_s": 10, "to": "b"}]}, "b": {}}
     made = begun(states)
     given(made, "nobody", 2.0)
@@ -259,7 +259,7 @@ def test_a_hold_that_begins_or_ends_in_a_pause_counts_no_time_twice() -> None:
     assert left((10.0, take), (20.0, pause), (30.0, resume), (40.0, back)) == 130.0
 
 
-def test_invariants_go_on() -> None:
+def test_invariants_continue() -> None:
     keys = {"k": {"type": "boolean", "source": "robot"}}
     made = begun({"a": {"control": "agent"}}, blackboard=keys, invariants={"never": {"key": "k", "!=": True}})
     taken(made, 1.0)
@@ -307,7 +307,7 @@ def test_an_event_of_the_engine_that_waited_is_handled_though_control_came_back_
     assert step.entered == ("b",) and not step.why
 
 
-def test_a_call_that_fails_in_a_pause_is_heard_of_at_its_end() -> None:
+def test_a_call_that_fails_in_a_pause_is_reported_at_its_end() -> None:
     made = Chart(mission({"a": {"entry": [{"call": "horn"}], "transitions": [row("call_failed", "b")]}, "b": {}}))
     number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
     commanded(made, "pause", 1.0)
@@ -315,7 +315,7 @@ def test_a_call_that_fails_in_a_pause_is_heard_of_at_its_end() -> None:
     assert commanded(made, "resume", 3.0).entered == ("b",)
 
 
-def test_a_goal_that_is_orphaned_in_a_pause_is_heard_of_at_its_end() -> None:
+def test_a_goal_that_is_orphaned_in_a_pause_is_reported_at_its_end() -> None:
     states = {"a": {**ACT, "cancel_s": 5, "transitions": [row("e", "b")]},
               "b": {"transitions": [row("orphaned", "c")]}, "c": {}}  # fmt: skip
     made = Chart(mission(states))
@@ -327,7 +327,7 @@ def test_a_goal_that_is_orphaned_in_a_pause_is_heard_of_at_its_end() -> None:
     assert commanded(made, "resume", 8.0).entered == ("c",)
 
 
-def test_an_event_that_nobody_declares_is_refused_in_a_pause_as_it_comes() -> None:
+def test_an_event_that_no_one_declares_is_refused_in_a_pause_as_it_comes() -> None:
     made = Chart(mission({"a": {}}))
     made.start(0.0)
     commanded(made, "pause", 1.0)

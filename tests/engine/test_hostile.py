@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What nobody should send to a chart, and what a robot may say all the same."""
+"""What no one should send to a chart, and what a robot may state all the same."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_a_predicate_is_not_asked_about_what_is_unknown_and_is_shown_nothing_sta
     assert seen == [{"k": 7}, {}]
 
 
-def test_what_a_predicate_said_stands_in_its_own_step_whether_or_not_the_row_fires() -> None:
+def test_what_a_predicate_reported_is_in_its_own_step_whether_or_not_the_row_fires() -> None:
     made = asking(far=lambda board, than, by: False)
     made.write("k", 7, at=1.0)
     assert ("named:far", False) in made.send(Event("x", 1.5)).guards

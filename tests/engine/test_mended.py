@@ -58,7 +58,7 @@ def test_a_list_that_is_stale_is_unknown_to_each() -> None:
         assert sent(made, "e", at=at).entered == entered
 
 
-def test_a_round_that_a_row_leaves_is_not_begun_anew() -> None:
+def test_a_round_that_a_row_leaves_is_not_begun_again() -> None:
     inside = {"x": {"transitions": [{"when": {"not": {"fresh": "clear"}}, "to": "end"}]}, "end": {"final": "succeeded"}}
     way_out = {"when": {"in": "end"}, "to": "away"}
     each = {"each": "stops", "as": "stop", "initial": "x", "states": inside, "transitions": [way_out]}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A goal that is given up before its server has said a word of it is canceled all the same."""
+"""A goal that is given up before its server has reported a word of it is canceled all the same."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def own(kind: type[Any]) -> list[type[Any]]:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_no_class_stands_on_a_tower(package: str) -> None:
+def test_no_class_is_on_a_tower(package: str) -> None:
     towers = {kind.__qualname__: len(own(kind)) for kind in classes(package) if len(own(kind)) > MOST_CLASSES}
     assert towers == {}
 

@@ -2,7 +2,7 @@
 """Coverage-guided fuzzing (atheris): `python -m tests.fuzz.drive TARGET --seconds 600`; the extra `fuzz` brings it.
 
 Rule: what is found is written down as bytes, to become a file of the corpus that every test run feeds again; the search
-goes on until its time is over, and ends with 1 where anything was found.
+continues until its time is over, and ends with 1 where anything was found.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def search(target: str, seconds: int, found: Path, seed: int) -> NoReturn:
         except Exception as crash:  # noqa: BLE001 - whatever it is, it is what is looked for
             frame = traceback.extract_tb(crash.__traceback__)[-1]
             name = f"{type(crash).__name__}-{Path(frame.filename).stem}-{frame.lineno}"
-            if name not in crashes:  # one of a kind is enough, and the search goes on
+            if name not in crashes:  # one of a kind is enough, and the search continues
                 crashes.add(name)
                 (found / f"{target}-{name}").write_bytes(data)
                 print(f"CRASH {name}: {crash!r:.300}", flush=True)  # noqa: T201

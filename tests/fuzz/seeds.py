@@ -54,7 +54,7 @@ LAMP = Mission.model_validate(
 
 
 def written_run(folder: Path, *, record: bool = False) -> Path:
-    """The journal of a run of the lamp, and its recording beside it where one is wanted."""
+    """The journal of a run of the lamp, and its recording next to it where one is wanted."""
     file = folder / "run.journal"
     header = Header(dump(LAMP), run="run", started="2026-01-01T00:00:00.000+00:00", versions={"format": "1"})
     recording = Recording.create(folder / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0) if record else None
@@ -102,7 +102,7 @@ def _runs(target: str) -> Iterator[bytes]:
 
 
 def _migrated(journal: Path) -> Path:
-    """The journal of a run that was cut short and goes on in another mission: it begins with where that stood."""
+    """The journal of a run that was cut short and continues in another mission: it begins with where that was."""
     cut, to = journal.with_name("cut.journal"), journal.with_name("migrated.journal")
     chart = Chart(LAMP)
     with Journal.create(cut, Header(dump(LAMP), run="run")) as written:

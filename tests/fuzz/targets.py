@@ -2,7 +2,7 @@
 """What is fed with hostile bytes: everything that opens, checks, draws or replays what came from elsewhere.
 
 Rule: a target ends or raises a `MissionError`; whatever else comes out is a crash, and so is a mission that is not
-what its own JSON says.
+what its own JSON reports.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ __all__ = ("TARGETS", "fed")
 
 MOST_ROWS = 200
 DRAWN_EVERY = 8
-"""Of so many missions one is drawn beside another: it takes as long as all the rest."""
+"""Of so many missions one is drawn next to another: it takes as long as all the rest."""
 MOST_STATES = 60
 """A mission of more states is loaded and checked, but not drawn: an execution is to be quick."""
 
@@ -75,7 +75,7 @@ def journal(data: bytes, folder: Path) -> None:
 
 
 def rows(data: bytes, folder: Path) -> None:
-    """What stands in a journal's rows, as `[[kind, content], …]`, under hashes that hold: anybody can work them out."""
+    """What is in a journal's rows, as `[[kind, content], …]`, under hashes that hold: anybody can work them out."""
     try:
         listed = json.loads(data)
         parts = [(str(kind), content) for kind, content in listed[:MOST_ROWS]]

@@ -63,7 +63,7 @@ def limited() -> None:
 
 
 @pytest.mark.parametrize("target", FILES)
-def test_a_command_says_what_is_wrong_without_a_traceback_and_in_bounded_memory(target: str, tmp_path: Path) -> None:
+def test_a_command_reports_what_is_wrong_without_a_traceback_and_in_bounded_memory(target: str, tmp_path: Path) -> None:
     """One process for all of them: starting one is what takes its time."""
     paths = []
     for number, data in enumerate(made(target).values()):

@@ -92,12 +92,12 @@ def test_a_stop_is_published_before_the_new_holder_s_first_command(rig: Rig) -> 
     assert rig.base == [0.0, 1.0, 0.0, 2.0] and rig.holders == ["autonomy", "agent"]
 
 
-def test_a_request_that_the_rules_refuse_says_why(rig: Rig) -> None:
+def test_a_request_that_the_rules_refuse_reports_why(rig: Rig) -> None:
     assert rig.ask("operator", "operator").data["success"]
     reply = rig.ask("agent", "agent")
     assert reply.data == {"success": False, "message": "the operator has control and has not given it back"}
     assert rig.ask("agent", "operator").data["success"]
-    assert rig.ask("nobody", "autonomy").data["success"], "whoever sees danger may take control from everybody"
+    assert rig.ask("nobody", "autonomy").data["success"], "anyone who sees danger may take control from everybody"
     assert rig.ask("agent", "agent").data["message"].startswith("control is with nobody since the stop")
 
 
@@ -113,10 +113,10 @@ def test_a_message_that_asks_for_nothing_sensible_is_refused_and_counted(rig: Ri
     assert rig.status[-1]["holder"] == "autonomy" and rig.status[-1]["requests_refused"]["agent"] == 1
 
 
-def test_nobody_asks_in_another_s_name(rig: Rig) -> None:
+def test_no_one_asks_in_another_s_name(rig: Rig) -> None:
     rig.connector.publish("/gate/agent/request", STRING, {"data": '{"to": "agent", "by": "operator"}'})
     assert rig.status[-1]["holder"] == "autonomy"
-    assert "nobody called 'agent as operator' can ask for control" in rig.status[-1]["last_refusal"]
+    assert "no one called 'agent as operator' can ask for control" in rig.status[-1]["last_refusal"]
 
 
 def test_a_silent_agent_loses_control_at_the_instant_at_which_its_lease_ends(rig: Rig) -> None:
@@ -130,12 +130,12 @@ def test_a_silent_agent_loses_control_at_the_instant_at_which_its_lease_ends(rig
     assert rig.status[-1]["why"] == "agent was silent for 0.5 s"
 
 
-def test_a_command_older_than_its_grant_is_refused_where_it_says_when_it_was_made(rig: Rig) -> None:
+def test_a_command_older_than_its_grant_is_refused_where_it_states_when_it_was_made(rig: Rig) -> None:
     rig.clock.at = 2.0
     rig.ask("agent", "agent")
     for speed_, stamp in ((5.0, 1.9), (6.0, 0.0), (7.0, 2.0)):
         rig.command("agent", speed_, header={"stamp": {"sec": int(stamp), "nanosec": round(stamp % 1 * 1e9)}})
-    assert rig.base == [0.0, 0.0, 6.0, 7.0], "a stamp of zero says nothing"
+    assert rig.base == [0.0, 0.0, 6.0, 7.0], "a stamp of zero reports nothing"
 
 
 def test_what_a_listener_of_the_actuators_does_comes_after_what_it_listens_to(rig: Rig) -> None:
@@ -191,7 +191,7 @@ def test_of_two_gates_the_later_one_ends(rig: Rig) -> None:
     assert hear_of(ours - 1.0)
 
 
-def test_a_stop_that_cannot_be_published_is_told_as_the_gate_begins() -> None:
+def test_a_stop_that_cannot_be_published_is_reported_as_the_gate_begins() -> None:
     connector = LocalConnector()
     connector.start()
     connector.subscribe("/cmd_vel", STRING, lambda _: None)

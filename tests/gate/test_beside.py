@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whoever publishes to the actuators past the gate is told of, once for each time that it comes."""
+"""Anyone who publishes to the actuators past the gate is notified of, once for each time that it comes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Counted(LocalConnector):
         return self.topics if mode == "topics" else {}
 
 
-def test_others_on_an_actuator_s_topic_are_told_of_once_until_they_have_gone() -> None:
+def test_others_on_an_actuator_s_topic_are_notified_of_once_until_they_have_gone() -> None:
     results: list[tuple[str, int]] = []
     connector = Counted()
     neighbours = BypassMonitor(connector, ["/cmd_vel", "/arm"], lambda topic, count: results.append((topic, count)))
@@ -39,7 +39,7 @@ def test_others_on_an_actuator_s_topic_are_told_of_once_until_they_have_gone() -
     assert results == [("/cmd_vel", 2), ("/cmd_vel", 1)]
 
 
-def test_a_connector_that_cannot_tell_finds_nobody_and_the_watch_ends_when_told_to() -> None:
+def test_a_connector_that_cannot_determine_finds_no_one_and_the_watch_ends_when_asked_to() -> None:
     results: list[tuple[str, int]] = []
     neighbours = BypassMonitor(LocalConnector(), ["/cmd_vel"], lambda topic, count: results.append((topic, count)))
     neighbours.run()

@@ -50,7 +50,7 @@ def test_a_gate_begins_again_by_who_held_control_last(
 
 
 @given(st.binary(max_size=40))
-def test_a_gate_that_does_not_know_its_last_holder_begins_with_nobody(
+def test_a_gate_that_does_not_know_its_last_holder_begins_with_no_one(
     tmp_path_factory: pytest.TempPathFactory, message: bytes
 ) -> None:
     path = tmp_path_factory.mktemp("gate") / "gate.json"

@@ -72,14 +72,14 @@ class Shared:
         return [(step.at, step.event.name) for step in self.rig.steps if step.event.kind == "control"]
 
 
-def test_an_activity_starts_when_the_gate_says_that_its_holder_has_control() -> None:
+def test_an_activity_starts_when_the_gate_reports_that_its_holder_has_control() -> None:
     shared = Shared({3.0: lambda all_: all_.rig.post("go"), 6.0: lambda all_: all_.rig.post("again")})
     assert shared.run().outcome == "aborted"
     assert shared.controls == [(1.0, "autonomy"), (3.0, "agent")]
-    assert len(shared.rig.turn.goals) == 1 and shared.gate.gate.revision == 1, "the run says that it is alive"
+    assert len(shared.rig.turn.goals) == 1 and shared.gate.gate.revision == 1, "the run reports that it is alive"
 
 
-def test_a_run_begins_once_it_has_heard_who_holds_control() -> None:
+def test_a_run_begins_once_it_has_received_who_holds_control() -> None:
     with pytest.raises(UsageError, match="the robot has not said within 10 s: who holds control; is it running"):
         Shared({}, gate=False).run()
 
@@ -143,7 +143,7 @@ def test_an_operator_who_takes_at_the_gate_what_the_mission_gave_keeps_it() -> N
     assert shared.run().outcome == "aborted" and len(shared.rig.turn.goals) == 1
 
 
-def test_the_status_says_by_whom_the_mission_is_held_and_since_when() -> None:
+def test_the_status_reports_by_whom_the_mission_is_held_and_since_when() -> None:
     lines: list[tuple[str, float | None, str]] = []
     shared = Shared(
         {
@@ -166,7 +166,7 @@ def test_a_gate_that_is_gone_acknowledges_nothing() -> None:
     assert shared.run().why == "crossing: rejected (agent was not given control in time)"
 
 
-def test_a_run_that_does_not_say_that_it_goes_on_loses_control_and_learns_of_it() -> None:
+def test_a_run_that_does_not_state_that_it_continues_loses_control_and_learns_of_it() -> None:
     shared = Shared(
         {3.0: lambda all_: all_.rig.post("go"), 5.0: lambda all_: all_.rig.runner.kill()},
         profile=robot(control=CONTROL, holder=HOLDER),
@@ -194,7 +194,7 @@ def test_an_operator_who_asks_the_run_for_control_keeps_it_at_the_gate_too() -> 
     assert [holder for _, holder in shared.controls] == ["autonomy", "operator", "autonomy", "agent"]
 
 
-def test_an_emergency_stop_leaves_control_with_nobody_at_the_gate() -> None:
+def test_an_emergency_stop_leaves_control_with_no_one_at_the_gate() -> None:
     shared = Shared({3.0: lambda all_: all_.rig.post("go"), 4.0: lambda all_: all_.rig.runner.kill()})
     shared.run()
     assert shared.gate.gate.holder == "nobody"
@@ -206,7 +206,7 @@ def test_a_mission_that_ends_leaves_control_where_it_is_until_its_lease_ends() -
     assert shared.gate.gate.holder == "agent"
 
 
-def test_a_profile_says_where_the_holder_is_heard_and_the_run_is_alive() -> None:
+def test_a_profile_states_where_the_holder_is_received_and_the_run_is_alive() -> None:
     written = robot(control=CONTROL, holder=HOLDER, alive={**ALIVE, "every_s": 0.2}).written()
     assert written["alive"] == {"topic": "/gate/agent/alive", "every_s": 0.2} and written["holder"] == HOLDER
     assert parse_profile(json.dumps(written)).alive == robot(alive={**ALIVE, "every_s": 0.2}).alive

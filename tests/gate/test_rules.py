@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Laws of the gate: one holder, nobody else gets through, silence costs control, every refusal is counted."""
+"""Laws of the gate: one holder, no one else gets through, silence costs control, every refusal is counted."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def test_requests_are_judged_as_the_lifecycle_judges_them(given_: GateRules, hap
 
 
 @given(terms, happenings)
-def test_only_the_operator_lifts_control_from_nobody_and_gives_back_what_it_took(
+def test_only_the_operator_lifts_control_from_no_one_and_gives_back_what_it_took(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
     for before, what, after, done in live(given_, happened):
@@ -131,7 +131,7 @@ def test_only_the_operator_lifts_control_from_nobody_and_gives_back_what_it_took
 
 
 @given(terms, happenings)
-def test_every_change_and_every_answer_is_told_and_the_status_is_never_older_than_promised(
+def test_every_change_and_every_answer_is_reported_and_the_status_is_never_older_than_promised(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
     for moment in live(given_, happened):
@@ -142,7 +142,7 @@ def test_every_change_and_every_answer_is_told_and_the_status_is_never_older_tha
 
 
 @given(terms, happenings)
-def test_telling_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
+def test_reporting_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     ticked = [each for one in happened for each in (TimePassed(one.at), one, TimePassed(one.at))]
     plain, often = (
         [each for each in deeds(given_, all_) if not isinstance(each, Publish)] for all_ in (happened, ticked)
@@ -173,13 +173,13 @@ def test_a_heartbeat_keeps_control_and_a_stranger_s_does_not() -> None:
     assert live(AGENT_ALONE, [asked, Alive(0.4, "operator"), TimePassed(0.8)])[-1].after.holder == "autonomy"
 
 
-def test_the_safe_one_that_falls_silent_leaves_nobody() -> None:
+def test_the_safe_one_that_falls_silent_leaves_no_one() -> None:
     lived = live(GateRules(leases={"autonomy": 1.0}), [TimePassed(1.0)])
     assert lived[-1].after.holder == "nobody"
 
 
 @pytest.mark.parametrize("safe", ["autonomy", "nobody"])
-def test_an_operator_who_fell_silent_leaves_nobody_and_only_the_operator_lifts_it(safe: str) -> None:
+def test_an_operator_who_fell_silent_leaves_no_one_and_only_the_operator_lifts_it(safe: str) -> None:
     given_ = GateRules(leases={"operator": 1.0}, safe=safe)
     happened = [Request(0.0, "operator", "operator"), Request(0.5, "agent", "agent"), Request(2.0, "agent", "agent")]
     happened.append(Request(3.0, "agent", "operator"))
@@ -198,8 +198,8 @@ def test_a_command_made_before_the_grant_is_refused_though_its_maker_holds_contr
     ("to", "by", "why"),
     [
         ("bob", "agent", "nobody called 'bob' can hold control; there is: autonomy, agent, operator, nobody"),
-        ("agent", "eve", "nobody called 'eve' can ask for control; there is: autonomy, agent, operator"),
-        ("agent", "nobody", "nobody called 'nobody' can ask for control; there is: autonomy, agent, operator"),
+        ("agent", "eve", "no one called 'eve' can ask for control; there is: autonomy, agent, operator"),
+        ("agent", "nobody", "no one called 'nobody' can ask for control; there is: autonomy, agent, operator"),
     ],
 )
 def test_a_request_of_strangers_or_for_strangers_is_refused_with_who_there_is(to: str, by: str, why: str) -> None:

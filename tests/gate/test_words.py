@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person says of a gate, and what is said back where it is wrong."""
+"""What a person reports about a gate, and what is reported back where it is wrong."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from rai_missions.gate import CommandTopic, GateWords, gate_words, read_gate
 from rai_missions.gate.config import command_topic, leases_of
 
 
-def test_a_gate_of_which_nothing_is_said_guards_a_twist_and_gives_the_agent_a_lease() -> None:
+def test_a_gate_of_which_nothing_is_reported_guards_a_twist_and_gives_the_agent_a_lease() -> None:
     words = gate_words({})
     assert words == GateWords()
     assert [(each.topic, each.stop_message) for each in words.commands] == [("/cmd_vel", {})]
     assert words.terms.leases == {"agent": 0.5} and words.terms.safe == "autonomy"
 
 
-def test_only_a_velocity_is_stopped_by_zeros_unless_the_file_says_so() -> None:
+def test_only_a_velocity_is_stopped_by_zeros_unless_the_file_states_it() -> None:
     arm = "trajectory_msgs/msg/JointTrajectory"
     assert CommandTopic("/arm", arm).stop_message is None
     assert CommandTopic("/arm", arm, stop={}).stop_message == {}
@@ -35,20 +35,20 @@ def test_a_lease_of_zero_is_none() -> None:
 @pytest.mark.parametrize(
     ("data", "why"),
     [
-        ({"leases": {"agnet": 1.0}}, "/leases: nobody called 'agnet' commands actuators; did you mean 'agent'?"),
+        ({"leases": {"agnet": 1.0}}, "/leases: no one called 'agnet' commands actuators; did you mean 'agent'?"),
         (
             {"leases": {"agent": 0.001}},
             "/leases: 0.001 s for 'agent' is shorter than a message's way; give 0.01 or more",
         ),
         ({"commands": []}, "a gate without command topics guards nothing; give at least one"),
-        ({"commands": [{"topic": "/a", "type": "x"}] * 2}, "'/a' stands here twice; drop one"),
+        ({"commands": [{"topic": "/a", "type": "x"}] * 2}, "'/a' is here twice; drop one"),
         ({"commands": [{"topic": "/a", "type": "x", "stop": 3}]}, "3 is no message; give its fields, or {} for zeros"),
         ({"commands": [{"topic": "cmd_vel", "type": "x"}]}, "/commands/0/topic"),
         ({"safe": "operator"}, "/safe: no such choice: 'operator'"),
         ({"saef": "nobody"}, "/saef"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place_and_its_remedy(data: dict[str, Any], why: str) -> None:
+def test_what_is_wrong_is_reported_with_its_place_and_its_remedy(data: dict[str, Any], why: str) -> None:
     with pytest.raises(DefinitionError) as reported:
         gate_words(data)
     assert why in str(reported.value)

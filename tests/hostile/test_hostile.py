@@ -46,7 +46,7 @@ DEADLINE_S = 0.6
 
 
 def missions(**decision: Any) -> Mission:
-    """Something is in the way; whoever is asked may have it crossed, left, or ended."""
+    """Something is in the way; anyone who is asked may have it crossed, left, or ended."""
     keys = {**KEYS, "low": {"type": "boolean", "source": "robot", "max_age_s": 1}}
     asked = {
         "question": "Something is in the way. What now?",
@@ -92,7 +92,7 @@ def missions(**decision: Any) -> Mission:
 
 
 def rig(agent: Any, *, low: bool = True, **words: Any) -> Rig:
-    """A run in which the robot says whether what lies there is low, ten times a second."""
+    """A run in which the robot reports whether what lies there is low, ten times a second."""
     profile = robot()
     source = {"topic": "/low", "type": "std_msgs/msg/Bool"}
     profile = robot(blackboard={**{name: one.written() for name, one in profile.blackboard.items()}, "low": source})
@@ -116,7 +116,7 @@ def asked(model: DoubleModel, **words: Any) -> tuple[Result, Rig]:
         agent.stop(0.0)
 
 
-def test_a_model_that_says_the_mission_is_complete_is_not_believed() -> None:
+def test_a_model_that_reports_the_mission_is_complete_is_not_believed() -> None:
     result, made = asked(LyingModel())
     assert result.outcome == "aborted" and made.entered[-1] == "left"
     result, made = asked(ScriptedModel(['{"option": "finish", "why": "mission complete"}']))
@@ -133,7 +133,7 @@ def test_a_success_takes_the_action_and_the_fact() -> None:
     assert made.run().outcome == "succeeded"
 
 
-def test_an_option_that_was_not_offered_is_refused_and_the_model_is_told() -> None:
+def test_an_option_that_was_not_offered_is_refused_and_the_model_is_reported() -> None:
     model = ScriptedModel([CROSS, '{"option": "leave"}'])
     _, made = asked(model, low=False)
     assert made.move.goals == []
@@ -213,7 +213,7 @@ def test_a_model_that_never_comes_to_an_end_is_left_at_the_deadline(model: Any) 
         assert model.ended.wait(5.0), "its stream is ended"
 
 
-def test_while_a_model_hangs_the_mission_goes_on() -> None:
+def test_while_a_model_hangs_the_mission_continues() -> None:
     model = HangingModel()
     agent = DecisionAgent(model)
     made = rig(agent, decision={"deadline_s": 30.0}, answerers={"script": SilentAnswerer()})
@@ -265,7 +265,7 @@ def test_a_timeout_leaves_no_action_running_and_a_cancel_before_acceptance_is_no
     assert made.move.canceled == made.move.goals != []
 
 
-def test_an_event_that_nobody_handles_stands_in_the_journal(tmp_path: Path) -> None:
+def test_an_event_that_nothing_handles_is_in_the_journal(tmp_path: Path) -> None:
     late = LateAnswerer()
     path = tmp_path / "run.journal"
     with Journal.create(path, Header(dump(missions()), "", {})) as journal:
@@ -280,7 +280,7 @@ def test_an_event_that_nobody_handles_stands_in_the_journal(tmp_path: Path) -> N
 
 
 class AnyModel(DoubleModel):
-    """Says what hypothesis makes up: text, calls, exceptions, again and again."""
+    """Reports what hypothesis makes up: text, calls, exceptions, again and again."""
 
     api_key: SecretStr = SecretStr(SECRET)
     script: list[Any]
@@ -310,7 +310,7 @@ PROFILES = st.sampled_from(
 @given(
     st.lists(SAID, max_size=6), PROFILES, st.booleans(), st.booleans(), st.sampled_from(["succeeded", "failed", "lost"])
 )
-def test_whatever_a_model_says_facts_decide_the_run_ends_and_no_key_leaks(
+def test_whatever_a_model_reports_facts_decide_the_run_ends_and_no_key_leaks(
     tmp_path_factory: pytest.TempPathFactory,
     script: list[Any],
     profile: dict[str, bool],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `scripts/build_interfaces.sh` says where something is missing, and where there is nothing for it to do."""
+"""What `scripts/build_interfaces.sh` reports where something is missing, and where there is nothing for it to do."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="th
 
 
 def ran(*arguments: str, **environment: str) -> tuple[int, str]:
-    """Exit status, and what was told."""
+    """Exit status, and what was reported."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "AMENT_", "VENV"))}
     done = subprocess.run(
         [SCRIPT, *arguments], env={**kept, **environment}, capture_output=True, text=True, check=False, timeout=120
@@ -34,20 +34,20 @@ def empty_venv(tmp_path: Path) -> Path:
     return tmp_path / "venv"
 
 
-def test_a_check_says_what_is_not_built_and_who_builds_it(empty_venv: Path) -> None:
+def test_a_check_reports_what_is_not_built_and_who_builds_it(empty_venv: Path) -> None:
     code, reported = ran("--check", "nav2_msgs", VENV=str(empty_venv))
     assert code == 1
     assert reported == "interfaces: nav2_msgs: absent (8 interfaces)\ninterfaces: make ros-interfaces builds them\n"
 
 
-def test_without_the_wheels_it_says_how_to_get_them(empty_venv: Path) -> None:
+def test_without_the_wheels_it_states_how_to_get_them(empty_venv: Path) -> None:
     if not all(map(shutil.which, ("cmake", "g++"))):
         pytest.skip("no cmake or no g++ here")
     code, reported = ran("nav2_msgs", VENV=str(empty_venv))
     assert code == 1 and "the ROS 2 wheels are not in" in reported and "make middleware" in reported
 
 
-def test_without_a_compiler_it_says_how_to_get_one(tmp_path: Path, empty_venv: Path) -> None:
+def test_without_a_compiler_it_states_how_to_get_one(tmp_path: Path, empty_venv: Path) -> None:
     tools = tmp_path / "tools"
     tools.mkdir()
     for name in ("bash", "dirname", "ls", "xargs", "find", "sort", "wc", "cat", "basename", "realpath", "env"):

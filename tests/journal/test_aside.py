@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A journal that another run's journal takes the name of: nothing of it is lost, and nobody who writes is disturbed."""
+"""A journal that another run's journal takes the name of: nothing of it is lost, and no one who writes is disturbed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rai_missions.journal import Header, Journal, make_way, read, set_aside
 
 
 def killed(path: Path, rows: int) -> Path:
-    """A journal as it is left by a process that was killed: its rows are in the log beside it."""
+    """A journal as it is left by a process that was killed: its rows are in the log next to it."""
     with Journal.create(path.with_name("living"), Header("{}")) as journal:
         for seq in range(1, rows + 1):
             journal.write(Step(seq, float(seq), Event("anomaly", float(seq))), since=0.0)
@@ -88,7 +88,7 @@ def without_rows(path: Path) -> None:
 
 
 @pytest.mark.parametrize("begin", [empty, only_marked, without_rows])
-def test_a_process_that_died_making_its_journal_stands_in_no_later_one_s_way(tmp_path: Path, begin: object) -> None:
+def test_a_process_that_died_making_its_journal_is_in_no_later_one_s_way(tmp_path: Path, begin: object) -> None:
     path = tmp_path / "run.journal"
     assert callable(begin)
     begin(path)

@@ -107,7 +107,7 @@ STEP = Step(3, 1.5, Event("anomaly", 1.5), (Move((), ("driving",), ("assessing",
         (STEP._replace(writes=(("n", True),)), "step 3 (anomaly, 1.5 s): writes[0] was absent, now it is ('n', True)"),
     ],
 )
-def test_a_difference_is_told_with_its_place(got: Step, message: str) -> None:
+def test_a_difference_is_reported_with_its_place(got: Step, message: str) -> None:
     assert difference(STEP, got) == message
 
 

@@ -75,7 +75,7 @@ def test_every_row_is_read_in_its_order(path: Path) -> None:
     assert verify(path) == ()
 
 
-def test_row_0_says_what_is_needed_to_run_it_again(path: Path) -> None:
+def test_row_0_reports_what_is_needed_to_run_it_again(path: Path) -> None:
     with read(path) as record:
         header = record.header
     assert (header.mission, header.profile, header.arguments, header.run) == (
@@ -88,7 +88,7 @@ def test_row_0_says_what_is_needed_to_run_it_again(path: Path) -> None:
     assert header.started.endswith("+00:00")
 
 
-def test_a_journal_is_gone_on_with(path: Path) -> None:
+def test_a_journal_is_continued_with(path: Path) -> None:
     with Journal.open(path) as journal:
         assert journal.write(run_of(6)[5], since=2.5) == 8
     assert verify(path) == ()
@@ -133,7 +133,7 @@ def test_a_closed_journal_takes_no_row(path: Path) -> None:
 
 
 @pytest.mark.parametrize("where", ["", "missing/run.journal", "file/run.journal"])
-def test_a_journal_that_cannot_be_written_says_where(tmp_path: Path, where: str) -> None:
+def test_a_journal_that_cannot_be_written_reports_where(tmp_path: Path, where: str) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match=r"name another file"):
         Journal.create(tmp_path / where, HEADER)
@@ -152,7 +152,7 @@ def test_a_row_that_was_not_written_leaves_the_chain_whole(tmp_path: Path) -> No
     assert verify(path) == ()
 
 
-def test_a_row_that_nobody_could_read_is_not_written(tmp_path: Path) -> None:
+def test_a_row_that_no_one_could_read_is_not_written(tmp_path: Path) -> None:
     path = tmp_path / "j"
     with Journal.create(path, HEADER) as journal:
         with pytest.raises(ConnectorError, match="too big; row 1 is lost"):
@@ -251,7 +251,7 @@ def test_a_row_that_was_altered_with_its_hash_breaks_the_row_after(path: Path) -
     assert [fault.place for fault in verify(path)] == ["row 4"]
 
 
-def test_a_picture_that_was_altered_is_told(tmp_path: Path) -> None:
+def test_a_picture_that_was_altered_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "j"
     with Journal.create(path, HEADER) as journal:
         digest = journal.put_blob(b"a person", "image/png")
@@ -268,13 +268,13 @@ def test_a_journal_that_cannot_be_begun_leaves_no_file(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_every_fault_is_told_at_once(path: Path) -> None:
+def test_every_fault_is_reported_at_once(path: Path) -> None:
     alter(path, "UPDATE rows SET kind = 'note' WHERE number IN (2, 4)")
     assert [fault.place for fault in verify(path)][:2] == ["row 2", "row 4"]
 
 
 def forge(path: Path, number: int, kind: str, content: str) -> None:
-    """Alters a row and mends the chain after it, as somebody who knows how would."""
+    """Alters a row and mends the chain after it, as someone who knows how would."""
     database = sqlite3.connect(path)
     with database:
         database.execute("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, '')", (number, kind, content))
@@ -296,7 +296,9 @@ def forge(path: Path, number: int, kind: str, content: str) -> None:
         ("fly", "{}", "a row is one of step, confirmation, note, not 'fly'"),
     ],
 )
-def test_a_row_that_is_none_is_told_though_its_chain_holds(path: Path, kind: str, content: str, message: str) -> None:
+def test_a_row_that_is_none_is_reported_though_its_chain_holds(
+    path: Path, kind: str, content: str, message: str
+) -> None:
     forge(path, 2, kind, content)
     with read(path) as record, pytest.raises(DefinitionError, match="row 2: ") as refused:
         list(record.rows())
@@ -304,12 +306,12 @@ def test_a_row_that_is_none_is_told_though_its_chain_holds(path: Path, kind: str
     assert verify(path)[0].place == "row 2"
 
 
-def test_a_step_out_of_order_is_told_though_its_chain_holds(path: Path) -> None:
+def test_a_step_out_of_order_is_reported_though_its_chain_holds(path: Path) -> None:
     forge(path, 3, "step", '{"since": 0, "step": {"seq": 2, "at": 1, "event": {"name": "again"}}}')
     assert [str(fault) for fault in verify(path)] == ["row 3: step 2 comes after step 2; the numbers of steps grow"]
 
 
-def test_the_seal_tells_a_forged_journal_from_the_true_one(path: Path) -> None:
+def test_the_seal_reports_a_forged_journal_from_the_true_one(path: Path) -> None:
     seal = Record(path).seal
     forge(path, 7, "note", '{"text": "all went well"}')
     assert verify(path) == ()
@@ -353,7 +355,7 @@ def test_a_path_without_a_file_is_refused(tmp_path: Path) -> None:
         read(tmp_path)
 
 
-def test_a_file_that_was_emptied_beside_its_log_is_damaged(path: Path, tmp_path: Path) -> None:
+def test_a_file_that_was_emptied_next_to_its_log_is_damaged(path: Path, tmp_path: Path) -> None:
     with Journal.open(path) as journal:
         journal.note("in the log")
         for suffix in ("", "-wal"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is promised of a process that dies: no row that was written is lost, and nobody else writes meanwhile."""
+"""What is promised of a process that dies: no row that was written is lost, and no one else writes meanwhile."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_no_row_is_lost_when_the_process_is_killed(tmp_path: Path, rows: int) ->
     assert verify(path) == ()
 
 
-def test_nobody_writes_a_journal_that_another_process_writes(tmp_path: Path) -> None:
+def test_no_one_writes_a_journal_that_another_process_writes(tmp_path: Path) -> None:
     path = tmp_path / "j"
     with writer(path) as process:
         said_until(process, 1)
@@ -79,7 +79,7 @@ def test_nobody_writes_a_journal_that_another_process_writes(tmp_path: Path) -> 
     Journal.open(path).close()
 
 
-def test_a_full_disk_is_told_and_costs_no_row_that_was_written(tmp_path: Path) -> None:
+def test_a_full_disk_is_reported_and_costs_no_row_that_was_written(tmp_path: Path) -> None:
     path = tmp_path / "j"
     with writer(path, limit_bytes=300_000) as process:
         reported, error = process.communicate()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whole missions and what happens to them, drawn from a number: every kind of guard, state, effect and event.
 
-Rule: all times are multiples of `GRID_S`, so that whoever looks at each of them misses no instant.
+Rule: all times are multiples of `GRID_S`, so that anyone who looks at each of them misses no instant.
 """
 
 from __future__ import annotations
@@ -323,7 +323,7 @@ def document(rng: random.Random, *, alone: bool = False) -> Json:
 
 
 def terms(rng: random.Random) -> RobotFacts:
-    """What is known of the robot: one action is composed, some exclude each other, some go on during a pause."""
+    """What is known of the robot: one action is composed, some exclude each other, some continue during a pause."""
     base, other = frozenset({"base"}), frozenset({"arm"})
     uses = rng.choice([{}, {"drive": base, "turn": base, "composed": other}, {"drive": base, "turn": other}])
     succeeded = GUARD.validate_python({"key": "count", ">=": 2})

@@ -44,7 +44,7 @@ def writes() -> st.SearchStrategy[tuple[Any, ...]]:
 
 
 def happenings(*, commands: bool = True) -> st.SearchStrategy[list[tuple[Any, ...]]]:
-    """Raw events; numbers are told from what the chart has started, as (how far back) in the list of them."""
+    """Raw events; numbers are reported from what the chart has started, as (how far back) in the list of them."""
     back = st.integers(0, 3)
     results = st.sampled_from(["succeeded", "failed", "canceled", "rejected"])
     kinds: list[st.SearchStrategy[tuple[Any, ...]]] = [
@@ -88,7 +88,7 @@ def comparable(step: Step) -> Step:
 
 
 def assert_legal(document: Json, active: frozenset[str]) -> None:
-    """One child a compound state, all regions of a parallel one, and nothing without what it stands in."""
+    """One child a compound state, all regions of a parallel one, and nothing without what it is in."""
     states, above = lineage(document)
     assert all(set(above[name]) <= active for name in active)
     assert not any("history" in states[name] for name in active)
@@ -101,7 +101,7 @@ def assert_legal(document: Json, active: frozenset[str]) -> None:
 
 
 def assert_accounted(before: frozenset[str], step: Step, after: frozenset[str]) -> None:
-    """What the moves say was left and entered is what has changed."""
+    """What the moves state was left and entered is what has changed."""
     now = set(before)
     for move in step.moves:
         assert set(move.exited) <= now
@@ -191,7 +191,7 @@ def test_waking_at_every_instant_leads_where_one_long_wait_leads(
 
 @lenient
 @given(mission_documents(), happenings())
-def test_every_goal_ends_or_is_canceled_once_nobody_owns_it(document: Json, script: list[tuple[Any, float]]) -> None:
+def test_every_goal_ends_or_is_canceled_once_no_one_owns_it(document: Json, script: list[tuple[Any, float]]) -> None:
     chart, steps = run(document, script)
     if chart.outcome is None:
         steps = [*steps, chart.send(Event("kill", chart.at, {}, "command"))]
@@ -206,7 +206,7 @@ def test_every_goal_ends_or_is_canceled_once_nobody_owns_it(document: Json, scri
 @pytest.mark.parametrize("kind", ["event", "result", "proposal", "accepted", "control"])
 @given(mission_documents())
 @lenient
-def test_what_concerns_nobody_changes_nothing(kind: str, document: Json) -> None:
+def test_what_concerns_no_one_changes_nothing(kind: str, document: Json) -> None:
     chart = Chart(Mission.model_validate(document), ticker())
     chart.start(0.0)
     before = chart.snapshot()

@@ -25,7 +25,7 @@ Json = dict[str, Any]
 Script = list[tuple[tuple[Any, ...], float]]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
 PASSING = ("seq", "_wake", "_quick", "_listening", "_held_since", "_paused_at", "event")
-"""What a snapshot says of the way rather than of where it led."""
+"""What a snapshot reports about the way rather than of where it led."""
 KEPT = ("accepted", "result", "proposal", "event", "write", "tick")
 
 
@@ -50,7 +50,7 @@ class Play:
     Args:
         document: The mission.
         stop: What stops it.
-        go: What has it go on.
+        go: What has it continue.
     """
 
     def __init__(self, document: Json, stop: Event, go: Event) -> None:
@@ -68,7 +68,7 @@ class Play:
         self.steps.append(self.robot.follow(step))
 
     def play(self, script: Script) -> None:
-        """What was drawn; a command stops it where it runs, and has it go on where it does not."""
+        """What was drawn; a command stops it where it runs, and has it continue where it does not."""
         stopped = False
         for drawn, wait in script:
             self.at += wait
@@ -84,7 +84,7 @@ class Play:
 
 
 def stops() -> st.SearchStrategy[Script]:
-    """What happens, with many an instant at which the mission is stopped, or goes on."""
+    """What happens, with many an instant at which the mission is stopped, or continues."""
     return happenings(commands=False).flatmap(
         lambda script: st.lists(st.integers(0, len(script)), max_size=6).map(lambda places: cut(script, places))
     )
@@ -174,7 +174,7 @@ def ends_in_a_pause(document: Json, script: Script, holder: str) -> None:
 
 
 class Pausing(Play):
-    """Somebody pauses it as soon as it is held, and resumes it once control is given back."""
+    """Someone pauses it as soon as it is held, and resumes it once control is given back."""
 
     def hear(self, step: Step) -> None:
         super().hear(step)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An event is handled at its own instant: one jump in time is many small ticks, and nobody looks too seldom."""
+"""An event is handled at its own instant: one jump in time is many small ticks, and no one looks too seldom."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def play(
     Args:
         seed: The number.
         kind: The chart.
-        ticks: Time is told at each instant of the grid; else in one jump from event to event.
+        ticks: Time is reported at each instant of the grid; else in one jump from event to event.
         events: Raw events to repeat; drawn by default.
     """
     rng = random.Random(seed)

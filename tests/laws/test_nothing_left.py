@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""After each step nothing is left that could fire or tick, whoever wrote what made it so.
+"""After each step nothing is left that could fire or tick, anyone who wrote what made it so.
 
 It is looked for by brute force: the guard of each transition without an event, one more tick of each tree on a copy,
 what each goal and each final waits for. A leaf that has ended may be begun again by that tick, which in the chart only
@@ -257,7 +257,7 @@ def test_nothing_is_left_in_many_missions(document: Json, script: Any) -> None:
     live(document, script)
 
 
-def test_a_tree_that_nobody_has_ticked_is_found() -> None:
+def test_a_tree_that_no_one_has_ticked_is_found() -> None:
     tree = {"selector": [{"check": is_true("f")}, {"wait_s": 9}]}
     run = Run(beside([tree_region(1, tree, {"on": "poke"}, [])], []))
     run.chart.view.board["f"] = run.chart.view.board["f"]._replace(value=True)

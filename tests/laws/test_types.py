@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every write is held to its key's type, wherever it comes from; what does not fit is refused, and the step says so."""
+"""Every write is held to its key's type, wherever it comes from; what does not fit is refused, and the step states
+it."""
 
 from __future__ import annotations
 
@@ -102,7 +103,7 @@ def test_a_key_holds_nothing_but_its_type(door: str, type_name: str, before: Any
         assert now > old and isinstance(now, int)
 
 
-def test_what_is_said_of_a_write_that_does_not_fit() -> None:
+def test_what_is_reported_about_a_write_that_does_not_fit() -> None:
     made = Chart(mission_of("event", "integer", 1), PyTrees())
     made.write("k", 5, at=0.0)
     assert through("event", made, "seven")[0].notes == ("'k' was not written: 'seven' is not of type 'integer'",)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Python authors write is what JSON says."""
+"""What Python authors write is what JSON reports."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def test_effects_take_references_where_json_has_paths(effect: Any, written: Any)
     assert effect.written() == written
 
 
-def test_a_reference_stands_wherever_a_state_has_a_guard_a_path_or_a_template() -> None:
+def test_a_reference_is_wherever_a_state_has_a_guard_a_path_or_a_template() -> None:
     action = Action("go", goal={"pose": k.home, "at": [k.here.x]}, result={"alleys": "count"}, achieved=k.moving)
     assert action.written() == {
         "action": "go",
@@ -164,7 +164,7 @@ def test_a_mission_takes_keys_and_names_of_events() -> None:
         (lambda: k.here.heading, "'here' has no field 'heading'; there is: frame, x, y, yaw, z"),
     ],
 )
-def test_a_name_that_is_not_there_is_told_with_the_nearest(wrong: Any, sentence: str) -> None:
+def test_a_name_that_is_not_there_is_reported_with_the_nearest(wrong: Any, sentence: str) -> None:
     with pytest.raises(AttributeError) as reported:
         wrong()
     assert str(reported.value) == sentence
@@ -188,7 +188,7 @@ def test_what_python_would_misread_is_refused(wrong: Any, sentence: str) -> None
     assert sentence in str(reported.value)
 
 
-def test_a_comparison_that_json_could_not_say_is_refused() -> None:
+def test_a_comparison_that_json_could_not_state_is_refused() -> None:
     with pytest.raises(DefinitionError, match="is not JSON; give text"):
         _ = k.battery < object()
 

@@ -302,7 +302,7 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
         ),
     ],
 )
-def test_what_cannot_be_included_is_told(tmp_path: Path, changes: Any, dock: Any, sentence: str) -> None:
+def test_what_cannot_be_included_is_reported(tmp_path: Path, changes: Any, dock: Any, sentence: str) -> None:
     folder = tmp_path / "in"
     folder.mkdir()
     written(tmp_path, outside=DOCK)
@@ -326,7 +326,7 @@ def test_a_private_name_that_is_taken_is_refused(tmp_path: Path) -> None:
     ]
 
 
-def test_the_faults_of_all_inclusions_are_told_at_once(tmp_path: Path) -> None:
+def test_the_faults_of_all_inclusions_are_reported_at_once(tmp_path: Path) -> None:
     states = {"a": {"mission": "no.json"}, "b": {"states": {"c": {"mission": "bad.json"}}, "initial": "c"}}
     file = written(tmp_path, top=TOP | {"initial": "a", "states": states}, bad={"name": 1})
     assert [line.partition(": ")[0] for line in told(file)] == [
@@ -393,7 +393,7 @@ def may_name(annotation: Any) -> bool:
     return any(may_name(each) for each in (*get_args(annotation), *getattr(annotation, "__metadata__", ())))
 
 
-def test_every_field_that_can_name_something_says_what_it_names() -> None:
+def test_every_field_that_can_name_something_reports_what_it_names() -> None:
     forgotten = {
         (kind.__name__, field)
         for kind in of_models()

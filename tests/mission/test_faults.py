@@ -128,11 +128,11 @@ ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         ),
     ],
 )
-def test_a_fault_says_where_what_and_what_instead(tmp_path: Path, document: Any, sentence: str) -> None:
+def test_a_fault_reports_where_what_and_what_instead(tmp_path: Path, document: Any, sentence: str) -> None:
     assert told(tmp_path, document) == [sentence]
 
 
-def test_every_fault_is_told_at_once_in_the_order_of_the_document(tmp_path: Path) -> None:
+def test_every_fault_is_reported_at_once_in_the_order_of_the_document(tmp_path: Path) -> None:
     document = SMALL | {
         "name": "A",
         "states": {
@@ -146,7 +146,7 @@ def test_every_fault_is_told_at_once_in_the_order_of_the_document(tmp_path: Path
     assert places == [*expected, "/on_cancel"]
 
 
-def test_thousands_of_faults_are_counted_not_told(tmp_path: Path) -> None:
+def test_thousands_of_faults_are_counted_not_reported(tmp_path: Path) -> None:
     lines = told(tmp_path, SMALL | {"states": {f"s{number}": 1 for number in range(1500)}})
     assert len(lines) == 1001
     assert lines[-1] == "/: and 500 more faults; mend these first"
@@ -185,7 +185,7 @@ def bent_documents(draw: st.DrawFn) -> Any:
 
 
 @given(bent_documents())
-def test_whatever_a_document_says_it_is_a_mission_or_faults_in_our_words(document: Any) -> None:
+def test_whatever_a_document_states_it_is_a_mission_or_faults_in_our_words(document: Any) -> None:
     try:
         Mission.model_validate(document)
     except ValidationError as error:

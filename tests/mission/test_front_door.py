@@ -21,7 +21,7 @@ print(json.dumps([sorted(set(sys.modules) - before), time.process_time() - start
 
 
 def after(code: str) -> tuple[list[str], float]:
-    """The modules that some code loads beside pydantic, and the CPU seconds it takes."""
+    """The modules that some code loads next to pydantic, and the CPU seconds it takes."""
     received = subprocess.run(
         [sys.executable, "-c", PROBE.format(code=code)], capture_output=True, text=True, check=True
     )
@@ -54,7 +54,7 @@ def test_importing_the_package_loads_no_model_and_nothing_heavy() -> None:
 @pytest.mark.parametrize(
     "first", ["import rai_missions.mission.files, rai_missions.event", "import rai_missions.engine"]
 )
-def test_names_that_are_modules_too_are_what_the_front_door_says(first: str) -> None:
+def test_names_that_are_modules_too_are_what_the_front_door_reports(first: str) -> None:
     modules, _ = after(
         f"{first}\nfrom rai_missions import load, event\nassert callable(load) and event.x.__path__ == 'event.x'"
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the guide to the format shows is the format: every JSON block is read as what it says it is."""
+"""What the guide to the format shows is the format: every JSON block is read as what it states it is."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def refusals(raw: bytes) -> list[str]:
 
 
 @given(JSON)
-def test_what_json_can_say_is_read_as_it_was_written(value: object) -> None:
+def test_what_json_can_state_is_read_as_it_was_written(value: object) -> None:
     assert parse_json(json.dumps(value).encode()) == value
     assert parse_json(json.dumps(value, ensure_ascii=False).encode("utf-8-sig")) == value
 
@@ -78,7 +78,7 @@ def test_a_text_cut_short_is_never_read_as_a_whole_object(value: object, data: s
         (b'{"x": {"a": 1, "a": 2}}', "/x/a: 'a' stands more than once in this object; keep one"),
     ],
 )
-def test_what_is_wrong_is_said_with_its_place(raw: bytes, sentence: str) -> None:
+def test_what_is_wrong_is_reported_with_its_place(raw: bytes, sentence: str) -> None:
     assert refusals(raw) == [f"m.json: {sentence}"]
 
 
@@ -95,7 +95,7 @@ def test_as_deep_as_the_bound_is_read() -> None:
     assert parse_json(b"[" * MAX_DEPTH + b"]" * MAX_DEPTH) is not None
 
 
-def test_every_oddity_is_told_at_once() -> None:
+def test_every_oddity_is_reported_at_once() -> None:
     assert len(refusals(b'{"a": NaN, "a": Infinity, "b": ["\\udc00", 1e400]}')) == 4
 
 

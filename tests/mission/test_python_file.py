@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission in Python is a file loaded by path; what goes wrong in it is told with its line."""
+"""A mission in Python is a file loaded by path; what goes wrong in it is reported with its line."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def told(tmp_path: Path, text: str | bytes) -> str:
     return "\n".join(str(fault) for fault in refused.value.faults)
 
 
-def test_a_file_offers_a_mission_and_nothing_is_written_beside_it(tmp_path: Path) -> None:
+def test_a_file_offers_a_mission_and_nothing_is_written_next_to_it(tmp_path: Path) -> None:
     (tmp_path / "m.py").write_text(GOOD)
     assert load(tmp_path / "m.py").name == "small"
     assert [each.name for each in tmp_path.iterdir()] == ["m.py"]
 
 
-def test_a_changed_file_is_read_anew(tmp_path: Path) -> None:
+def test_a_changed_file_is_read_again(tmp_path: Path) -> None:
     (tmp_path / "m.py").write_text(GOOD)
     load(tmp_path / "m.py")
     (tmp_path / "m.py").write_text(GOOD.replace("small", "large"))
@@ -70,7 +70,7 @@ def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> 
         ),
     ],
 )
-def test_what_goes_wrong_is_told_with_its_line(tmp_path: Path, text: str | bytes, sentence: str) -> None:
+def test_what_goes_wrong_is_reported_with_its_line(tmp_path: Path, text: str | bytes, sentence: str) -> None:
     assert told(tmp_path, text).startswith(sentence)
 
 

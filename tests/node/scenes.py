@@ -70,12 +70,12 @@ def robot(connector: Mapping[str, Any], below: str = "/robot") -> Robot:
 
 
 class StandIn:
-    """The robot: says what it was asked to do, and arrives when it is told to."""
+    """The robot: reports what it was asked to do, and arrives when it is asked to."""
 
     def __init__(self, connector: Connector, below: str = "/robot") -> None:
         self.asked: Inbox[str] = Inbox(PATIENCE_S)
         self.obey: Callable[[str], object] = self.asked
-        """Told what the robot is asked to do, before it answers."""
+        """Reported what the robot is asked to do, before it answers."""
         self._connector, self._below = connector, below
         for word in ("move", "halt"):
             connector.serve(f"{below}/{word}", TRIGGER, self._does(word))
@@ -141,7 +141,7 @@ class Client:
         return next((each for each in reported if each["id"] == name), reported[-1])
 
     def await_status(self, what: str, **fields: Any) -> dict[str, Any]:
-        """Wait until the latest status says so."""
+        """Wait until the latest status states it."""
 
         def states(all_: list[dict[str, Any]]) -> bool:
             return bool(all_) and all(all_[-1][word] == value for word, value in fields.items())

@@ -64,7 +64,7 @@ def test_a_pause_before_a_question_gives_it_no_more_time() -> None:
     assert answered_at.left_s == 590.0
 
 
-def test_a_run_that_goes_on_shows_what_was_asked_before_with_the_time_left() -> None:
+def test_a_run_that_continues_shows_what_was_asked_before_with_the_time_left() -> None:
     answered_at = Stood()
     answered_at.send("ask")
     answered_at.clock.at = 10.0
@@ -79,7 +79,7 @@ def test_a_run_that_goes_on_shows_what_was_asked_before_with_the_time_left() -> 
 
 @pytest.mark.parametrize("reported", [{"id": 1}, [1], None, 7, "another"])
 def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> None:
-    """An order waits; a robot's event comes first, in which something has the name of what tells orders apart."""
+    """An order waits; a robot's event comes first, in which something has the name of what distinguishs orders."""
     answered_at, receipts = Stood(), list[CommandReply]()
     answered_at.course.submit(Command("pause"), receipts.append)
     event = Event("robot_says", 0.0, {"request": reported})
@@ -89,7 +89,7 @@ def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> No
     assert receipts == []
 
 
-def test_whoever_cannot_be_told_what_became_of_an_order_ends_no_run() -> None:
+def test_anyone_who_cannot_be_reported_what_became_of_an_order_ends_no_run() -> None:
     rig = Rig({"idle": {}})
     course, asked = RunSession(rig.runner, None), list[CommandReply]()
 

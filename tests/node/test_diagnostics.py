@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How bad it is: OK while it runs, WARN where somebody should look, ERROR where it has failed."""
+"""How bad it is: OK while it runs, WARN where someone should look, ERROR where it has failed."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ ASKED = (OpenQuestion(Question(4, "asking", "operator", "Which way?", ()), 5.0),
         ({"fault": "/initial: no state 'x'"}, {}, (ERROR, "/initial: no state 'x'")),
     ],
 )
-def test_the_level_says_how_bad_it_is(
+def test_the_level_reports_how_bad_it_is(
     changed: dict[str, Any], around: dict[str, Any], expected: tuple[int, str]
 ) -> None:
     bulletin = RUNNING._replace(**changed)
@@ -60,7 +60,7 @@ def test_a_bulletin_names_the_goals_that_may_still_move_the_robot() -> None:
     assert reported == [{"number": 3, "action": "drive", "owner": "moving", "reason": "refused"}]
 
 
-def test_a_bulletin_says_its_question_with_the_time_left() -> None:
+def test_a_bulletin_reports_its_question_with_the_time_left() -> None:
     reported = RUNNING._replace(questions=ASKED).data()
     assert reported["question"] == reported["questions"][0] and reported["question"]["left_s"] == 5.0
 

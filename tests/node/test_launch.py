@@ -29,7 +29,7 @@ NAMES = {
 
 
 class Said:
-    """What was said to a constructor."""
+    """What was reported to a constructor."""
 
     def __init__(self, *given: Any, **words: Any) -> None:
         self.given, self.words = given, words
@@ -79,7 +79,7 @@ def test_the_command_lines_that_it_makes_are_understood(described: list[Said]) -
         ),
     ],
 )
-def test_words_that_do_not_go_together_are_told_at_once(
+def test_words_that_do_not_go_together_are_reported_at_once(
     words: list[str], why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a client may do to a mission through its node, and what it is told; over a connector in this process."""
+"""What a client may do to a mission through its node, and what it is reported; over a connector in this process."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def test_a_run_goes_from_start_to_its_end_and_again(scene: Scene) -> None:
     revisions_rise(scene.client)
 
 
-def test_deactivating_pauses_the_mission_and_activating_goes_on_with_it(scene: Scene) -> None:
+def test_deactivating_pauses_the_mission_and_activating_continues_with_it(scene: Scene) -> None:
     scene.client.activate()
     scene.client.start()
     scene.client.command(command="post", event="go")
@@ -205,7 +205,7 @@ def test_what_is_at_fault_leaves_the_node_unconfigured_until_it_is_mended(
     scene.client.await_status("it is inactive", lifecycle="inactive", fault="", mission="errand", version="1.2.3")
 
 
-def test_an_error_that_nobody_foresaw_goes_through_errorprocessing(
+def test_an_error_that_no_one_foresaw_goes_through_errorprocessing(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.CRITICAL + 1)
@@ -221,7 +221,7 @@ def test_an_error_that_nobody_foresaw_goes_through_errorprocessing(
     )
 
 
-def test_a_question_stands_in_the_status_until_it_is_answered(scene: Scene) -> None:
+def test_a_question_is_in_the_status_until_it_is_answered(scene: Scene) -> None:
     scene.client.activate()
     scene.client.start()
     scene.client.command(command="post", event="ask")
@@ -233,7 +233,7 @@ def test_a_question_stands_in_the_status_until_it_is_answered(scene: Scene) -> N
     scene.client.await_status("it is over", outcome="aborted", question=None)
 
 
-def test_an_answer_that_does_not_count_says_why(scene: Scene) -> None:
+def test_an_answer_that_does_not_count_reports_why(scene: Scene) -> None:
     scene.client.activate()
     scene.client.start()
     reported = scene.client.command(command="answer", question=7, option="left")
@@ -285,7 +285,7 @@ def test_control_is_asked_for_by_its_rules(scene: Scene) -> None:
     scene.client.holders.wait(lambda all_: all_[-1] == "autonomy", "it is given back")
 
 
-def test_a_state_that_waits_for_control_is_told_of(open_scene: Callable[..., Scene]) -> None:
+def test_a_state_that_waits_for_control_is_notified_of(open_scene: Callable[..., Scene]) -> None:
     states = mission().model_dump(mode="json", by_alias=True, exclude_unset=True)["states"]
     states["asking"]["control"] = "agent"
     scene = open_scene(mission=mission(states=states))
@@ -327,7 +327,7 @@ def test_arguments_come_with_the_start_and_are_checked(scene: Scene) -> None:
     assert scene.client.command(command="start", arguments={"speed": 2})["success"]
 
 
-def test_who_did_what_stands_in_the_journal(open_scene: Callable[..., Scene], tmp_path: Path) -> None:
+def test_who_did_what_is_in_the_journal(open_scene: Callable[..., Scene], tmp_path: Path) -> None:
     file = tmp_path / "run.journal"
     scene = open_scene(journals=lambda: file)
     scene.client.activate()
@@ -357,7 +357,7 @@ def test_each_step_that_did_something_is_published(scene: Scene) -> None:
     }
 
 
-def test_keys_that_are_not_fresh_are_told_in_the_diagnostics(open_scene: Callable[..., Scene]) -> None:
+def test_keys_that_are_not_fresh_are_reported_in_the_diagnostics(open_scene: Callable[..., Scene]) -> None:
     there = {"type": "boolean", "source": "robot", "optional": True, "max_age_s": 0.01}
     speed = {"type": "number", "source": "argument", "initial": 1.0}
     scene = open_scene(mission=mission(blackboard={"there": there, "speed": speed}))
@@ -383,7 +383,7 @@ def kept_busy(scene: Scene) -> threading.Event:
     return is_free
 
 
-def test_an_order_that_the_run_does_not_take_in_time_is_not_told_as_done(scene: Scene) -> None:
+def test_an_order_that_the_run_does_not_take_in_time_is_not_reported_as_done(scene: Scene) -> None:
     is_free = kept_busy(scene)
     reported = scene.node.ask(Command("pause"), within_s=0.0)
     is_free.set()

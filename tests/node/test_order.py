@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever comes in as an order is one, or is told why it is none; names of nodes are those that ROS takes."""
+"""Whatever comes in as an order is one, or learns why it is none; names of nodes are those that ROS takes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NEAR_ORDERS = st.dictionaries(
 
 
 @given(text=st.text() | st.binary() | JSON | NEAR_ORDERS.map(json.dumps))
-def test_whatever_comes_in_is_an_order_or_is_told_why_not(text: Any) -> None:
+def test_whatever_comes_in_is_an_order_or_learns_why_not(text: Any) -> None:
     order = read_order(text)
     if isinstance(order, CommandReply):
         assert not order.success and order.why and len(order.why) < 500
@@ -40,7 +40,7 @@ def test_whatever_comes_in_is_an_order_or_is_told_why_not(text: Any) -> None:
         st.text(st.characters(codec="utf-8")), st.integers(-(2**63), 2**63 - 1) | st.booleans(), max_size=3
     ),
 )  # fmt: skip
-def test_an_order_says_what_was_written(command: str, name: str, by: str, number: int, data: dict[str, Any]) -> None:
+def test_an_order_reports_what_was_written(command: str, name: str, by: str, number: int, data: dict[str, Any]) -> None:
     given_words = {"arguments": data, "to": "agent", "question": number, "option": "a", "parameters": data}
     given_words |= {"event": "go", "data": data}
     words = {word: given_words[word] for word in WORDS[command]}

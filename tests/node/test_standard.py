@@ -54,7 +54,7 @@ def test_the_node_moves_along_the_table_alone(asked: list[tuple[str, str]]) -> N
 
 
 def walk(asked: list[tuple[str, str]]) -> tuple[list[NodeTransition], bool]:
-    """Ask for transitions whose acts end as said; the moves made, and whether one is still under way."""
+    """Ask for transitions whose acts end as reported; the moves made, and whether one is still under way."""
     moves: list[NodeTransition] = []
     how = ["success"]
     waiting: list[Callable[[str], None]] = []

@@ -33,7 +33,7 @@ def ended(reports: list[Report]) -> bool:
     return bool(reports) and reports[-1].status in ("succeeded", "failed", "canceled", "rejected")
 
 
-def test_a_goal_runs_the_mission_and_its_result_says_how_it_ended(scene: Scene) -> None:
+def test_a_goal_runs_the_mission_and_its_result_reports_how_it_ended(scene: Scene) -> None:
     reports = send(scene, arguments='{"speed": 2}')
     scene.client.await_status("it runs", mode="running")
     assert scene.client.call("post", "rai_missions_msgs/srv/Post", event="go", data="{}", by="Ann")["success"]
@@ -64,7 +64,7 @@ def test_canceling_the_goal_cancels_the_mission(scene: Scene) -> None:
     )
 
 
-def test_a_mission_that_somebody_else_cancels_aborts_the_goal(scene: Scene) -> None:
+def test_a_mission_that_someone_else_cancels_aborts_the_goal(scene: Scene) -> None:
     reports = send(scene)
     scene.client.await_status("it runs", mode="running")
     assert scene.client.call("cancel")["success"]
@@ -80,7 +80,7 @@ def test_a_mission_that_somebody_else_cancels_aborts_the_goal(scene: Scene) -> N
         ("[]", "arguments is a JSON object"),
     ],
 )
-def test_a_goal_that_cannot_be_is_rejected_and_the_reply_says_why(scene: Scene, arguments: str, why: str) -> None:
+def test_a_goal_that_cannot_be_is_rejected_and_the_reply_reports_why(scene: Scene, arguments: str, why: str) -> None:
     assert send(scene, arguments=arguments).wait(ended, "it is rejected")[-1].status == "rejected"
     reported = scene.client.replies.wait(bool, "a reply")[-1]
     assert reported["id"] == "g1" and why in reported["why"]

@@ -57,7 +57,7 @@ class Transition:
 class Event:
     name: str
     done: str = ""
-    """The state whose end it tells of."""
+    """The state whose end it reports of."""
     row: Transition | None = None
     """The one transition that may answer: that of an `after_s`."""
 
@@ -146,7 +146,7 @@ class Interpreter:
             self.main_event_loop()
 
     def assign(self, key: str, value: Any, at: float) -> None:
-        """Somebody outside writes the datamodel; transitions without an event look at it."""
+        """Someone outside writes the datamodel; transitions without an event look at it."""
         self.advance(at)
         if self.running:
             self.datamodel[key] = value
@@ -192,7 +192,7 @@ class Interpreter:
         self.internal_queue.clear()
 
     def react(self, event: Event) -> list[Transition]:
-        """selectTransitions; a failure that nobody takes breaks the mission off (which is not SCXML)."""
+        """selectTransitions; a failure that no one takes breaks the mission off (which is not SCXML)."""
         if event.done and self.elements[event.done] not in self.configuration:
             return []
         enabled = self.select_transitions(event)

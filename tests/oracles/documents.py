@@ -45,7 +45,7 @@ class Taste:
     """A top-level final."""
     nested_parallel: bool = True
     defaults: bool = False
-    """Histories that say where they lead without memory, and some with which their parent begins."""
+    """Histories that state where they lead without memory, and some with which their parent begins."""
     depth: int = 3
 
     def without(self, **words: Any) -> Taste:
@@ -216,7 +216,7 @@ class _Draft:
         )
 
     def defaults(self) -> None:
-        """Where histories lead without memory, said by every other one."""
+        """Where histories lead without memory, reported by every other one."""
         for name, state in self.states.items():
             if "history" in state and self.taste.defaults and self.some(of=2):
                 parent = self.parents[name]
@@ -278,7 +278,7 @@ def scripts(*, timed: bool = False, writes: bool = False) -> st.SearchStrategy[l
 
 
 def lineage(document: Json) -> tuple[dict[str, Json], dict[str, list[str]]]:
-    """Every state by its name, and the names of those that it stands in, innermost first."""
+    """Every state by its name, and the names of those that it is in, innermost first."""
     states: dict[str, Json] = {}
     above: dict[str, list[str]] = {}
 

@@ -28,7 +28,7 @@ def agree(document: Json, script: list[tuple[Any, ...]]) -> None:
 
 @lenient
 @given(charts(), scripts())
-def test_a_chart_does_what_the_recommendation_says(document: Json, script: list[tuple[Any, ...]]) -> None:
+def test_a_chart_does_what_the_recommendation_reports(document: Json, script: list[tuple[Any, ...]]) -> None:
     agree(document, script)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A generated chart does what XState makes of the same chart.
 
-Needs node and the npm package `xstate`; `make oracles` installs it beside this file.
+Needs node and the npm package `xstate`; `make oracles` installs it next to this file.
 Where XState 5 leaves the recommendation, the charts that are drawn keep away:
 a row is compared only where the least common ancestor of its ends is no parallel state, for XState then leaves the one
 region and not the whole; a row into a history of a state around it, for XState then enters states that it has not

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages become values of the blackboard, or say why not; nothing a robot sends breaks the engine."""
+"""Messages become values of the blackboard, or state why not; nothing a robot sends breaks the engine."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def written(value: Any) -> Any:
 @given(
     x=coordinates, y=coordinates, z=coordinates, yaw=st.floats(-math.pi, math.pi), frame=st.sampled_from(["", "map"])
 )
-def test_a_pose_that_is_sent_is_the_pose_that_is_heard(x: float, y: float, z: float, yaw: float, frame: str) -> None:
+def test_a_pose_that_is_sent_is_the_pose_that_is_received(x: float, y: float, z: float, yaw: float, frame: str) -> None:
     sent = {"x": x, "y": y, "z": z, "yaw": yaw, "frame": frame}
     received = pose_of(pose_message(sent))
     assert received is not None
@@ -79,7 +79,7 @@ def test_the_heading_of_a_robot_on_a_slope_is_its_yaw(roll: float, pitch: float,
 
 
 @given(anything.filter(lambda message: isinstance(message, dict)))
-def test_whatever_is_heard_can_be_written_down_or_is_refused(message: dict[str, Any]) -> None:
+def test_whatever_is_received_can_be_written_down_or_is_refused(message: dict[str, Any]) -> None:
     for source in SOURCES:
         try:
             value = source.value(message)
@@ -96,8 +96,8 @@ def test_whatever_is_heard_can_be_written_down_or_is_refused(message: dict[str, 
         ({"data": "[" * 70 + "]" * 70}, "nested deeper than 60"),
         ({"data": "1" * 2_000_000}, "2000000 characters; at most 1000000 are read"),
         ({"data": "1" * 5000}, "is no JSON"),
-        ({"data": 3}, "3 stands where JSON text belongs"),
-        ({}, "None stands where JSON text belongs"),
+        ({"data": 3}, "3 is given where JSON text belongs"),
+        ({}, "None is given where JSON text belongs"),
     ],
 )
 def test_hostile_json_is_refused(message: dict[str, Any], text: str) -> None:
@@ -143,7 +143,7 @@ def test_hostile_json_is_refused(message: dict[str, Any], text: str) -> None:
         ),
     ],
 )
-def test_a_source_says_which_part_of_a_message_counts(source: Source, message: dict[str, Any], value: Any) -> None:
+def test_a_source_reports_which_part_of_a_message_counts(source: Source, message: dict[str, Any], value: Any) -> None:
     assert source.value(message) == value
 
 
@@ -195,12 +195,12 @@ def test_a_picture_is_read_from_its_bytes(encoding: str, raw: bytes, rgb: bytes)
 
 
 def test_a_picture_that_is_one_already_is_taken_as_it_is() -> None:
-    image = Image("camera@1", 2, 2, "rgb8", lambda: pytest.fail("nobody asked for the bytes"))
+    image = Image("camera@1", 2, 2, "rgb8", lambda: pytest.fail("no one asked for the bytes"))
     source = Source(topic="/camera", type="sensor_msgs/msg/Image")
     assert source.value({"width": 2, "data": image}) is image
 
 
-def test_a_picture_is_named_by_where_and_when_it_was_heard() -> None:
+def test_a_picture_is_named_by_where_and_when_it_was_received() -> None:
     source = Source(topic="/camera", type="sensor_msgs/msg/CompressedImage")
     image = source.value({"format": "rgb8; jpeg compressed bgr8", "data": b"\xff\xd8"}, at=1.5)
     assert (image.ref, image.encoding, image.data) == ("/camera@1.500", "jpeg", b"\xff\xd8")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields that a profile names: told before the start where the type has none of the name, and at the first message."""
+"""Fields that a profile names: reported before the start where the type has none of the name, and at the first
+message."""
 
 from __future__ import annotations
 
@@ -50,7 +51,7 @@ def battery(field: str, **words: Any) -> dict[str, Any]:
         ("cell_voltage.x", "has no field 'x' in 'cell_voltage', which is a list"),
     ],
 )
-def test_a_field_that_a_type_has_not_is_told_with_those_that_it_has(field: str, message: str) -> None:
+def test_a_field_that_a_type_has_not_is_reported_with_those_that_it_has(field: str, message: str) -> None:
     (fault,) = faults(blackboard=battery(field))
     assert fault.startswith(f"/blackboard/battery/field: a s/msg/Battery {message}")
 
@@ -60,7 +61,7 @@ def test_a_field_that_a_type_has_is_no_fault(field: str) -> None:
     assert faults(blackboard=battery(field)) == []
 
 
-def test_all_faults_are_told_at_once_and_those_of_events_too() -> None:
+def test_all_faults_are_reported_at_once_and_those_of_events_too() -> None:
     ask = {"service": "/ask", "type": "s/srv/Ask", "every_s": 1}
     found = faults(
         blackboard={
@@ -113,7 +114,7 @@ def test_a_run_over_ros_is_refused_before_its_start_for_a_field_that_is_not_ther
     assert "a sensor_msgs/msg/BatteryState has no field 'percent'" in capsys.readouterr().err
 
 
-def test_a_message_without_the_field_is_told_once_and_one_that_leaves_it_open_is_not(
+def test_a_message_without_the_field_is_reported_once_and_one_that_leaves_it_open_is_not(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     robot = Robot.model_validate(

@@ -26,7 +26,7 @@ def test_a_profile_comes_back_as_it_was_written() -> None:
     assert json.loads(dump_profile(robot())) == altered(PROFILE, {"services/horn/type": None})
 
 
-def test_a_profile_says_what_tools_may_touch_and_nothing_of_it_is_left_empty() -> None:
+def test_a_profile_states_what_tools_may_touch_and_nothing_of_it_is_left_empty() -> None:
     assert robot().tools is not None and robot().tools.never == ("/cmd_vel", "*/e_stop")
     plain = parse_profile(json.dumps(altered(PROFILE, {"tools": {}}))).tools
     assert plain is not None and (plain.read, plain.write, plain.never) == (("*",), (), ())
@@ -48,12 +48,12 @@ def test_a_profile_is_read_from_a_file(tmp_path: Path) -> None:
         ("../elsewhere", "lies outside the profile's own folder"),
         ("/etc", "lies outside"),
         ("link", "lies outside"),
-        ("none", "there is no folder 'none' beside the profile"),
+        ("none", "there is no folder 'none' next to the profile"),
         ("robot.json", "there is no folder"),
         ("a\0b", "no folder's name"),
     ],
 )
-def test_an_identity_lies_beside_its_profile(tmp_path: Path, identity: str, message: str) -> None:
+def test_an_identity_lies_next_to_its_profile(tmp_path: Path, identity: str, message: str) -> None:
     (tmp_path / "elsewhere").mkdir()
     here = tmp_path / "here"
     here.mkdir()
@@ -105,7 +105,7 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
         ({"events/anomaly/every_s": None}, "/events/anomaly: '/tractor1/current_state' is a service and is asked"),
         (
             {"events/go/topic": "/go"},
-            "/events/go: an event is 'posted' or heard on a topic or service, not both; drop one",
+            "/events/go: an event is 'posted' or received on a topic or service, not both; drop one",
         ),
         (
             {"actions/go_home/start": "/x"},
@@ -118,7 +118,7 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
         ({"actions/drive_alleys/succeeded": None}, "/actions/drive_alleys: a composed action needs 'succeeded'"),
         (
             {"actions/go_home/cancel": "/x"},
-            "/actions/go_home: the server of '/navigate_to_pose' says how it ends: drop cancel",
+            "/actions/go_home: the server of '/navigate_to_pose' reports how it ends: drop cancel",
         ),
         ({"actions/drive_alleys/goal": {"a": 1}}, "/actions/drive_alleys: a composed action has no server: drop goal"),
         ({"services/horn/colour": "red"}, "/services/horn/colour:"),
@@ -126,11 +126,11 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
         ({"services/Horn": {"service": "/x"}}, "'Horn' is not a name"),
     ],
 )
-def test_a_fault_is_told_with_its_place(change: dict[str, Any], message: str) -> None:
+def test_a_fault_is_reported_with_its_place(change: dict[str, Any], message: str) -> None:
     assert any(message in fault for fault in refused(change)), refused(change)
 
 
-def test_every_fault_is_told_at_once() -> None:
+def test_every_fault_is_reported_at_once() -> None:
     assert len(refused({"format": 2, "name": 3, "services/horn/service": None})) == 3
 
 
@@ -164,14 +164,14 @@ def test_a_goal_is_written_as_the_server_wants_it() -> None:
 
 @pytest.mark.parametrize(
     ("given", "message"),
-    [({}, "needs 'home', and the mission gives: nothing"), ({"home": 3}, "3 stands where a pose belongs")],
+    [({}, "needs 'home', and the mission gives: nothing"), ({"home": 3}, "3 is given where a pose belongs")],
 )
 def test_a_goal_that_lacks_what_the_server_wants_is_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(ConnectorError, match=message):
         robot().actions["go_home"].goal_of(given)
 
 
-def test_what_the_mission_gives_stands_over_what_the_profile_gives() -> None:
+def test_what_the_mission_gives_is_over_what_the_profile_gives() -> None:
     service = robot({"services/horn/request": {"times": 1, "tone": {"pitch": 440, "loud": True}}}).services["horn"]
     assert service.request_of({"tone": {"pitch": 220}}) == {"times": 1, "tone": {"pitch": 220, "loud": True}}
 
@@ -187,7 +187,7 @@ def test_what_the_mission_gives_stands_over_what_the_profile_gives() -> None:
         ({"key": "code", "==": 0}, "succeeded", {}, False),
     ],
 )
-def test_a_reply_is_a_success_where_the_profile_says_so(
+def test_a_reply_is_a_success_where_the_profile_states_it(
     rule: dict[str, Any] | None, outcome: str, reply: dict[str, Any], good: bool
 ) -> None:
     service = robot({"services/horn/succeeded": rule} if rule else {}).services["horn"]
@@ -228,11 +228,11 @@ def test_a_robot_without_anything_lacks_everything() -> None:
         ),
         (
             {"services/horn": None},
-            "/services/horn: missing; the mission uses it at /states/warning/tree/sequence/0/call; say what",
+            "/services/horn: missing; the mission uses it at /states/warning/tree/sequence/0/call; name what",
         ),
         (
             {"topics/status": None},
-            "/topics/status: missing; the mission uses it at /states/driving/entry/0/publish; say what",
+            "/topics/status: missing; the mission uses it at /states/driving/entry/0/publish; name what",
         ),
         ({"events/anomaly": None}, "/events/anomaly: missing; the mission uses it at /events/anomaly; there is: go"),
         (
@@ -277,7 +277,7 @@ def test_a_robot_without_anything_lacks_everything() -> None:
         ),
     ],
 )
-def test_what_a_profile_lacks_is_told_with_its_place(change: dict[str, Any], message: str) -> None:
+def test_what_a_profile_lacks_is_reported_with_its_place(change: dict[str, Any], message: str) -> None:
     faults = [str(fault) for fault in missing(mission(), robot(change))]
     assert len(faults) == 1
     assert message in faults[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The schema that is shipped is the models' own, and says the same of a profile."""
+"""The schema that is shipped is the models' own, and reports the same of a profile."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which types a mission meets on a robot, and what is told of those that are not here."""
+"""Which types a mission meets on a robot, and what is notified of those that are not here."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_what_the_mission_does_not_use_need_not_be_here() -> None:
     ]
 
 
-def test_what_is_not_here_is_told_all_at_once_with_why() -> None:
+def test_what_is_not_here_is_reported_all_at_once_with_why() -> None:
     faults = lacking(MISSION, ROBOT, lambda name, kind: "" if kind == "msg" else f"no {name}")
     assert [str(fault) for fault in faults] == [
         "/actions/go/type: no p/action/Go",

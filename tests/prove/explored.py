@@ -50,7 +50,7 @@ def seen(chart: Chart) -> Seen:
 
 
 class Forgetless(Environment):
-    """It tells states apart by all that a run remembers, read later or not."""
+    """It distinguishs states by all that a run remembers, read later or not."""
 
     def __init__(self, mission: Mission, ticker: Trees | None = None) -> None:
         super().__init__(mission, ticker)
@@ -100,7 +100,7 @@ HANDS = ("autonomy", "agent", "operator", "nobody")
 
 
 def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
-    """What happens, and after how many seconds; numbers stand for how far back in what was started."""
+    """What happens, and after how many seconds; numbers represent how far back in what was started."""
     back = st.integers(0, 3)
     results = st.sampled_from(["succeeded", "failed", "canceled", "rejected", "timed_out", "unavailable"])
     kinds = [

@@ -108,7 +108,7 @@ class Drawing:
 
 
 class Inner(NamedTuple):
-    """A state inside a region: where it stands."""
+    """A state inside a region: where it is."""
 
     number: int
     name: str
@@ -201,7 +201,7 @@ class Translation:
                 for index, row in enumerate(region[owner].state.get("transitions", ())):
                     test = f"cur{at} == {leaf.number} && sel{at} == {_row_number(region, owner, index)}"
                     did = " ".join(self._phase(region, at, leaf, row, owner, phase))
-                    if phase == "entry":  # the configuration changes last: until then it says where the row began
+                    if phase == "entry":  # the configuration changes last: until then it states where the row began
                         test = f"sel{at} == {_row_number(region, owner, index)} && cur{at} == {leaf.number}"
                     branches.append(f":: {test} -> {did or 'skip;'} skip")
         return f"if {' '.join(branches)} :: else -> skip fi;" if branches else ""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small missions with the verdict of every claim, each found by hand from what the semantics say.
+"""Small missions with the verdict of every claim, each found by hand from what the semantics state.
 
 Rule: claims that a row does not name are proved. A verdict is changed only with the reason next to it.
 """
@@ -36,7 +36,7 @@ ADD: Json = {"set": "n", "add": 1}
 
 
 class Row(NamedTuple):
-    """A mission, and what is to be said of it."""
+    """A mission, and what is to be reported about it."""
 
     name: str
     why: str

@@ -29,7 +29,9 @@ def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., st
     return write
 
 
-def test_what_is_proved_is_told_claim_by_claim(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_proved_is_reported_claim_by_claim(
+    written: Callable[..., str], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["prove", written()]) == 0
     reported = capsys.readouterr().out
     assert reported.startswith("tractor_orchard 1.0.0: ") and reported.count("  proved ") == 9
@@ -37,7 +39,9 @@ def test_what_is_proved_is_told_claim_by_claim(written: Callable[..., str], caps
     assert not list(Path().glob("*.journal"))
 
 
-def test_a_refutation_is_told_and_written_down(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_refutation_is_reported_and_written_down(
+    written: Callable[..., str], capsys: pytest.CaptureFixture[str]
+) -> None:
     mission = written(over_people)
     assert main(["prove", mission, "-o", "runs/flaw.journal"]) == 1
     reported = capsys.readouterr().out
@@ -56,7 +60,7 @@ def test_a_journal_that_is_there_is_left_alone(written: Callable[..., str]) -> N
     ]  # fmt: skip
 
 
-def test_the_object_holds_what_the_lines_say(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_object_holds_what_the_lines_state(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["prove", written(over_people), "--json"]) == 1
     reported = json.loads(capsys.readouterr().out)
     refuted = [claim for claim in reported["claims"] if claim["verdict"] == "refuted"]
@@ -69,7 +73,7 @@ def test_a_bound_that_was_hit_is_no_proof(written: Callable[..., str], capsys: p
     assert "explored 10 states" in capsys.readouterr().out
 
 
-def test_input_at_fault_is_told_before_anything_is_explored(
+def test_input_at_fault_is_reported_before_anything_is_explored(
     written: Callable[..., str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     def broken(given: Json) -> None:

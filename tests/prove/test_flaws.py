@@ -136,7 +136,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("given", "sentence"), REFUSED.values(), ids=REFUSED)
-def test_what_check_sees_is_told_without_exploring(
+def test_what_check_sees_is_reported_without_exploring(
     given: Json, sentence: str, written: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     written.write_text(json.dumps(given), encoding="utf-8")

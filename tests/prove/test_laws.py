@@ -44,7 +44,7 @@ def test_no_run_leaves_what_was_explored(document: Json, runs: list[Any], alleys
 
 @settings(lenient, max_examples=3)
 @given(mission_documents())
-def test_what_nobody_reads_again_makes_no_difference(document: Json) -> None:
+def test_what_no_one_reads_again_makes_no_difference(document: Json) -> None:
     hold_against_forgetless(document, MOST)
 
 
@@ -66,11 +66,11 @@ def hold_against_forgetless(document: Json, most: int) -> None:
 
 @settings(lenient, max_examples=3)
 @given(mission_documents())
-def test_what_is_told_again_is_what_happens_again(document: Json) -> None:
+def test_what_is_reported_again_is_what_happens_again(document: Json) -> None:
     hold_against_patient(document, MOST)
 
 
-def test_a_way_that_looks_at_what_differs_is_gone_anew() -> None:
+def test_a_way_that_looks_at_what_differs_is_gone_again() -> None:
     """Of the same happening, one way looks at the counter and another does not."""
     counted: Json = {"on": "more", "do": [{"set": "tries", "add": 1}]}
     guard: Json = {"any": [{"key": "event.kind", "==": "sure"}, {"key": "tries", ">": 2}]}
@@ -95,7 +95,7 @@ def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     for space in (quick, patient):
         space.explore()
         if work < math.inf:
-            assume(not space.meter.ended)  # what is told again costs less
+            assume(not space.meter.ended)  # what is reported again costs less
     for what in ("_sources", "_targets", "_kinds", "_parents", "ends", "flaws", "taken", "entered", "steps", "seen"):
         assert getattr(quick, what) == getattr(patient, what), what
     one, other = quick.environment.instruments, patient.environment.instruments
@@ -105,14 +105,14 @@ def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
 @pytest.mark.drill
 @settings(lenient, max_examples=1000)
 @given(mission_documents())
-def test_what_is_told_again_is_what_happens_again_however_often_it_is_tried(document: Json) -> None:
+def test_what_is_reported_again_is_what_happens_again_however_often_it_is_tried(document: Json) -> None:
     hold_against_patient(document, 4 * MOST)
 
 
 @pytest.mark.drill
 @settings(lenient, max_examples=1000)
 @given(mission_documents())
-def test_what_nobody_reads_again_makes_no_difference_however_often_it_is_tried(document: Json) -> None:
+def test_what_no_one_reads_again_makes_no_difference_however_often_it_is_tried(document: Json) -> None:
     hold_against_forgetless(document, 4 * MOST)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A few rounds of a loop stand for ten thousand: the same verdicts, and refutations that the mission itself runs."""
+"""A few rounds of a loop represent ten thousand: the same verdicts, and refutations that the mission itself runs."""
 
 from __future__ import annotations
 

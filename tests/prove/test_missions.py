@@ -157,7 +157,7 @@ def test_the_same_mission_gives_the_same_proof() -> None:
     assert first._replace(seconds=0.0) == second._replace(seconds=0.0)
 
 
-def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_told() -> None:
+def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_reported() -> None:
     chart = Environment(document(TRACTOR), default_ticker(document(TRACTOR)))
     space = Space(chart, 10_000)
     space.explore()
@@ -175,7 +175,7 @@ def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_told() -> None:
     assert all(len(space.path(number)) == far[number] for number in range(space.states))
 
 
-def test_what_cannot_be_told_apart_whole_is_not_called_proved() -> None:
+def test_what_cannot_be_distinguished_whole_is_not_called_proved() -> None:
     """A counter that is compared with an argument: some arguments are tried, not every one."""
     mission = Mission.model_validate({
         "format": 1, "name": "tries", "version": "1.0.0",

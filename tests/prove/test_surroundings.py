@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What events, answers, results and arguments bring along: every value that guards tell apart is tried."""
+"""What events, answers, results and arguments bring along: every value that guards report apart is tried."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def refuted(proof: Proof) -> dict[str, list[str]]:
 # -- events ----------------------------------------------------------------------------------------------------------
 
 
-def test_an_event_brings_each_payload_that_guards_tell_apart() -> None:
+def test_an_event_brings_each_payload_that_guards_report_apart() -> None:
     waiting = {"transitions": [{"on": "seen", "when": {"key": "event.height_m", ">": 3}, "to": "driving"}]}
     events = {"seen": {"fields": {"height_m": "number"}}}
     assert refuted(proof_of({"waiting": waiting, "driving": DRIVING}, events=events)) == {}
@@ -56,7 +56,7 @@ def test_events_whose_fields_share_a_name_each_bring_their_own_type() -> None:
         assert refuted(proof) == {} and proof.never == ()
 
 
-def test_what_a_raised_event_takes_from_a_key_is_told_apart() -> None:
+def test_what_a_raised_event_takes_from_a_key_is_distinguished() -> None:
     counting = {"entry": [{"set": "many", "add": 1}],
                 "transitions": [{"on": "next", "to": "saying"}, {"on": "stop", "to": "aborted"}]}  # fmt: skip
     message = {
@@ -103,7 +103,7 @@ def test_an_option_can_be_taken_whatever_its_parameters_must_be(schema: Json) ->
     assert refuted(answering(schema)) == {}
 
 
-def test_a_parameter_that_stands_elsewhere_in_its_schema_is_found_there() -> None:
+def test_a_parameter_that_is_elsewhere_in_its_schema_is_found_there() -> None:
     whole = {"type": "object", "properties": {"speed": {"$ref": "#/$defs/speed"}}, "required": ["speed"],
              "$defs": {"speed": {"type": "number", "maximum": 9}}}  # fmt: skip
     assert "invariants" in refuted(answering({}, {"key": "answer.speed", ">": 5}, whole))
@@ -205,7 +205,7 @@ TREES: dict[str, Json] = {
 
 
 @pytest.mark.parametrize("tree", TREES.values(), ids=TREES)
-def test_a_tree_that_goes_on_for_long_has_few_states(tree: Json) -> None:
+def test_a_tree_that_continues_for_long_has_few_states(tree: Json) -> None:
     rows = [{"on": "succeeded", "to": "driving"}, {"on": ["failed", "timed_out"], "to": "aborted"}]
     lifting = {"tree": tree, "timeout_s": 30, "transitions": rows}
     mission = Mission.model_validate({
@@ -225,7 +225,7 @@ def test_an_invariant_may_speak_of_the_mission_s_age() -> None:
     assert refuted(proof) == {"invariants": ["the mission starts", "'the mission' has lasted 30 s"]}
 
 
-def test_a_run_that_ends_for_another_reason_does_not_show_what_was_told(tmp_path: Path) -> None:
+def test_a_run_that_ends_for_another_reason_does_not_show_what_was_reported(tmp_path: Path) -> None:
     near = {"held": {"key": "near", "==": True}, "for_s": 3}
     mission = Mission.model_validate({
         "format": 1, "name": "near", "initial": "driving",

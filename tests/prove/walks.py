@@ -185,7 +185,7 @@ class Walk:
         self.mission, self.r = mission, random.Random(seed)
         self.chart = Chart(mission, default_ticker(mission))
         self.goals: dict[int, bool] = {}
-        """Number of a goal that has not ended → whether it was told to end, or is as soon as it is accepted."""
+        """Number of a goal that has not ended → whether it was asked to end, or is as soon as it is accepted."""
         self.calls: list[int] = []
         self.questions: list[int] = []
         self.wanted: list[str] = []
@@ -256,7 +256,7 @@ class Walk:
         return Tick(at)
 
     def be_silent(self) -> None:
-        """Nobody says anything any more."""
+        """No one reports anything any more."""
         chart = self.chart
         for _ in range(SILENT):
             if chart.outcome is not None or chart.wake_at is None or self.is_tired:

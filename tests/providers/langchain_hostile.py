@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A provider's package whose models do to their process whatever a model can do: `--model hostile:DEED`.
 
-It stands for any `langchain_PROVIDER` that is installed; tests name this folder as one in which packages are found.
+It represents any `langchain_PROVIDER` that is installed; tests name this folder as one in which packages are found.
 """
 
 from __future__ import annotations

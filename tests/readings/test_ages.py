@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reading is as old as its own stamp says, also where that lies before the run began; against a small oracle."""
+"""A reading is as old as its own stamp reports, also where that lies before the run began; against a small oracle."""
 
 from __future__ import annotations
 

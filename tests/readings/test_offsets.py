@@ -91,7 +91,7 @@ def test_a_reading_that_is_understood_counts_although_one_before_was_not() -> No
     assert rig.run().duration_s == pytest.approx(0.7)
 
 
-def test_a_key_of_which_nothing_came_stands_first_among_the_reasons() -> None:
+def test_a_key_of_which_nothing_came_is_first_among_the_reasons() -> None:
     keys = {**NEEDED, "there": {**KEYS["there"], "optional": False}}
     rig = Rig(mission({"end": {"final": "aborted"}}, blackboard=keys, ready_s=2))
     rig.stage.play({0.5: lambda: rig.publish("/battery", percentage=float("inf"))})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stands in a recording, as any program that knows MCAP reads it."""
+"""What is in a recording, as any program that knows MCAP reads it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ LAMP = Mission.model_validate(
         },
     }
 )
-"""A mission that goes on as long as its battery does."""
+"""A mission that continues as long as its battery does."""
 
 
 class Kept(NamedTuple):

@@ -117,8 +117,8 @@ def test_what_is_no_recording_is_not_replayed(folder: Path, capsys: pytest.Captu
     assert "missing.mcap: there is no such file" in printed
 
 
-def test_a_run_that_goes_on_is_recorded_from_its_beginning(folder: Path) -> None:
-    """The recording of a run that goes on holds what its journal held before."""
+def test_a_run_that_continues_is_recorded_from_its_beginning(folder: Path) -> None:
+    """The recording of a run that continues holds what its journal held before."""
     slow = {**LAMP, "states": {**LAMP["states"], "on": {"transitions": [{"after_s": 0.5, "to": "off"}]}}}  # type: ignore[dict-item]
     (folder / "slow.json").write_text(json.dumps(slow))
     with prepare(RunConfig("slow.json", journal="b.journal")) as prepared:
@@ -131,7 +131,7 @@ def test_a_run_that_goes_on_is_recorded_from_its_beginning(folder: Path) -> None
         assert replay(replayed.path).outcome == "aborted"
 
 
-def test_a_journal_is_written_beside_a_recording_where_none_is_named(tmp_path: Path) -> None:
+def test_a_journal_is_written_next_to_a_recording_where_none_is_named(tmp_path: Path) -> None:
     (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
     with prepare(RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap")) as prepared:
         assert prepared.runner.run().journal == str(tmp_path / "run.journal")
@@ -144,7 +144,7 @@ def test_a_run_that_breaks_off_leaves_a_recording_that_is_whole(tmp_path: Path) 
     lamp = {**LAMP, "ready_s": 0.01, "blackboard": {"battery": {"type": "number", "source": "robot"}}}
     (tmp_path / "lamp.json").write_text(json.dumps(lamp))
     setting = RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap", on_step=seen.append)
-    with prepare(setting) as prepared, pytest.raises(UsageError, match="the robot has not said"):
+    with prepare(setting) as prepared, pytest.raises(UsageError, match="the robot has not reported"):
         prepared.runner.run()
     with journal_of(tmp_path / "run.mcap") as replayed:
         assert replayed.warning == ""

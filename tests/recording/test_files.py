@@ -65,7 +65,7 @@ def test_a_recording_is_called_what_it_is(name: str, better: str) -> None:
         check_name(Path(name))
 
 
-def test_without_the_library_one_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_library_one_sentence_states_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mcap", None)
     with pytest.raises(UsageError, match=r"needs the package mcap .*: pip install 'rai_missions\[record\]'"):
         check_name(Path("run.mcap"))
@@ -84,7 +84,7 @@ def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
     assert path.read_text() == "mine"
 
 
-def test_where_none_can_be_written_it_is_told(tmp_path: Path) -> None:
+def test_where_none_can_be_written_it_is_reported(tmp_path: Path) -> None:
     (tmp_path / "run.mcap").mkdir()
     with pytest.raises(UsageError, match="is there already"):
         recording(tmp_path / "run.mcap")
@@ -100,7 +100,7 @@ def refused(path: Path) -> str:
     return str(reported.value)
 
 
-def test_what_is_no_recording_of_a_run_is_told_so(tmp_path: Path) -> None:
+def test_what_is_no_recording_of_a_run_is_reported_so(tmp_path: Path) -> None:
     from mcap.writer import Writer
 
     other, text, old = tmp_path / "other.mcap", tmp_path / "text.mcap", tmp_path / "old.mcap"
@@ -117,7 +117,7 @@ def test_what_is_no_recording_of_a_run_is_told_so(tmp_path: Path) -> None:
     assert "a recording of format 9; this program reads format 1" in refused(old)
 
 
-def test_whatever_is_no_recording_is_left_to_whoever_reads_journals(tmp_path: Path) -> None:
+def test_whatever_is_no_recording_is_left_to_anyone_who_reads_journals(tmp_path: Path) -> None:
     with journal_of(tmp_path / "missing.mcap") as replayed:
         assert replayed.path == tmp_path / "missing.mcap"
     with journal_of(tmp_path / "run.journal") as replayed:
@@ -154,7 +154,7 @@ def rewritten(path: Path, change: Callable[[dict[str, Any]], dict[str, Any] | No
     ],
     ids=["content", "removed", "twice", "number", "nothing", "all"],
 )
-def test_rows_that_were_altered_are_told_with_their_place(tmp_path: Path, change: Any, reported: str) -> None:
+def test_rows_that_were_altered_are_reported_with_their_place(tmp_path: Path, change: Any, reported: str) -> None:
     path = tmp_path / "run.mcap"
     made = recording(path)
     made.end(journaled(tmp_path, made, 5))
@@ -183,7 +183,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
     with Journal.create(tmp_path / "run.journal", Header(dump(mission)), witness=made.row) as journal:
         runner = Runner(mission, clock=SimulatedClock(), journal=journal, on_step=made.step)
         made.received(Message("/battery", {"percentage": 1.0}, 0.0), "")
-        until(lambda: "the mission goes on" in caplog.text)
+        until(lambda: "the mission continues" in caplog.text)
         assert runner.run().outcome == "aborted"
     made.end(journal)
     assert made.summary is not None and "No space left on device" in made.summary.why
@@ -208,7 +208,7 @@ def test_a_room_holds_so_many_and_counts_the_others(monkeypatch: pytest.MonkeyPa
     assert not room.put(QueuedItem("message", "/a", 1, lambda: None)) and room.take() is not None
 
 
-def test_a_picture_that_takes_long_holds_up_nobody_and_what_is_dropped_is_said(
+def test_a_picture_that_takes_long_holds_up_no_one_and_what_is_dropped_is_reported(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     made, rendered = recording(tmp_path / "run.mcap"), threading.Event()

@@ -84,14 +84,14 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 @given(st.data())
-def test_a_recording_that_was_cut_off_anywhere_gives_its_first_rows_or_says_why_not(
+def test_a_recording_that_was_cut_off_anywhere_gives_its_first_rows_or_reports_why_not(
     tmp_path_factory: pytest.TempPathFactory, whole: bytes, data: st.DataObject
 ) -> None:
     path = tmp_path_factory.mktemp("cut") / "run.mcap"
     path.write_bytes(whole[: data.draw(st.integers(8, len(whole) - 1))])
     numbers, reported = read_as_far(path)
     assert numbers == list(range(len(numbers)))
-    is_whole = numbers == list(range(32))  # only the index is cut off, which nobody needs
+    is_whole = numbers == list(range(32))  # only the index is cut off, which no one needs
     assert is_whole or any(words in reported for words in ("is cut off", "no recording of a mission"))
 
 
@@ -99,7 +99,7 @@ def test_a_recording_that_was_cut_off_anywhere_gives_its_first_rows_or_says_why_
 def test_no_byte_of_a_recording_can_be_changed_and_its_run_with_it(
     tmp_path_factory: pytest.TempPathFactory, whole: bytes, data: st.DataObject
 ) -> None:
-    """Either the change is told, or it is outside of the journal's rows, which are what they were."""
+    """Either the change is reported, or it is outside of the journal's rows, which are what they were."""
     path, altered = tmp_path_factory.mktemp("altered") / "run.mcap", bytearray(whole)
     altered[data.draw(st.integers(8, len(whole) - 1))] ^= data.draw(st.integers(1, 255))
     path.write_bytes(altered)
@@ -108,7 +108,7 @@ def test_no_byte_of_a_recording_can_be_changed_and_its_run_with_it(
 
 
 def read_as_far(path: Path) -> tuple[list[int], str]:
-    """The rows of a recording as far as it can be read, and what is said of it."""
+    """The rows of a recording as far as it can be read, and what is reported about it."""
     try:
         with journal_of(path) as replayed, read(replayed.path) as record:
             return [raw[0] for raw in record.raw()], replayed.warning

@@ -129,7 +129,7 @@ def test_messages_of_ros_are_kept_as_they_came_and_decoded_by_others(
     sent = {"/battery": [battery(0.9), battery(0.125)], "/camera": [image(7)]}
     for topic, kind in kinds.items():
         cls = find_type(kind, "msg")
-        # not byte by byte: what stands where CDR only fills up is anybody's
+        # not byte by byte: what is where CDR only fills up is anybody's
         expected = [serialize_message(to_message(cls, each)) for each in sent[topic]]
         assert list(map(len, found.messages[topic])) == list(map(len, expected))
         received, reported = (

@@ -94,7 +94,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     return kept(path)
 
 
-def test_every_message_in_json_is_what_its_schema_says(run: Kept) -> None:
+def test_every_message_in_json_is_what_its_schema_reports(run: Kept) -> None:
     for topic, schemas in run.schemas.items():
         for (name, encoding, text), message in zip(schemas, run.messages[topic], strict=True):
             assert encoding == "jsonschema" and json.loads(text)["title"] == name
@@ -161,13 +161,13 @@ def test_a_picture_is_one_that_foxglove_shows(run: Kept) -> None:
     assert base64.b64decode(compressed["data"]) == PNG and compressed["format"] == "png"
 
 
-def test_what_the_robot_says_is_there_as_it_was_heard(run: Kept) -> None:
+def test_what_the_robot_reports_is_there_as_it_was_received(run: Kept) -> None:
     assert [each["percentage"] for each in run.messages["/battery"]] == [0.9, 0.4, 0.1]
     assert run.schemas["/battery"][0][0] == "sensor_msgs/msg/BatteryState"
     assert run.messages["/said"] == [{"data": '{"kind": "log"}'}]
 
 
-def test_the_steps_say_what_was_left_entered_and_why(run: Kept) -> None:
+def test_the_steps_state_what_was_left_entered_and_why(run: Kept) -> None:
     steps = [step for step in run.messages["/rai_missions/steps"] if step["entered"]]
     moves = [(step["exited"], step["entered"], step["outcome"]) for step in steps]
     assert moves == [([], ["on"], ""), (["on"], ["dim"], ""), (["dim"], ["off"], "aborted")]
@@ -207,7 +207,7 @@ def test_a_message_has_the_time_of_day_and_the_time_of_the_run(run: Kept) -> Non
     assert all(0 <= logged - began < 30e9 for logged, _ in run.times["/battery"])
 
 
-def test_the_metadata_says_which_run_it_was(run: Kept) -> None:
+def test_the_metadata_reports_which_run_it_was(run: Kept) -> None:
     words = run.metadata["rai_missions"]
     assert (words["mission"], words["robot"], words["format"]) == ("lamp", "a lamp", "1")
     assert "python" in json.loads(words["versions"]) and len(words["run"]) == 12
@@ -236,7 +236,7 @@ def test_calls_and_goals_are_kept_with_their_ends(tmp_path: Path) -> None:
     }  # fmt: skip
     reported = [(each["action"], each["goal_id"], each["said"]) for each in goals]
     assert reported == [("/go", "g1", "rejected"), ("/go", "g0", "lost")], (
-        "a run that goes on asks for the goals before it"
+        "a run that continues asks for the goals before it"
     )
 
 

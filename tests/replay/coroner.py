@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Looks into each death: at what instant it came, and whether the next process stands where the last one stood."""
+"""Looks into each death: at what instant it came, and whether the next process is where the last one was."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ INSTANTS = (
 
 
 class Latching(LocalConnector):
-    """Tells whoever begins to listen what was said last, as of now: it is still so."""
+    """Reports anyone who begins to listen what was reported last, as of now: it is still so."""
 
     def __init__(self, now: Callable[[], float]) -> None:
         super().__init__(now)
@@ -49,9 +49,9 @@ class Latching(LocalConnector):
 
 
 class Steady(Farm):
-    """Surroundings in which a death costs the run no time: its clock stands still, and all that is so is said at once.
+    """Surroundings in which a death costs the run no time: its clock is still, and all that is so is reported at once.
 
-    So the run goes on as if nothing had been, and must end as it would have.
+    So the run continues as if nothing had been, and must end as it would have.
     """
 
     keeps_time = True
@@ -114,7 +114,7 @@ class Inquest(Coroner):
         self._going_on = False
         self._asked: frozenset[int] = frozenset()
         self.heard: frozenset[Any] = frozenset()
-        """Which events that have an id stand in the journal."""
+        """Which events that have an id are in the journal."""
 
     def wrote(self, runner: Runner) -> None:
         self._saved = runner.chart.snapshot()

@@ -57,7 +57,7 @@ def plan(chance: random.Random) -> Plan:
 
 
 def wait_until(is_so: Callable[[], bool], within_s: float) -> bool:
-    """Watch another process: nothing tells of what it does."""
+    """Watch another process: nothing reports of what it does."""
     until = time.monotonic() + within_s
     while not is_so():
         if time.monotonic() > until:
@@ -70,7 +70,7 @@ class Nursery:
     """The process from which lives are forked, from outside: one life at a time.
 
     Args:
-        folder: Where what they say goes.
+        folder: Where what they state goes.
         environment: Of every life.
     """
 
@@ -103,7 +103,7 @@ class Nursery:
 
     @property
     def out(self) -> Path:
-        """What the life says."""
+        """What the life reports."""
         return self._folder / "out.txt"
 
     def signal(self, number: signal.Signals) -> None:
@@ -149,7 +149,7 @@ class Nursery:
 
 
 def has_begun(journal: Path) -> bool:
-    """There is a run to go on with."""
+    """There is a run to continue with."""
     try:
         with read(journal) as record:
             return bool(record.header.run)

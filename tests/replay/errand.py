@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A mission that does a bit of everything with a robot over ROS 2, and what must be so when it has ended.
 
-Rule: that is read from the journal and from what the robot says that it did, and from nothing else.
+Rule: that is read from the journal and from what the robot reports that it did, and from nothing else.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def check(journal: Path, robot_reports: Sequence[Sequence[Any]]) -> None:
 
     Args:
         journal: The run's.
-        robot_reports: What the robot has said since the run began.
+        robot_reports: What the robot has reported since the run began.
     """
     assert verify(journal) == ()
     again = replay(journal)
@@ -117,7 +117,7 @@ def _check_goals(run: str, steps: Sequence[Any], robot_reports: Sequence[Sequenc
 
 
 def _check_services(rows: Sequence[Any], done: Counter[str]) -> None:
-    """What may not be done twice was done once, unless the mission was told that nobody knows."""
+    """What may not be done twice was done once, unless the mission was notified that no one knows."""
     steps = [row.step for row in rows if isinstance(row, StepRow)]
     published = next(at for at, row in enumerate(rows) if isinstance(row, StepRow) and "both" in row.step.entered)
     died = any(isinstance(row, Note) and row.text == "taken up again" for row in rows[published:])
@@ -153,8 +153,8 @@ def _check_question(steps: Sequence[Any]) -> None:
 
 
 def _check_timer(steps: Sequence[Any]) -> None:
-    """It rings at its time on the run's clock: no step stands between that and the one in which it rang."""
+    """It rings at its time on the run's clock: no step is between that and the one in which it rang."""
     began = next(at for at, step in enumerate(steps) if "waiting" in step.entered)
     rang = next(at for at, step in enumerate(steps) if "lighting" in step.entered)
-    if began < rang:  # else both instants went by while the robot was being heard again
+    if began < rang:  # else both instants went by while the robot was being received again
         assert steps[rang - 1].at < steps[began].wake_at <= steps[rang].at, "a timer has the time that was left"

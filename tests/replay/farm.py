@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A land with more to do: composed actions, control that is handed over, and keys that are said again and again."""
+"""A land with more to do: composed actions, control that is handed over, and keys that are reported again and again."""
 
 from __future__ import annotations
 
@@ -57,10 +57,10 @@ class Farm(Land):
     """A land with composed actions, a holder of control, and topics.
 
     Args:
-        wishes: What somebody outside wants.
+        wishes: What someone outside wants.
         lasts_s: Action → how long it takes; of composed ones, too.
         ends: Action → how its goals end.
-        silent: Topics on which nothing is said.
+        silent: Topics on which nothing is reported.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Instants of what a run does at which its process kills itself: exact ones, that nobody could hit from outside.
+"""Instants of what a run does at which its process kills itself: exact ones, that no one could hit from outside.
 
-Rule: it is SIGKILL, as anybody else would send it. Nothing is closed, written or said after it.
+Rule: it is SIGKILL, as anybody else would send it. Nothing is closed, written or reported after it.
 """
 
 from __future__ import annotations

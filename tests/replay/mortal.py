@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot that lives on while the runs which drive it die at chosen instants and go on.
+"""A robot that lives on while the runs which drive it die at chosen instants and continue.
 
-Rule: whoever is dead does nothing more: no row, no goal, no call, no answer heard.
+Rule: anyone who is dead does nothing more: no row, no goal, no call, no answer received.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Fate:
         self.is_done, self._what, self._left = is_done, what, at
         self.count, self.is_dead = 0, False
         self.mourn: Callable[[], None] = lambda: None
-        """Told of the death at its instant."""
+        """Notified of the death at its instant."""
         self.doing: tuple[str, tuple[Any, ...]] = ("", ())
         """What it did last, and with what."""
 
@@ -98,7 +98,7 @@ class Mortal:
         return close
 
     def _while_alive(self, given: Any) -> Any:
-        """A callback that the dead do not hear."""
+        """A callback that the dead do not receive."""
         if not callable(given):
             return given
 
@@ -110,7 +110,7 @@ class Mortal:
 
 
 class Wish(NamedTuple):
-    """What somebody outside wants of a run."""
+    """What someone outside wants of a run."""
 
     at: float
     """When, on the land's clock; not before the wish ahead of it is granted."""
@@ -125,14 +125,14 @@ class Coroner:
         """A step has just been written down."""
 
     def found(self, taken: OpenedRun) -> None:
-        """A process is about to go on with a run."""
+        """A process is about to continue with a run."""
 
     def died(self, runner: Runner, fate: Fate) -> None:
         """A process has died."""
 
 
 class Noted:
-    """A journal of whose steps a coroner hears."""
+    """A journal of whose steps a coroner receives."""
 
     def __init__(self, journal: Journal, on_message: Callable[[], None]) -> None:
         self._journal, self._received = journal, on_message
@@ -150,7 +150,7 @@ class Land:
     """The robot and its surroundings: goals that take time, services, and moments, on a time of its own.
 
     Args:
-        wishes: What somebody outside wants, and says again and again until it is so.
+        wishes: What someone outside wants, and reports again and again until it is so.
         lasts_s: Action → how long a goal takes.
         ends: Action → how its goals end.
     """
@@ -159,7 +159,7 @@ class Land:
     accepts_s = 0.0
     """How long a server thinks about a goal before it accepts it."""
     keeps_time = False
-    """A death costs no time at all: a run's clock goes on with the land's."""
+    """A death costs no time at all: a run's clock continues with the land's."""
     connector_type: type[LocalConnector] = LocalConnector
 
     def __init__(self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]) -> None:
@@ -211,7 +211,7 @@ class Land:
         self.wish()
 
     def wish(self) -> None:
-        """Say what is wanted next, if it is time."""
+        """State what is wanted next, if it is time."""
         if self.runner is not None and self._wishes and self._wishes[0].at <= self.at:
             if self._wishes[0].is_granted(self.runner):
                 self._wishes.pop(0)
@@ -220,7 +220,7 @@ class Land:
                 self._wishes[0].say(self.runner)
 
     def wish_again(self) -> None:
-        """Say once more what was said in this period to a process that has died since, unless it took it in."""
+        """State once more what was reported in this period to a process that has died since, unless it took it in."""
         runner = self.runner
         if runner is not None and self._said_at == self.at and not self._wishes[0].is_granted(runner):
             self._wishes[0].say(runner)
@@ -231,7 +231,7 @@ class Land:
             self.runner.kill(ONLOOKER)
 
     def live_on(self) -> None:
-        """What else there is goes on for a period."""
+        """What else there is continues for a period."""
 
     def _serve(self, name: str) -> Mapping[str, Any]:
         self.called[name] += 1
@@ -291,7 +291,7 @@ def live(
     path: Path, land: Land, mission: Mission, robot: Robot, answerers: Mapping[str, Any], fate: Fate,
     named: Mapping[str, Any] | None = None, coroner: Coroner | None = None,
 ) -> Result | None:  # fmt: skip
-    """One process: begins the run, or goes on with the one that the journal holds; None if it died."""
+    """One process: begins the run, or continues with the one that the journal holds; None if it died."""
     clock: Clock = SimulatedClock(land)
     coroner = coroner or Coroner()
     taken = open_run(path, mission=mission, named=named) if path.exists() else None

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A robot in another process, in plain rclpy, that lives on while the runs which drive it are killed.
 
-Rule: nothing of ours is used on its side; it says on its output what it did, before anybody else can know of it.
+Rule: nothing of ours is used on its side; it reports on its output what it did, before anybody else can know of it.
 """
 
 from __future__ import annotations

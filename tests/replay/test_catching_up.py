@@ -25,7 +25,7 @@ from tests.rigs.runs import Rig, ScriptedWorld, mission, robot
 
 Json = dict[str, Any]
 WINDOW_S = 2.0
-"""For so long a battery that nobody reports any more is waited for."""
+"""For so long a battery that no one reports any more is waited for."""
 ENDS: Json = {"early": {"final": "canceled"}, "late": {"final": "failed"}}
 
 
@@ -134,7 +134,7 @@ def test_a_result_that_comes_before_its_facts_is_no_failure(tmp_path: Path, sett
     assert reached(resumed(tmp_path / "run.journal", moving, moments)) == ("early", 1.5)
 
 
-def test_a_step_that_asks_for_nothing_late_says_so_to_a_replay(tmp_path: Path) -> None:
+def test_a_step_that_asks_for_nothing_late_states_it_to_a_replay(tmp_path: Path) -> None:
     waiting = {"waiting": {"transitions": [{"after_s": 1, "to": "late"}]}}
     steps = resumed(tmp_path / "run.journal", waiting, {})
     data = next(step.event.data for step in steps if step.event.name == "take_up")

@@ -28,7 +28,7 @@ TRIALS_EACH = 3
 
 @settings(deadline=None, max_examples=12)
 @given(missions(), st.integers(0, 10_000))
-def test_whatever_mission_is_killed_whenever_it_goes_on_as_if_it_had_not_been(
+def test_whatever_mission_is_killed_whenever_it_continues_as_if_it_had_not_been(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int
 ) -> None:
     tried(tmp_path_factory.mktemp("any"), mission, seed)

@@ -40,7 +40,7 @@ ENDED = Ended("canceled", "'over' was reached")
 
 
 def farm() -> Farm:
-    """The operator takes control, somebody says `go`, and the operator gives control back."""
+    """The operator takes control, someone reports `go`, and the operator gives control back."""
     there = Farm(lasts_s={"move": 6.0})
 
     def hand(to: str) -> Any:
@@ -56,7 +56,7 @@ def farm() -> Farm:
 
 @pytest.fixture(scope="module")
 def things(tmp_path_factory: pytest.TempPathFactory) -> int:
-    """How much a run does that nobody kills; it ends as it should, and later for as long as it was held."""
+    """How much a run does that no one kills; it ends as it should, and later for as long as it was held."""
     there, fate = farm(), Fate()
     result = live(tmp_path_factory.mktemp("whole") / "run.journal", there, MISSION, ROBOT, {}, fate)
     assert result is not None and Ended(result.outcome, result.why) == ENDED
@@ -66,7 +66,7 @@ def things(tmp_path_factory: pytest.TempPathFactory) -> int:
 
 @pytest.mark.parametrize("every", [11, pytest.param(1, marks=pytest.mark.drill)])
 @pytest.mark.parametrize("dead_s", [0.0, 7.0])
-def test_a_run_that_is_killed_while_it_is_held_goes_on_and_fails_for_nothing(
+def test_a_run_that_is_killed_while_it_is_held_continues_and_fails_for_nothing(
     tmp_path: Path, things: int, dead_s: float, every: int
 ) -> None:
     """Right before and right after every so manyth thing that it does, some of them twice."""
@@ -97,7 +97,7 @@ def changed(**states: Any) -> Mission:
 
 
 @pytest.mark.parametrize("waits", [2, 3])
-def test_a_run_that_is_migrated_while_it_is_held_stays_held_and_goes_on(tmp_path: Path, waits: int) -> None:
+def test_a_run_that_is_migrated_while_it_is_held_stays_held_and_continues(tmp_path: Path, waits: int) -> None:
     there, now = farm(), changed(over={"final": "aborted"})
     path = migrated(tmp_path / "run.journal", there, now, waits)
     assert stands(path) == ("operator", {"moving"})

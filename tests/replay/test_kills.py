@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run that is killed at any instant goes on where it was: each thing that it does is an instant to die at."""
+"""A run that is killed at any instant continues where it was: each thing that it does is an instant to die at."""
 
 from __future__ import annotations
 
@@ -170,7 +170,9 @@ CALLING = Mission.model_validate({
 
 
 @pytest.mark.parametrize("is_done", [False, True], ids=["before", "after"])
-def test_what_may_not_be_done_twice_is_done_once_at_most_and_doubt_is_told(tmp_path: Path, *, is_done: bool) -> None:
+def test_what_may_not_be_done_twice_is_done_once_at_most_and_doubt_is_reported(
+    tmp_path: Path, *, is_done: bool
+) -> None:
     outcomes = set()
     for at in range(12):
         path, there = tmp_path / f"{at}.journal", land()
@@ -196,7 +198,7 @@ def test_a_timer_has_the_time_that_was_left(tmp_path_factory: pytest.TempPathFac
     assert 20 <= there.at <= 20 + 1.5 * len(deaths), "no more is lost than what no row had said yet"
 
 
-def test_a_mission_that_has_changed_meanwhile_is_not_gone_on_with(tmp_path: Path) -> None:
+def test_a_mission_that_has_changed_meanwhile_is_not_continued_with(tmp_path: Path) -> None:
     path = tmp_path / "run.journal"
     assert live(path, land(), WAITING, ROBOT, {}, Fate(5)) is None
     with pytest.raises(DefinitionError, match="the mission has changed since the run began"):

@@ -30,7 +30,7 @@ KEYS = {
     "count": {"type": "integer", "source": "mission", "initial": 0},
 }
 ALWAYS = [{"when": {"not": {"fresh": "battery"}}, "to": "lost"}]
-"""A protective row, as missions have them: a battery that nobody hears of ends the run."""
+"""A protective row, as missions have them: a battery that no one is notified of ends the run."""
 
 
 def made(states: dict[str, Any], **words: Any) -> Mission:
@@ -42,7 +42,7 @@ def made(states: dict[str, Any], **words: Any) -> Mission:
 
 
 def do(name: str, **words: Any) -> dict[str, Any]:
-    """A state that does something and goes on to `then`."""
+    """A state that does something and continues to `then`."""
     then = words.pop("then", "done")
     return {**words, "timeout_s": 60, "transitions": [{"on": "succeeded", "to": then}], "action": name}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whoever dies while a run is migrated has migrated it or has not, and no run goes on twice."""
+"""Anyone who dies while a run is migrated has migrated it or has not, and no run continues twice."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def killed_at(number: int, do: Callable[[], object]) -> bool:
     return os.WIFSIGNALED(os.waitpid(pid, 0)[1])
 
 
-def test_whoever_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path) -> None:
+def test_anyone_who_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path) -> None:
     path = died(tmp_path / "run.journal", land())
     found, number, is_dead = set(), 0, True
     while is_dead:
@@ -70,8 +70,8 @@ def test_whoever_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path) ->
     assert found == {True, False} and number > 20
 
 
-def test_one_run_never_goes_on_in_two_journals(tmp_path: Path) -> None:
-    """As if whoever migrated had died before the old journal was told of it."""
+def test_one_run_never_continues_in_two_journals(tmp_path: Path) -> None:
+    """As if anyone who migrated had died before the old journal was notified of it."""
     there = land()
     path = died(tmp_path / "run.journal", there)
     unreported = Path(shutil.copy(path, tmp_path / "untold.journal"))
@@ -88,7 +88,7 @@ def test_one_run_never_goes_on_in_two_journals(tmp_path: Path) -> None:
         migrate(path, ERRAND, Map(), to=tmp_path / "third.journal")
 
 
-def test_no_journal_is_begun_where_nobody_would_look_whether_its_run_went_on_otherwise(tmp_path: Path) -> None:
+def test_no_journal_is_begun_where_no_one_would_look_whether_its_run_continued_otherwise(tmp_path: Path) -> None:
     path = died(tmp_path / "run.journal", land())
     with pytest.raises(UsageError, match=r"in another folder than .*run\.journal.*: name a file beside it"):
         migrate(path, ERRAND, Map(), to=tmp_path / "elsewhere" / "new.journal")
@@ -118,7 +118,7 @@ def small(tmp_path: Path) -> Iterator[Callable[[int], Path]]:
 
 
 def test_a_disk_that_is_full_leaves_the_run_where_it_was(tmp_path: Path, small: Callable[[int], Path]) -> None:
-    """At some sizes the log fits beside the journals, and what is in it does not fit into the new one."""
+    """At some sizes the log fits next to the journals, and what is in it does not fit into the new one."""
     path, found = died(tmp_path / "run.journal", land()), set()
     for kib in range(52, 96, 8):
         disk = small(kib)
@@ -133,7 +133,7 @@ def test_a_disk_that_is_full_leaves_the_run_where_it_was(tmp_path: Path, small: 
 
 
 def took_up(path: Path) -> None:
-    """A process has gone on with a run, and died."""
+    """A process has continued with a run, and died."""
     live(path, land(), ERRAND, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(1, what="write"))
 
 
@@ -163,7 +163,7 @@ def test_a_log_whose_journal_was_taken_away_is_not_read_into_the_one_that_is_mad
     open_run(tmp_path / "new.journal").record.close()
 
 
-def test_a_place_where_no_journal_can_be_made_is_told_in_a_sentence(tmp_path: Path) -> None:
+def test_a_place_where_no_journal_can_be_made_is_reported_in_a_sentence(tmp_path: Path) -> None:
     path = died(tmp_path / "run.journal", land())
     with pytest.raises(UsageError, match=r"a journal cannot be written at .*: File name too long; name another file"):
         migrate(path, ERRAND, Map(), to=tmp_path / ("n" * 250))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run that goes on in a mission that has changed: what goes on, what begins anew, what is refused."""
+"""A run that continues in a mission that has changed: what continues, what begins again, what is refused."""
 
 from __future__ import annotations
 
@@ -88,10 +88,11 @@ def first_notes(path: Path) -> tuple[str, ...]:
         return next(record.steps()).notes
 
 
-# -- what goes on -----------------------------------------------------------------------------------------------------
+# -- what continues
+# -----------------------------------------------------------------------------------------------------
 
 
-def test_what_is_as_it_was_goes_on_by_itself(tmp_path: Path) -> None:
+def test_what_is_as_it_was_continues_by_itself(tmp_path: Path) -> None:
     there, now = land(), changed((("states", "over"), {"final": "failed"}))
     path = moved(tmp_path, there, now)
     assert first_notes(path) == ()
@@ -104,7 +105,7 @@ def test_what_is_as_it_was_goes_on_by_itself(tmp_path: Path) -> None:
         assert {key: value for step in record.steps() for key, value in step.writes}.get("rounds") is None
 
 
-def test_a_state_that_has_changed_and_is_named_begins_what_it_runs_anew(tmp_path: Path) -> None:
+def test_a_state_that_has_changed_and_is_named_begins_what_it_runs_again(tmp_path: Path) -> None:
     there = land()
     now = changed(((*BODY, "moving", "action"), "turn"))
     path = moved(tmp_path, there, now, states={"moving": "moving"})
@@ -116,7 +117,7 @@ def test_a_state_that_has_changed_and_is_named_begins_what_it_runs_anew(tmp_path
     assert there.most_at_once == 1, "what was under way has ended before what is new is started"
 
 
-def test_a_row_s_time_goes_on_where_the_row_is_as_it_was_and_begins_anew_where_it_is_not(tmp_path: Path) -> None:
+def test_a_row_s_time_continues_where_the_row_is_as_it_was_and_begins_again_where_it_is_not(tmp_path: Path) -> None:
     there = land()
     now = changed(((*HEAD, "waiting", "transitions"), [{"after_s": 20, "to": "waited"}]))
     path = moved(tmp_path, there, now, states={"waiting": "waiting"})
@@ -167,7 +168,7 @@ def test_keys_carry_their_values_under_their_new_names(tmp_path: Path) -> None:
     taken.record.close()
 
 
-def test_a_run_may_go_on_in_another_mission_again_and_again(tmp_path: Path) -> None:
+def test_a_run_may_continue_in_another_mission_again_and_again(tmp_path: Path) -> None:
     there, path = land(), tmp_path / "0.journal"
     died(path, there)
     names = ["moving", "going", "driving", "moving"]
@@ -258,7 +259,7 @@ def test_what_cannot_be_is_refused_with_what_is_missing_and_changes_nothing(tmp_
     assert went_on(path, there, ERRAND).outcome == "canceled"
 
 
-def test_all_that_is_missing_is_told_at_once(tmp_path: Path) -> None:
+def test_all_that_is_missing_is_reported_at_once(tmp_path: Path) -> None:
     path = died(tmp_path / "run.journal", land())
     now = changed(((*BODY, "moving", "action"), "turn"), (("blackboard", "place"), None))
     with pytest.raises(DefinitionError) as refused:
@@ -266,7 +267,7 @@ def test_all_that_is_missing_is_told_at_once(tmp_path: Path) -> None:
     assert [fault.place for fault in refused.value.faults] == ["/states/wating", "/states", "/keys"]
 
 
-def test_a_run_that_has_ended_or_not_begun_has_nothing_to_go_on_with(tmp_path: Path) -> None:
+def test_a_run_that_has_ended_or_not_begun_has_nothing_to_continue_with(tmp_path: Path) -> None:
     path, there = tmp_path / "run.journal", land()
     live(path, there, ERRAND, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(0, what="write"))
     with pytest.raises(UsageError, match="has not begun"):
@@ -297,7 +298,7 @@ def test_a_migration_alone_begins_nothing_and_ends_nothing(tmp_path: Path) -> No
 # -- the map ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_map_is_read_and_its_faults_are_told_with_their_places(tmp_path: Path) -> None:
+def test_a_map_is_read_and_its_faults_are_reported_with_their_places(tmp_path: Path) -> None:
     path = tmp_path / "map.json"
     good = '{"$schema": "x", "format": 1, "states": {"a": "b", "c": null}, "keys": {"k": null}, "values": {"n": [1]}}'
     path.write_text(good)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Real processes and a real `kill -9` over ROS 2, with the robot living on: the run ends as if nobody had been killed.
+"""Real processes and a real `kill -9` over ROS 2, with the robot living on: the run ends as if no one had been killed.
 
 Rule: a life is the real command line, forked from a process that has loaded everything and started nothing.
 """
@@ -103,7 +103,7 @@ def errands(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Errands]:
             nursery.close()
 
 
-def test_an_errand_that_nobody_kills_succeeds(errands: Errands) -> None:
+def test_an_errand_that_no_one_kills_succeeds(errands: Errands) -> None:
     errands.run([], [])
 
 
@@ -119,7 +119,7 @@ def test_it_is_killed_before_and_after_a_write_in_a_decision_and_in_its_resume(e
 
 @pytest.mark.drill
 @pytest.mark.parametrize("name", INSTANTS)
-def test_a_process_that_dies_at_an_instant_of_a_run_is_followed_by_one_that_goes_on(
+def test_a_process_that_dies_at_an_instant_of_a_run_is_followed_by_one_that_continues(
     errands: Errands, name: str
 ) -> None:
     """Right before and right after; what a resume does is met in the second life."""
@@ -138,7 +138,7 @@ def test_a_goal_that_ends_while_its_process_cannot_read_is_found_ended(errands: 
 @pytest.mark.drill
 @pytest.mark.timeout(14_400)
 def test_a_thousand_kills_lose_nothing_and_do_nothing_twice(errands: Errands) -> None:
-    """`RAI_MISSIONS_KILLS` says how many; `RAI_MISSIONS_SEED` by which chance."""
+    """`RAI_MISSIONS_KILLS` reports how many; `RAI_MISSIONS_SEED` by which chance."""
     seed, began = int(os.environ.get("RAI_MISSIONS_SEED", "20261121")), time.monotonic()
     most, chance = int(os.environ.get("RAI_MISSIONS_KILLS", "1000")), random.Random(seed)
     errands.kills, errands.runs = 0, 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Real processes and a real `kill -9`: one process a run, and a world in the same process that starts anew."""
+"""Real processes and a real `kill -9`: one process a run, and a world in the same process that starts again."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def kill(process: Process) -> None:
     assert process.ends() == -signal.SIGKILL
 
 
-def test_two_processes_do_not_go_on_with_one_run(graph: Graph) -> None:
+def test_two_processes_do_not_continue_with_one_run(graph: Graph) -> None:
     mission = graph.folder / "wait.json"
     mission.write_text(
         json.dumps(
@@ -65,7 +65,7 @@ def test_two_processes_do_not_go_on_with_one_run(graph: Graph) -> None:
     assert_whole(journal)
 
 
-def test_the_simulated_tractor_that_is_killed_goes_on_in_a_world_that_starts_anew(graph: Graph) -> None:
+def test_the_simulated_tractor_that_is_killed_continues_in_a_world_that_starts_again(graph: Graph) -> None:
     profile = json.loads((TRACTOR / "robot.sim.json").read_text()) | {"identity": ""}
     profile["connector"] |= ORCHARD
     robot = graph.folder / "robot.json"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the command says where a run cannot go on: a sentence, with what would be right, and status 2."""
+"""What the command reports where a run cannot continue: a sentence, with what would be right, and status 2."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ ROUND = {
 
 @pytest.fixture
 def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A run that died after its first step, as its files are left; and its mission beside it."""
+    """A run that died after its first step, as its files are left; and its mission next to it."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
     mission = load("lamp.json")
@@ -69,7 +69,7 @@ def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "run.journal"
 
 
-def test_a_mission_that_has_changed_is_told_by_what_changed_and_what_to_do(
+def test_a_mission_that_has_changed_is_reported_by_what_changed_and_what_to_do(
     killed: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("now.json").write_text(json.dumps(LAMP).replace("0.01", "5"))
@@ -81,7 +81,7 @@ def test_a_mission_that_has_changed_is_told_by_what_changed_and_what_to_do(
     assert remedy.endswith("by a map of what has become of what: --migrate MAP")
 
 
-def test_a_disk_that_is_full_is_told_in_a_sentence(killed: Path) -> None:
+def test_a_disk_that_is_full_is_reported_in_a_sentence(killed: Path) -> None:
     reported = subprocess.run([sys.executable, "-c", FULL], capture_output=True, text=True, check=False)
     assert reported.returncode == 2
     assert "run.journal cannot be written: disk I/O error; row 10 is lost" in reported.stderr
@@ -90,7 +90,7 @@ def test_a_disk_that_is_full_is_told_in_a_sentence(killed: Path) -> None:
     assert main(["run", "--resume", "run.journal"]) == 1, "once there is room again, it goes on"
 
 
-def test_a_disk_without_room_for_the_copy_that_is_read_is_told_in_a_sentence(killed: Path) -> None:
+def test_a_disk_without_room_for_the_copy_that_is_read_is_reported_in_a_sentence(killed: Path) -> None:
     less = FULL.replace("(size, size)", "(9000, 9000)")
     reported = subprocess.run([sys.executable, "-c", less], capture_output=True, text=True, check=False)
     assert reported.returncode == 2
@@ -110,7 +110,7 @@ def test_a_file_that_could_not_be_read_is_named(
     assert "the journal run.journal cannot be read: No space left on device: /somewhere/journal" in printed
 
 
-def test_a_list_in_which_nothing_would_be_active_is_no_place_to_go_on(
+def test_a_list_in_which_nothing_would_be_active_is_no_place_to_continue(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -125,7 +125,7 @@ def test_a_list_in_which_nothing_would_be_active_is_no_place_to_go_on(
     )
 
 
-def test_a_fault_of_the_mission_that_a_journal_holds_is_told_with_the_journal_s_name(tmp_path: Path) -> None:
+def test_a_fault_of_the_mission_that_a_journal_holds_is_reported_with_the_journal_s_name(tmp_path: Path) -> None:
     trap = Mission.model_validate({"name": "trap", "initial": "shut", "states": {"shut": {}}})
     with Journal.create(tmp_path / "run.journal", Header(dump(trap))) as journal:
         journal.write(Chart(trap).start(), since=0.0)

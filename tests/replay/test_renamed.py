@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission in which everything is called otherwise is the same: a run that goes on in it ends as it would have."""
+"""A mission in which everything is called otherwise is the same: a run that continues in it ends as it would have."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def second_robot() -> Robot:
 
 
 def gone_over(folder: Path, mission: Mission, seed: int) -> str:
-    """Kill a run, have it go on in the renamed mission, and compare its end with that of the run left alone."""
+    """Kill a run, have it continue in the renamed mission, and compare its end with that of the run left alone."""
     whole = Yard(mission, seed, keeps_time=True)
     watched = Watched(whole)
     result = live(folder / "whole.journal", whole, mission, ROBOT, thinkers(seed, whole), watched)
@@ -137,7 +137,7 @@ def begun(path: Path) -> Path:
     return path
 
 
-def test_the_command_line_migrates_a_run_or_says_what_is_missing(
+def test_the_command_line_migrates_a_run_or_reports_what_is_missing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     journal, map_, mission = begun(tmp_path / "run.journal"), tmp_path / "map.json", tmp_path / "mission.json"

@@ -87,7 +87,7 @@ def died(stopped: Path, after: str) -> Path:
     return path
 
 
-def test_whoever_takes_up_a_run_that_died_with_its_stop_written_begins_nothing(stopped: Path) -> None:
+def test_anyone_who_resumes_a_run_that_died_with_its_stop_written_begins_nothing(stopped: Path) -> None:
     path = died(stopped, "kill")
     taken = open_run(path)
     with Journal.open(path) as journal:
@@ -97,7 +97,7 @@ def test_whoever_takes_up_a_run_that_died_with_its_stop_written_begins_nothing(s
     assert rig.done == []
 
 
-def test_a_run_that_is_stopped_before_it_goes_on_begins_nothing_anew(stopped: Path) -> None:
+def test_a_run_that_is_stopped_before_it_continues_begins_nothing_again(stopped: Path) -> None:
     path = died(stopped, "go")
     taken = open_run(path)
     with Journal.open(path) as journal:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a machine does to a journal: torn, altered, on a disk that is full. The run goes on, or it is said why not."""
+"""What a machine does to a journal: torn, altered, on a disk that is full. The run continues, or it is reported why
+not."""
 
 from __future__ import annotations
 
@@ -64,7 +65,7 @@ def torn(killed: Path, folder: Path, part: str, share: float) -> Path:
 
 
 @given(st.floats(0, 1))
-def test_a_log_that_is_torn_at_any_byte_is_gone_on_with_from_its_last_whole_row(
+def test_a_log_that_is_torn_at_any_byte_is_continued_with_from_its_last_whole_row(
     killed: Path, tmp_path_factory: pytest.TempPathFactory, share: float
 ) -> None:
     with read(killed / "run.journal") as record:
@@ -90,7 +91,7 @@ def test_a_log_that_is_torn_at_any_byte_is_gone_on_with_from_its_last_whole_row(
 
 
 @given(st.floats(0, 0.999))
-def test_a_file_that_is_torn_is_refused_and_said_to_be(
+def test_a_file_that_is_torn_is_refused_and_reported_to_be(
     killed: Path, tmp_path_factory: pytest.TempPathFactory, share: float
 ) -> None:
     folder = tmp_path_factory.mktemp("torn")
@@ -112,7 +113,9 @@ def test_a_row_that_was_altered_is_named(killed: Path, tmp_path: Path) -> None:
         open_run(path)
 
 
-def test_a_disk_that_is_full_when_the_run_goes_on_ends_it_before_anything_is_done(killed: Path, tmp_path: Path) -> None:
+def test_a_disk_that_is_full_when_the_run_continues_ends_it_before_anything_is_done(
+    killed: Path, tmp_path: Path
+) -> None:
     path = torn(killed, tmp_path, WAL, 1.0)
 
     def continues() -> bool:
@@ -128,7 +131,7 @@ def test_a_disk_that_is_full_when_the_run_goes_on_ends_it_before_anything_is_don
     holds(path, land())
 
 
-def test_a_disk_that_fills_up_kills_the_run_and_leaves_a_journal_that_can_be_gone_on_with(tmp_path: Path) -> None:
+def test_a_disk_that_fills_up_kills_the_run_and_leaves_a_journal_that_can_be_continued_with(tmp_path: Path) -> None:
     path = tmp_path / "run.journal"
 
     def is_killed() -> bool:
@@ -142,7 +145,7 @@ def test_a_disk_that_fills_up_kills_the_run_and_leaves_a_journal_that_can_be_gon
     holds(path, land())
 
 
-def test_a_journal_that_may_only_be_read_is_not_gone_on_with(killed: Path, tmp_path: Path) -> None:
+def test_a_journal_that_may_only_be_read_is_not_continued_with(killed: Path, tmp_path: Path) -> None:
     path = torn(killed, tmp_path, WAL, 1.0)
     with open_run(path).record as record:
         seal = record.seal

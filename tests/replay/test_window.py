@@ -98,7 +98,7 @@ class Meadow(Yard):
 
 
 class Forgetful(Latching):
-    """Does not tell everything that was said last."""
+    """Does not report everything that was reported last."""
 
     def forget(self, topic: str) -> None:
         self._last.pop(topic, None)
@@ -154,7 +154,7 @@ def rows_at_rest(path: Path) -> list[int]:
 
 
 def tried(folder: Path, mission: Mission, seed: int) -> str:
-    """Hold a run up, and kill another at the same row; says whether they were compared, or why not."""
+    """Hold a run up, and kill another at the same row; reports whether they were compared, or why not."""
     mission = unhurried(mission)
     whole, path = Meadow(mission, seed), folder / "whole.journal"
     assert ran(path, whole, mission, Fate())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One mission, run without a death and again with many: what must be so of the second, beside the first."""
+"""One mission, run without a death and again with many: what must be so of the second, next to the first."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ("ENDS_AT_S", "Found", "tried", "worth_a_trial")
 
 ENDS_AT_S = 20.0
 MOST_AT_ONCE = 60
-"""Steps without that any time passes, after which whoever looks on ends the run."""
+"""Steps without that any time passes, after which anyone who looks on ends the run."""
 
 
 UNHEARD = frozenset({"hauls", "tows"})
@@ -51,7 +51,7 @@ class Found(NamedTuple):
 
 
 class Yard(Steady):
-    """A land in which what was wanted is granted once it stands in the journal.
+    """A land in which what was wanted is granted once it is in the journal.
 
     Args:
         seed: Of what is wanted, and how long goals take and how they end.
@@ -189,7 +189,7 @@ def tried(folder: Path, mission: Mission, seed: int) -> Found:
 
 
 def looked_at(path: Path, yard: Yard, inquest: Inquest) -> tuple[Ended, bool]:
-    """What the journal of a run with deaths must say; gives how it ended, and whether an effect was in doubt."""
+    """What the journal of a run with deaths must state; gives how it ended, and whether an effect was in doubt."""
     with read(path) as record:
         rows = list(record.rows())
         confirmed = record.confirmations()

@@ -59,7 +59,7 @@ class Life:
     """One forked process.
 
     Args:
-        wish: `words` of the command line, the file for what it says, and the `instant` at which it kills itself.
+        wish: `words` of the command line, the file for what it reports, and the `instant` at which it kills itself.
     """
 
     def __init__(self, wish: Mapping[str, Any]) -> None:
@@ -106,7 +106,7 @@ def live(wish: Mapping[str, Any]) -> None:
         import atexit
 
         atexit._run_exitfuncs()
-    except BaseException:  # noqa: BLE001 - whatever it is, it must not go on as the process it was forked from
+    except BaseException:  # noqa: BLE001 - whatever it is, it must not continue as the process it was forked from
         import traceback
 
         traceback.print_exc()

@@ -18,7 +18,7 @@ class Patrol(Trip):
     """One run of the patrol.
 
     Args:
-        house: What the world takes; no camera unless it says so.
+        house: What the world takes; no camera unless it states it.
         moments: When → what happens then.
         words: Fields of `Setting`.
     """

@@ -62,7 +62,7 @@ class House(Graph):
 
     @contextmanager
     def listener(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[Connector]:
-        """Somebody else on the graph."""
+        """Someone else on the graph."""
         for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_LOG_DIR"):
             monkeypatch.setenv(name, self.environment[name])
         qos = {STATUS: {"durability": "latched"}}
@@ -74,7 +74,7 @@ class House(Graph):
             connector.stop()
 
     def goals(self, listener: Connector, wanted: list[int]) -> bool:
-        """Wait until the navigation's server says that its goals stand so, the oldest first."""
+        """Wait until the navigation's server reports that its goals are so, the oldest first."""
         received: Inbox[Message] = Inbox(PATIENCE_S)
         close = listener.subscribe(STATUS, "action_msgs/msg/GoalStatusArray", received)
         received.wait(
@@ -109,7 +109,7 @@ def test_the_patrol_succeeds_with_its_robot_in_another_process(graph: House, mon
 def test_leaving_a_state_while_it_navigates_cancels_the_goal_at_its_server(
     graph: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Somebody pushes the button while it drives."""
+    """Someone pushes the button while it drives."""
     world = graph.house()
     with graph.listener(monkeypatch) as listener:
         driven: Inbox[Message] = Inbox(PATIENCE_S)
@@ -141,7 +141,7 @@ def test_recoveries_that_fail_abort_the_goal_and_a_decision_is_made(
         assert graph.goals(listener, [ABORTED] * 3)
 
 
-def test_without_nav2s_types_it_says_at_once_how_to_get_them() -> None:
+def test_without_nav2s_types_it_reports_at_once_how_to_get_them() -> None:
     """Nothing is started: the types are missed before the robot is looked for."""
     hidden = "import sys; sys.modules['nav2_msgs'] = None; from rai_missions.cli.main import main; sys.exit(main(sys.argv[1:]))"  # noqa: E501
     done = subprocess.run(

@@ -39,7 +39,7 @@ def test_over_ros_nothing_is_another_but_the_way_there_and_the_button() -> None:
 
 
 @pytest.mark.sim
-def test_the_patrol_succeeds_and_its_journal_says_how(patrol: Any, tmp_path: Path) -> None:
+def test_the_patrol_succeeds_and_its_journal_reports_how(patrol: Any, tmp_path: Path) -> None:
     one = patrol(words={"journal": tmp_path / "one.journal"})
     result = one.run()
     assert (result.outcome, result.why) == ("succeeded", "'done' was reached, and supply is one of 1, 4")
@@ -91,7 +91,7 @@ def test_a_door_that_opens_while_it_waits_is_gone_through(patrol: Any) -> None:
         (["dance", "dance", "dance"], [], "waiting", "failed"),
     ],
 )
-def test_each_answer_leads_where_it_says(
+def test_each_answer_leads_where_it_reports(
     patrol: Any, agent: list[str], operator: list[str], entered: str, outcome: str
 ) -> None:
     who = {"agent": ScriptAnswerer({"deciding": agent})}
@@ -105,7 +105,7 @@ def test_each_answer_leads_where_it_says(
 
 
 @pytest.mark.sim
-def test_a_low_battery_sends_it_to_its_dock_and_charged_it_goes_on_where_it_was(patrol: Any) -> None:
+def test_a_low_battery_sends_it_to_its_dock_and_charged_it_continues_where_it_was(patrol: Any) -> None:
     one = patrol(battery={"capacity_wh": 0.9, "charge": 0.6})
     result = one.run()
     assert result.outcome == "succeeded"
@@ -126,7 +126,7 @@ def test_an_emergency_stop_stops_it_where_it_is(patrol: Any) -> None:
 
 
 @pytest.mark.sim
-def test_a_pause_stops_it_and_resume_goes_on(patrol: Any) -> None:
+def test_a_pause_stops_it_and_resume_continues(patrol: Any) -> None:
     places: list[tuple[float, float]] = []
     one = patrol(
         moments={

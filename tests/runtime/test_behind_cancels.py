@@ -19,7 +19,7 @@ DONE = Reply("succeeded", {"success": True})
 
 
 class SlowRobot(LocalConnector):
-    """Answers when the test says so."""
+    """Answers when the test states it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -37,7 +37,7 @@ class SlowRobot(LocalConnector):
 
 
 def driving(**drive: Any) -> tuple[Goals, SlowRobot, list[str]]:
-    """A composed action that runs, its robot, and what was told of it."""
+    """A composed action that runs, its robot, and what was notified of it."""
     robot, reported = SlowRobot(), list[str]()
     profile = {**ROBOT, "actions": {"drive": {**ROBOT["actions"]["drive"], **drive}}}
     goals = Goals(
@@ -59,7 +59,7 @@ def test_a_call_waits_for_the_reply_to_the_cancel() -> None:
 
 
 @pytest.mark.parametrize("outcome", ["failed", "timed_out", "unavailable"])
-def test_a_cancel_that_fails_keeps_nobody_waiting(outcome: Any) -> None:
+def test_a_cancel_that_fails_keeps_no_one_waiting(outcome: Any) -> None:
     goals, robot, reported = driving()
     goals.cancel(CancelGoal(1, "drive"))
     goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
@@ -68,7 +68,7 @@ def test_a_cancel_that_fails_keeps_nobody_waiting(outcome: Any) -> None:
     assert reported == ["accepted", *(["drive"] if outcome == "failed" else [])], "its end is not confirmed"
 
 
-def test_a_cancel_that_cannot_be_sent_keeps_nobody_waiting() -> None:
+def test_a_cancel_that_cannot_be_sent_keeps_no_one_waiting() -> None:
     goals, robot, _ = driving(cancel="/broken")
     with pytest.raises(RuntimeError, match="the wire is cut"):
         goals.cancel(CancelGoal(1, "drive"))

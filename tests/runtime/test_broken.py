@@ -132,7 +132,7 @@ def test_a_connector_that_raises_is_a_rejected_start() -> None:
 
 
 class Unspeakable(Exception):
-    """One that cannot say what it is."""
+    """One that cannot state what it is."""
 
     def __str__(self) -> str:
         raise RuntimeError("not even that")
@@ -149,7 +149,7 @@ def unspeakable(*_: Any, **__: Any) -> None:
     raise Unspeakable
 
 
-def test_an_exception_that_cannot_be_told_in_words_is_one_like_any_other() -> None:
+def test_an_exception_that_cannot_be_reported_in_words_is_one_like_any_other() -> None:
     asking = Rig(ASKING, answerers={"agent": Unspoken()})
     assert asking.run().outcome == "failed" and asking.entered[-1] == "lost"
     calling = Rig(CALLING, connector=Connector(call=unspeakable))
@@ -175,7 +175,7 @@ def test_a_connector_that_raises_at_a_cancel_leaves_an_orphan_that_is_written_do
     assert any("orphaned" in note for step in rig.book.steps for note in step.notes)
 
 
-def test_a_connector_that_raises_at_a_poll_is_a_robot_not_heard(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_connector_that_raises_at_a_poll_is_a_robot_not_received(caplog: pytest.LogCaptureFixture) -> None:
     source = {"service": "/state", "type": "t", "every_s": 0.5, "when": {"key": "message", "==": "WAITING"}}
     profile = robot(events={"go": source, "again": {"posted": True}, "stop_now": {"posted": True}})
     rig = Rig(MOVING, connector=Connector(call=fails), robot=profile)
@@ -229,7 +229,7 @@ REPORTS = [
 
 
 @given(st.lists(st.tuples(st.integers(1, 60), st.integers(0, 3), st.sampled_from(REPORTS)), max_size=15), st.booleans())
-def test_whatever_servers_say_a_goal_is_never_another_goals_and_the_run_ends(
+def test_whatever_servers_state_a_goal_is_never_another_goals_and_the_run_ends(
     lines: list[tuple[int, int, str]], raw: bool
 ) -> None:
     """With `raw` the connector passes on what real ones may: late, twice, after the end."""
@@ -257,7 +257,7 @@ def test_whatever_servers_say_a_goal_is_never_another_goals_and_the_run_ends(
     assert len({step.event.number for step in ends}) == len(ends), "a goal ends once"
 
 
-def test_what_is_said_of_another_goal_ends_none() -> None:
+def test_what_is_reported_about_another_goal_ends_none() -> None:
     on_report: list[Callable[[Report], None]] = []
 
     def send_goal(action: str, kind: str, goal: Any, *, goal_id: str, report: Callable[[Report], None]) -> None:
@@ -281,7 +281,7 @@ def test_what_is_said_of_another_goal_ends_none() -> None:
 @pytest.mark.parametrize(
     "message", [None, 42, "text", [], {"data": object()}, {"data": "true"}, {"data": {"a": 1}}, {"data": float("nan")}]
 )
-def test_a_message_that_is_not_what_the_profile_says_is_not_heard(message: Any) -> None:
+def test_a_message_that_is_not_what_the_profile_reports_is_not_received(message: Any) -> None:
     rig = Rig(MOVING)
     subscribers: list[Any] = []
     on_message = rig.connector.subscribe
@@ -295,7 +295,7 @@ def test_a_message_that_is_not_what_the_profile_says_is_not_heard(message: Any) 
     assert "there" not in rig.runner.chart.view.board
 
 
-def test_an_integer_beyond_all_floating_point_numbers_ends_no_run_whoever_says_it() -> None:
+def test_an_integer_beyond_all_floating_point_numbers_ends_no_run_anyone_who_reports_it() -> None:
     report: Any = {"option": "left", "parameters": {"limit": 10**400}}
     states = {**copy.deepcopy(ASKING), "waiting": {"transitions": [{"after_s": 2, "to": "asking"}]}}
     states["asking"]["decision"]["options"]["left"] = {"parameters": {"properties": {"limit": {"type": "number"}}}}
@@ -308,7 +308,7 @@ def test_an_integer_beyond_all_floating_point_numbers_ends_no_run_whoever_says_i
 
 
 @pytest.mark.parametrize("observer", ["on_step", "on_status"])
-def test_an_observer_that_raises_does_not_end_the_run_and_is_told_of(
+def test_an_observer_that_raises_does_not_end_the_run_and_is_notified_of(
     observer: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     rig = Rig(MOVING, **{observer: fails})
@@ -337,7 +337,7 @@ def test_a_fault_of_the_engine_itself_stops_the_robot_and_is_raised() -> None:
     assert not rig.connector.running
 
 
-def test_a_connector_that_cannot_start_says_so_and_is_stopped() -> None:
+def test_a_connector_that_cannot_start_states_it_and_is_stopped() -> None:
     rig = Rig(MOVING, connector=Connector(start=fails))
     with pytest.raises(RuntimeError, match="the wire is cut"):
         rig.run()

@@ -73,7 +73,7 @@ def test_a_pause_cancels_the_goal_keeps_the_time_left_and_resume_starts_it_again
     assert (result.outcome, result.duration_s) == ("failed", 13.0), "3 s were left of 5 when it was paused"
 
 
-def test_an_event_during_a_pause_is_heard_after_it() -> None:
+def test_an_event_during_a_pause_is_received_after_it() -> None:
     rig = Rig(MOVING)
     rig.stage.play({2.0: rig.runner.pause, 3.0: lambda: rig.post("go"), 10.0: rig.runner.resume})
     result = rig.run()
@@ -171,7 +171,7 @@ def test_a_kill_acts_before_it_is_written_down() -> None:
     assert order == ["stopped", "written"]
 
 
-def test_a_kill_leaves_control_with_nobody() -> None:
+def test_a_kill_leaves_control_with_no_one() -> None:
     rig = Rig(MOVING)
     rig.stage.play({1.0: rig.runner.kill})
     rig.run()
@@ -284,7 +284,7 @@ def test_an_answer_from_outside_counts_like_any_other_and_ends_the_thinking() ->
     assert result.outcome == "aborted" and model.withdrawn == [1] and not rig.runner.performer.thinking
 
 
-def test_once_it_is_answered_from_outside_nobody_thinks_any_more() -> None:
+def test_once_it_is_answered_from_outside_no_one_thinks_any_more() -> None:
     waits = {"states": {"w": {"transitions": [{"after_s": 2, "to": "end"}]}}, "initial": "w"}
     rig = Rig({**ASKING, "over": waits, "end": {"final": "aborted"}}, answerers={"agent": LateAnswerer()})
     thinks: list[bool] = []
@@ -298,7 +298,7 @@ def test_once_it_is_answered_from_outside_nobody_thinks_any_more() -> None:
     assert rig.run().outcome == "aborted" and thinks == [True, False]
 
 
-def test_an_answer_to_a_question_that_nobody_asks_is_stale() -> None:
+def test_an_answer_to_a_question_that_no_one_asks_is_stale() -> None:
     rig = Rig(ASKING, answerers={"agent": LateAnswerer()}, clock=WallClock())
 
     def act(step: Any) -> None:
@@ -312,7 +312,7 @@ def test_an_answer_to_a_question_that_nobody_asks_is_stale() -> None:
     assert [step.event.number for step in rig.stale()] == [8]
 
 
-def test_what_comes_after_the_end_does_not_change_what_the_status_says_of_it() -> None:
+def test_what_comes_after_the_end_does_not_change_what_the_status_reports_about_it() -> None:
     chart, life = Chart(mission(ASKING)), Lifecycle()
 
     def seen(step: Step) -> Status | None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An event that is heard during an action: what our own commands make the robot say is none."""
+"""An event that is received during an action: what our own commands make the robot state is none."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Ear(NamedTuple):
     heard: list[str]
 
     def hear(self, *words: str) -> list[str]:
-        """What has happened by the time that the robot has said all this."""
+        """What has happened by the time that the robot has reported all this."""
         for word in words:
             self.connector.publish("/state", TYPE, {"data": word})
         return self.heard
@@ -67,7 +67,7 @@ def test_what_was_so_before_the_action_is_no_news_until_it_was_otherwise(ear: Ea
     assert ear.hear("DRIVING", "STOPPED") == ["stuck"]
 
 
-def test_a_run_that_goes_on_hears_what_happened_while_nobody_listened(ear: Ear) -> None:
+def test_a_run_that_continues_receives_what_happened_while_no_one_listened(ear: Ear) -> None:
     ear.senses.begin_action("drive", anew=False)
     assert ear.hear("STOPPED", "STOPPED") == ["stuck"]
 

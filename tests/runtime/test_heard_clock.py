@@ -14,11 +14,11 @@ from rai_missions.event import Event
 from rai_missions.runtime.clock import HeardClock, Mailbox
 
 PATIENT = 1e6
-"""Seconds of silence in which time stands still: the wall plays no part in the test."""
+"""Seconds of silence in which time is still: the wall plays no part in the test."""
 
 
 @given(st.lists(st.floats(0, 1e9, allow_nan=False), max_size=30))
-def test_time_never_goes_back_whatever_a_simulation_says(results: list[float]) -> None:
+def test_time_never_goes_back_whatever_a_simulation_reports(results: list[float]) -> None:
     clock, before = HeardClock(PATIENT), 0.0
     for each in results:
         clock.hear(each)
@@ -27,7 +27,7 @@ def test_time_never_goes_back_whatever_a_simulation_says(results: list[float]) -
 
 
 @given(st.floats(0, 1e6), st.lists(st.floats(0.001, 59.0), min_size=1, max_size=20))
-def test_it_goes_as_far_as_the_simulation_goes_from_wherever_that_stood(start: float, steps: list[float]) -> None:
+def test_it_goes_as_far_as_the_simulation_goes_from_wherever_that_was(start: float, steps: list[float]) -> None:
     clock, reported = HeardClock(PATIENT), start
     clock.hear(reported)
     assert clock.now() == 0.0, "the run begins now, however long the simulation has run"
@@ -37,14 +37,14 @@ def test_it_goes_as_far_as_the_simulation_goes_from_wherever_that_stood(start: f
     assert clock.now() == pytest.approx(reported - start, abs=1e-6)
 
 
-def test_a_simulation_that_begins_anew_or_leaps_takes_no_time_with_it() -> None:
+def test_a_simulation_that_begins_again_or_leaps_takes_no_time_with_it() -> None:
     clock = HeardClock(PATIENT)
     for reported in (100.0, 101.0, 0.05, 0.55, 5000.0, 5000.5):
         clock.hear(reported)
     assert clock.now() == pytest.approx(1.0 + 0.5 + 0.5)
 
 
-def test_a_wait_ends_when_its_instant_is_told_and_not_before() -> None:
+def test_a_wait_ends_when_its_instant_is_reported_and_not_before() -> None:
     clock, mailbox, over = HeardClock(PATIENT), Mailbox(), threading.Event()
 
     def wait() -> None:
@@ -74,7 +74,7 @@ def test_a_wait_ends_when_something_comes() -> None:
 
 
 @pytest.mark.parametrize("reported", [None, 12.0])
-def test_a_simulation_that_falls_silent_or_was_never_there_stops_nobody(reported: float | None) -> None:
+def test_a_simulation_that_falls_silent_or_was_never_there_stops_no_one(reported: float | None) -> None:
     clock = HeardClock(silence_s=0.01)
     if reported is not None:
         clock.hear(reported)

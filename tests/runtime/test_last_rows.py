@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What ends a run, or takes a chance from it, stands in its journal, however quietly it came."""
+"""What ends a run, or takes a chance from it, is in its journal, however quietly it came."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def lines_before_the_start(kind: type[Lines], *, verbose: bool = False) -> list[
 
 
 @pytest.mark.parametrize("kind", [Lines, Screen])
-def test_what_happens_before_the_start_is_one_line_that_says_what_is_waited_for(kind: type[Lines]) -> None:
+def test_what_happens_before_the_start_is_one_line_that_states_what_is_waited_for(kind: type[Lines]) -> None:
     waiting, moved = lines_before_the_start(kind)
     assert "0.50 s  waiting for the robot: battery, camera" in waiting
     assert "stop_now" in moved and "a → z" in moved
@@ -56,7 +56,7 @@ def test_who_wants_every_step_sees_every_step() -> None:
 
 
 @pytest.mark.parametrize("message", ["[/red]", "[link=file:///etc/passwd]here[/link]", "[bold", "\x1b[2J"])
-def test_what_a_robot_says_is_shown_as_it_was_said_and_never_as_markup(message: str) -> None:
+def test_what_a_robot_reports_is_shown_as_it_was_reported_and_never_as_markup(message: str) -> None:
     mission = Mission.model_validate(
         {
             "name": "m", "blackboard": {"said": {"type": "string", "source": "robot"}}, "initial": "a",

@@ -164,7 +164,7 @@ class _SceneRig(Rig):
 
     def do(self, what: str) -> None:
         if what.startswith("/"):
-            self.closes[what]()  # the server is gone; the robot goes on with what it was told to do
+            self.closes[what]()  # the server is gone; the robot continues with what it was asked to do
         elif what in ("go", "again"):
             self.post(what)
         else:
@@ -268,7 +268,7 @@ def test_a_run_whose_goals_have_ended_names_none() -> None:
     assert (result.open_goals, result.warning) == ((), "")
 
 
-def test_a_goal_that_was_not_confirmed_is_told_to_end_once_more_as_the_run_is_over() -> None:
+def test_a_goal_that_was_not_confirmed_is_asked_to_end_once_more_as_the_run_is_over() -> None:
     asked: list[int] = []
     rig = Rig(mission(_states(["move"])), on_step=lambda step: asked.append(len(rig.move.canceled)))
     rig.move.on_cancel = ("cancel_rejected",)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From what is heard to what is done: events, actions, calls, and how a run ends."""
+"""From what is received to what is done: events, actions, calls, and how a run ends."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_an_event_becomes_a_step_and_the_step_a_call() -> None:
     assert [type(effect) for step in rig.steps for effect in step.effects] == [CallService]
 
 
-def test_an_action_succeeds_only_as_its_server_and_the_facts_say() -> None:
+def test_an_action_succeeds_only_as_its_server_and_the_facts_state() -> None:
     rig = Rig(MOVING, arguments={"speed": 2.5})
     rig.stage.play(
         {
@@ -86,7 +86,7 @@ def test_an_action_that_does_not_succeed_is_no_success(message: str, why: str) -
     assert (result.outcome, result.why) == ("failed", why)
 
 
-def test_a_word_that_no_server_says_ends_no_goal() -> None:
+def test_a_word_that_no_server_reports_ends_no_goal() -> None:
     rig = Rig(MOVING)
     rig.stage.play(
         {
@@ -149,7 +149,7 @@ def test_after_the_end_nothing_is_performed() -> None:
     assert late and not any(step.effects or step.moves for step in late)
 
 
-def test_the_world_stands_still_once_the_run_has_ended() -> None:
+def test_the_world_is_still_once_the_run_has_ended() -> None:
     rig = Rig(CALLING)
     rig.stage.play({1.0: lambda: rig.post("go")})
     rig.run()
@@ -197,7 +197,7 @@ def test_an_action_made_of_services_starts_ends_and_is_canceled_by_them() -> Non
     assert rig.run().outcome == "failed" and rig.called == [(0.0, "/drive"), (3.0, "/halt")]
 
 
-def test_a_robot_key_never_heard_refuses_the_start_and_nothing_is_performed() -> None:
+def test_a_robot_key_never_received_refuses_the_start_and_nothing_is_performed() -> None:
     keys = {**KEYS, "battery": {**KEYS["battery"], "optional": False}, "there": {**KEYS["there"], "optional": False}}
     states = {
         "moving": {"action": "move", "timeout_s": 1, "transitions": [{"on": "succeeded", "to": "end"}]},
@@ -211,7 +211,7 @@ def test_a_robot_key_never_heard_refuses_the_start_and_nothing_is_performed() ->
     assert "battery" in rig.book.notes[0], "the journal says why there was no run"
 
 
-def test_a_run_starts_as_soon_as_all_is_heard() -> None:
+def test_a_run_starts_as_soon_as_all_is_received() -> None:
     keys = {**KEYS, "battery": {**KEYS["battery"], "optional": False}}
     rig = Rig(mission({"end": {"final": "aborted"}}, blackboard=keys))
     rig.stage.play({0.7: lambda: rig.publish("/battery", percentage=0.5)})
@@ -335,7 +335,7 @@ def test_what_is_due_in_the_instant_of_a_quiet_row_is_done() -> None:
     assert rig.run().outcome == "aborted" and rig.called == [(2.0, "/horn")]
 
 
-def test_an_event_that_no_row_handles_stands_in_the_journal() -> None:
+def test_an_event_that_no_row_handles_is_in_the_journal() -> None:
     rig = Rig(CALLING)
     rig.stage.play({0.5: lambda: rig.post("again"), 0.7: lambda: rig.post("unheard_of"), 1.0: lambda: rig.post("go")})
     rig.run()
@@ -344,7 +344,7 @@ def test_an_event_that_no_row_handles_stands_in_the_journal() -> None:
     assert written["unheard_of"].why.startswith("the mission declares no event 'unheard_of'")
 
 
-def test_a_rejected_start_is_told_with_its_reason() -> None:
+def test_a_rejected_start_is_reported_with_its_reason() -> None:
     rig = Rig(
         {
             "moving": {"action": "move", "timeout_s": 1, "transitions": [{"on": "succeeded", "to": "end"}]},

@@ -97,7 +97,7 @@ def test_what_waited_for_the_disk_while_an_emergency_stop_came_is_not_begun(runn
     assert not any("orphaned" in note for step in book.steps for note in step.notes)
 
 
-def test_control_goes_to_nobody_while_the_disk_hangs(running: Running) -> None:
+def test_control_goes_to_no_one_while_the_disk_hangs(running: Running) -> None:
     asked: list[str] = []
     book = MemoryJournal(hangs_at="again")
     profile = robot(control={"nobody": {"service": "/let_go", "type": "std_srvs/srv/Trigger"}})
@@ -136,7 +136,7 @@ def test_a_disk_that_never_answers_is_one_that_cannot_be_written(
 def test_a_deadline_that_passed_while_the_disk_hung_has_passed_and_what_came_before_it_counts(
     running: Running, after_due_s: float, outcome: str
 ) -> None:
-    """The run's time goes on; each thing has the time at which it came."""
+    """The run's time continues; each thing has the time at which it came."""
     book, wall, asked = MemoryJournal(hangs_at="again"), Told(), threading.Event()
     rig = Rig(ASKING, journal=book, clock=wall, answerers={"operator": ReplyingAnswerer(lambda question: asked.set())})
     results = running(rig)
@@ -153,7 +153,7 @@ def test_a_deadline_that_passed_while_the_disk_hung_has_passed_and_what_came_bef
 
 
 class Told(WallClock):
-    """Real time, but on the thread that made it what that thread says, once it says something."""
+    """Real time, but on the thread that made it what that thread reports, once it states something."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -165,7 +165,7 @@ class Told(WallClock):
         return self.here if is_here and self.here is not None else super().now()
 
 
-def test_what_a_robot_says_to_a_run_that_takes_nothing_does_not_fill_its_memory() -> None:
+def test_what_a_robot_reports_to_a_run_that_takes_nothing_does_not_fill_its_memory() -> None:
     mailbox, picture = Mailbox(), Image("camera@1", 640, 480, "rgb8", bytes)
     for number in range(MOST_BEFORE_PICTURE + 50):
         mailbox.post(Event("camera", float(number), {"value": picture}, "write"))
@@ -180,7 +180,7 @@ def test_what_a_robot_says_to_a_run_that_takes_nothing_does_not_fill_its_memory(
     assert mailbox.empty and not mailbox.waiting
 
 
-def test_what_a_robot_says_once_while_far_too_much_waits_is_heard(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_robot_reports_once_while_far_too_much_waits_is_received(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its key never grows old: the run would believe what was so before, for ever."""
     monkeypatch.setattr(clock, "MOST_BEFORE_WRITE", 50)
     states = {"moving": {"action": "move", "timeout_s": 500, "transitions": [
@@ -200,7 +200,7 @@ def test_what_a_robot_says_once_while_far_too_much_waits_is_heard(monkeypatch: p
     assert rig.run().why == "'over' was reached"
 
 
-def test_whoever_waits_is_woken_by_what_was_kept_for_later(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_anyone_who_waits_is_woken_by_what_was_kept_for_later(monkeypatch: pytest.MonkeyPatch) -> None:
     """The last of too much is taken just as another fact finds no room behind it."""
     monkeypatch.setattr(clock, "MOST_BEFORE_WRITE", 0)
     mailbox, taken = Mailbox(), list[Event | None]()

@@ -33,7 +33,7 @@ FROM_OUTSIDE = ("event", "write", "command", "doubt")
 
 
 class World:
-    """A clock by which things happen at their instants, whoever may be stalled meanwhile."""
+    """A clock by which things happen at their instants, anyone who may be stalled meanwhile."""
 
     def __init__(self, script: list[Happening]) -> None:
         self._script, self._periods = list(script), 0
@@ -56,7 +56,7 @@ class World:
 
 
 class Trace(NamedTuple):
-    """What a run was, without the ticks by which time was told."""
+    """What a run was, without the ticks by which time was reported."""
 
     events: tuple[Any, ...]
     """Each event from outside that the run outlived, with the states that were active after it."""
@@ -67,7 +67,7 @@ class Trace(NamedTuple):
 
 
 class Stalling:
-    """Whoever is called on the run's thread, and takes its time there now and then."""
+    """Anyone who is called on the run's thread, and takes its time there now and then."""
 
     def __init__(self, world: World, rng: random.Random, share: float) -> None:
         self._world, self._rng, self._share = world, rng, share
@@ -89,7 +89,7 @@ def traced(seed: int, share: float) -> Trace:
     rng = random.Random(seed)
     mission = Mission.model_validate(document(rng, alone=True))
     script = [each for each in happenings(rng) if each.drawn[0] in FROM_OUTSIDE]
-    script = [each._replace(at=each.at + GRID_S) for each in script]  # what is said before the start has no instant
+    script = [each._replace(at=each.at + GRID_S) for each in script]  # what is reported before the start has no instant
     end = (script[-1].at if script else 0.0) + 4.0
     world = World([*script, Happening(("command", "cancel"), end)])
     late, book = Stalling(world, random.Random(seed + 1), share), MemoryJournal()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Time, and many runs: simulated hours in seconds, real time while somebody thinks, nothing left behind."""
+"""Time, and many runs: simulated hours in seconds, real time while someone thinks, nothing left behind."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Thinker:
 
 
 @pytest.mark.parametrize("stepped", [True, False])
-def test_while_somebody_thinks_simulated_time_goes_no_faster_than_the_wall(stepped: bool) -> None:
+def test_while_someone_thinks_simulated_time_goes_no_faster_than_the_wall(stepped: bool) -> None:
     rig = Rig(ASKING, answerers={"agent": Thinker(0.3)}, clock=None if stepped else SimulatedClock())
     began = time.monotonic()
     result = rig.run()
@@ -103,7 +103,7 @@ def test_a_world_that_falls_behind_does_not_catch_up_at_the_cost_of_who_thinks()
     assert result.outcome == "aborted" and result.duration_s < 0.65, "0.6 of 0.9 s were the world's own"
 
 
-def test_once_nobody_thinks_time_flies_again() -> None:
+def test_once_no_one_thinks_time_flies_again() -> None:
     states = {
         **ASKING,
         "over": {"states": {"w": {"transitions": [{"after_s": 3600, "to": "end"}]}}, "initial": "w"},
@@ -183,7 +183,7 @@ def test_a_burst_that_came_in_one_instant_is_taken_in_one_instant() -> None:
     assert rig.run().duration_s == 1.0 and rig.runner.chart.view.board["count"].value == 1000
 
 
-def test_while_somebody_thinks_what_leads_round_for_ever_does_not_make_time_fly() -> None:
+def test_while_someone_thinks_what_leads_round_for_ever_does_not_make_time_fly() -> None:
     thinking = {"initial": "asking", "states": {**ASKING, "over": {}, "lost": {}}}
     rounds = {"initial": "calling", "states": {
         "calling": {**CALLING["calling"], "transitions": [{"on": "succeeded", "to": "again"}]},
@@ -236,7 +236,7 @@ def runners() -> int:
     return sum(isinstance(each, Runner) for each in gc.get_objects())
 
 
-def test_two_runs_at_once_do_not_hear_each_other() -> None:
+def test_two_runs_at_once_do_not_receive_each_other() -> None:
     rigs = [
         Rig(mission(CALLING if n else ASKING), clock=WallClock(), answerers={"agent": Thinker(0.1)})
         for n in (0, 1, 0, 1)

@@ -91,7 +91,7 @@ def place(tmp_path: Path) -> Place:
 
 
 def reviews(place: Place, mission: str) -> list[list[str]]:
-    """What somebody does with a mission before it runs."""
+    """What someone does with a mission before it runs."""
     return [
         ["check", mission],
         *(["draw", mission, "-o", str(place.out / f"picture.{form}")] for form in ("dot", "mmd", "md", "html")),
@@ -200,7 +200,7 @@ def test_a_journal_s_mission_is_bounded_as_its_file_is(place: Place, capsys: pyt
 
 
 @pytest.mark.parametrize("host", ["192.0.2.1", "evil.example", "[2001:db8::1]", "", "127.0.0.1.evil.example"])
-def test_a_page_that_a_file_beside_a_journal_names_elsewhere_is_not_asked(
+def test_a_page_that_a_file_next_to_a_journal_names_elsewhere_is_not_asked(
     place: Place, monkeypatch: pytest.MonkeyPatch, host: str
 ) -> None:
     journal = written_run(place.given)

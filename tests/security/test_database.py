@@ -24,7 +24,7 @@ ENDLESS = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c)"
 HOSTILE: dict[str, tuple[str, ...]] = {
     "a trigger called like a table": (
         "CREATE TRIGGER rows AFTER INSERT ON blobs BEGIN DELETE FROM rows; END",
-        # SQLite does not care in which order they stand, and who keeps one of a name would keep the table
+        # SQLite does not care in which order they are, and who keeps one of a name would keep the table
         "UPDATE sqlite_schema SET rowid = 50 WHERE type = 'table' AND name = 'rows'",
     ),
     "a trigger on what a run writes": ("CREATE TRIGGER t AFTER INSERT ON rows BEGIN DELETE FROM rows; END",),
@@ -114,7 +114,7 @@ LOOKS: dict[str, Callable[[Record], object]] = {
 
 
 @pytest.mark.parametrize("look", LOOKS)
-def test_a_file_whose_pages_stand_in_many_places_is_read_once(good: Path, look: str) -> None:
+def test_a_file_whose_pages_are_in_many_places_is_read_once(good: Path, look: str) -> None:
     file = folded(good, "rows" if look == "rows" else "blobs")
     assert file.stat().st_size < 100_000
     assert any("in several places" in fault.sentence for fault in verify(file))
@@ -122,7 +122,7 @@ def test_a_file_whose_pages_stand_in_many_places_is_read_once(good: Path, look: 
         LOOKS[look](record)
 
 
-def test_rows_that_share_their_text_say_no_more_than_the_file_holds(good: Path) -> None:
+def test_rows_that_share_their_text_state_no_more_than_the_file_holds(good: Path) -> None:
     """The cells of a leaf, each with a number of its own, name the same pages for the rest of their text."""
     file = altered(good, "DELETE FROM rows", f"INSERT INTO rows VALUES (1, 'note', '{'x' * (49 * 4092 + 478)}', '')")
     with closing(sqlite3.connect(file)) as database:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Secrets of every kind, said by everybody who can say anything, are in nothing that comes out of this program.
+"""Secrets of every kind, reported by everybody who can state anything, are in nothing that comes out of this program.
 
-Rule: who knows a secret here says it wherever words are taken: a model, its provider, servers, exceptions.
+Rule: who knows a secret here reports it wherever words are taken: a model, its provider, servers, exceptions.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ OF_ROBOT = (
 )
 LEAK = " ".join((*OF_ROBOT, OF_MODEL["header"]))
 ALL = " ".join((LEAK, OF_MODEL["shape"], VARIABLES["HTTPS_PROXY"]))
-"""What a model says: of it nobody needs to know that it is a secret."""
+"""What a model reports: of it no one needs to know that it is a secret."""
 CANARIES = ("canary", OF_MODEL["shape"])
 
 ASKED = {"options": {"stay": {}, "leave": {}}, "ask": ["agent"], "attempts": 8, "deadline_s": 60, "fallback": "leave"}
@@ -97,7 +97,7 @@ ROBOT = Robot.model_validate(
 
 
 class Loose(DoubleModel):
-    """A chat model with keys of its own, whose provider says them too."""
+    """A chat model with keys of its own, whose provider reports them too."""
 
     key: SecretStr = SecretStr(OF_MODEL["type"])
     default_headers: Mapping[str, str] = {"Authorization": f"Bearer {OF_MODEL['header']}"}
@@ -115,7 +115,7 @@ class Loose(DoubleModel):
 
 
 class Loud(LocalConnector):
-    """A robot whose servers say what they should not; what is published to others is kept."""
+    """A robot whose servers state what they should not; what is published to others is kept."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -221,7 +221,7 @@ def test_nothing_that_a_run_writes_or_shows_holds_a_secret(
     assert_tight(left)
 
 
-def test_nothing_that_a_node_says_on_the_graph_holds_a_secret(
+def test_nothing_that_a_node_reports_on_the_graph_holds_a_secret(
     robot: Loud, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     setting = RunConfig(MISSION, ROBOT, model=Loose(), connector=robot, journal=tmp_path / "run.journal")
@@ -238,7 +238,7 @@ def test_nothing_that_a_node_says_on_the_graph_holds_a_secret(
     assert_tight({"node": reported, "log": log_of(caplog)})
 
 
-def test_a_run_that_cannot_be_begun_by_a_node_says_why_without_secrets(
+def test_a_run_that_cannot_be_begun_by_a_node_reports_why_without_secrets(
     robot: Loud, caplog: pytest.LogCaptureFixture, tmp_path: Path
 ) -> None:
     def broken() -> Path:
@@ -328,7 +328,7 @@ def test_no_command_prints_a_secret_whatever_goes_wrong(
 @example("\r", "canary-key-4b1d", "")
 @given(st.text(), st.sampled_from([*VARIABLES.values(), "http://somebody:canary-pass@host/"]), st.text())
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_words_on_a_terminal_command_it_nothing_and_tell_no_secret(
+def test_words_on_a_terminal_command_it_nothing_and_report_no_secret(
     monkeypatch: pytest.MonkeyPatch, before: str, secret: str, after: str
 ) -> None:
     out, err = io.StringIO(), io.StringIO()
@@ -355,7 +355,7 @@ def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPa
     assert Message("/scan", clean, 0.0).data == scan
 
 
-def test_a_logger_that_is_made_later_tells_no_secret_either(
+def test_a_logger_that_is_made_later_reports_no_secret_either(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")

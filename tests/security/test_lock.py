@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lock of what tests and tools stand on: every package has its hashes, and is what pyproject.toml asks for."""
+"""The lock of what tests and tools are on: every package has its hashes, and is what pyproject.toml asks for."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_a_lock_that_fits_has_no_fault() -> None:
     assert told(LOCK, "Thing>=1,<2", "other; sys_platform == 'nowhere'") == []
 
 
-def test_what_is_missing_too_old_or_without_a_hash_is_told() -> None:
+def test_what_is_missing_too_old_or_without_a_hash_is_reported() -> None:
     assert told(LOCK, "other>=1") == ["other>=1 is not in the lock"]
     assert told(LOCK, "thing>=1.3") == ["thing>=1.3 is locked at 1.2, 1.3"]
     assert told("thing==1.2\n") == ["thing has no hash"]
@@ -71,7 +71,7 @@ ANSWERS: dict[str, tuple[Listed, int, str]] = {
 
 
 @pytest.mark.parametrize("name", ANSWERS)
-def test_an_audit_says_what_came_of_it(
+def test_an_audit_reports_what_came_of_it(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     answer, status, reported = ANSWERS[name]

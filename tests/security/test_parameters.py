@@ -71,7 +71,7 @@ def test_a_reference_within_the_schema_is_followed() -> None:
     assert "speed" in misfits(schema, {"speed": 3})
 
 
-def test_parameters_are_told_where_they_are_wrong() -> None:
+def test_parameters_learn_where_they_are_wrong() -> None:
     assert misfits(SPEED, {"speed": 1.5}) == ""
     assert misfits(SPEED, {"speed": "fast"}).startswith("$.speed: 'fast' is not of type 'number'")
     assert "'speed' is a required property" in misfits(SPEED, {})

@@ -23,7 +23,7 @@ KEYS = st.one_of(
 
 
 @given(KEYS, st.sampled_from(["{}", "key {}.", '"{}"', "({})", "https://x/?key={}&a=1", "{}, {}"]))
-def test_a_key_by_its_shape_is_hidden_wherever_it_stands(key: str, frame: str) -> None:
+def test_a_key_by_its_shape_is_hidden_wherever_it_is(key: str, frame: str) -> None:
     reported = Redaction().text(frame.replace("{}", key))
     assert key not in reported
     assert "[hidden]" in reported
@@ -38,7 +38,7 @@ def test_a_known_secret_is_hidden_in_every_part_of_a_value(secret: str) -> None:
 
 
 @pytest.mark.parametrize("header", ["Authorization: Bearer ", "basic ", "api_key=", "API-Key: "])
-def test_what_stands_behind_the_word_for_a_key_is_hidden(header: str) -> None:
+def test_what_is_behind_the_word_for_a_key_is_hidden(header: str) -> None:
     assert Redaction().text(f"{header}abc.def-123") == f"{header}[hidden]"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A model's key, planted wherever a model or its provider may say it, is in nothing that a run leaves behind."""
+"""A model's key, planted wherever a model or its provider may state it, is in nothing that a run leaves behind."""
 
 from __future__ import annotations
 

@@ -129,7 +129,7 @@ ROBOT = Robot.model_validate(
 
 
 class Loose(DoubleModel):
-    """Says its key in every way in which a model can say something, a way a time."""
+    """Reports its key in every way in which a model can state something, a way a time."""
 
     key: SecretStr
     theirs: str
@@ -163,7 +163,7 @@ def deeds(own: str, theirs: str) -> Iterator[Any]:
 
 
 class Broken:
-    """Somebody else who is asked, and fails with words that name a key."""
+    """Someone else who is asked, and fails with words that name a key."""
 
     def __init__(self, secret: str) -> None:
         self.says = iter([secret, {"failed": secret}, {"option": secret}, {secret: secret}, {"absent": secret}])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A process that runs commands under an audit hook and tells what they opened, executed and reached.
+"""A process that runs commands under an audit hook and reports what they opened, executed and reached.
 
-Rule: it is told, as JSON on its input, `[[word, …], …]`, one list a command; it prints what each returned and did.
+Rule: it is reported, as JSON on its input, `[[word, …], …]`, one list a command; it prints what each returned and did.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def hear(name: str, given: tuple[Any, ...]) -> None:
 
 
 def main() -> None:
-    """Run what the input tells."""
+    """Run what the input reports."""
     from rai_missions.cli.main import main as command
 
     commands = json.load(sys.stdin)

@@ -53,7 +53,7 @@ class Noting(LocalConnector):
 
 
 def expected(rules: Allowed, name: str, deed: str) -> bool:
-    """The law, said again in another way: by the plain strings."""
+    """The law, reported again in another way: by the plain strings."""
     parents = [name[:end] for end in range(1, len(name) + 1) if end == len(name) or name[end] == "/"]
     if any(matches(pattern, parent) for pattern in rules.never for parent in parents):
         return False
@@ -143,7 +143,7 @@ def test_the_way_to_the_robot_judges_each_name_itself() -> None:
     assert connector.touched == set()
 
 
-def test_nothing_may_be_written_where_nobody_says_so() -> None:
+def test_nothing_may_be_written_where_no_one_states_it() -> None:
     box = Toolbox(LocalConnector(), now=time.monotonic)
     with pytest.raises(UsageError, match="'/a' may not be written; what may be written: nothing"):
         box.acting.call_service("/a")
@@ -170,7 +170,7 @@ def test_a_name_in_disguise_is_refused(name: str, message: str) -> None:
     assert message in why
 
 
-def test_a_refusal_says_what_is_allowed() -> None:
+def test_a_refusal_reports_what_is_allowed() -> None:
     rules = Allowed(read=("/tractor1/*",), write=("/tractor1/flash",))
     assert (
         rules.refusal("/x", "read") == "refused: '/x' may not be read; what may be read: /tractor1/*, /tractor1/flash"
@@ -184,7 +184,7 @@ def test_patterns_are_a_list_of_texts(given_: Any) -> None:
         Allowed(never=given_)
 
 
-def test_the_mode_of_a_connector_that_has_none_is_told() -> None:
+def test_the_mode_of_a_connector_that_has_none_is_reported() -> None:
     class TopicsOnly(LocalConnector):
         modes: frozenset[Mode] = frozenset({"topics"})
 

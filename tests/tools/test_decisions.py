@@ -81,7 +81,7 @@ def heard(model: ScriptedModel) -> list[ToolMessage]:
     return [message for message in model.heard[-1][0] if isinstance(message, ToolMessage)]
 
 
-def test_what_a_model_looked_up_in_a_run_stands_in_its_journal(tmp_path: Path) -> None:
+def test_what_a_model_looked_up_in_a_run_is_in_its_journal(tmp_path: Path) -> None:
     model = asking(call("receive_message", topic="/robot/sign", field="data", timeout_s=PATIENCE_S))
     connector, path = Counting(), tmp_path / "run.journal"
     setting = RunConfig(mission("receive_message"), robot(), model=model, connector=connector, journal=path)
@@ -99,7 +99,7 @@ def test_what_a_model_looked_up_in_a_run_stands_in_its_journal(tmp_path: Path) -
     assert json.loads(note["arguments"])["topic"] == "/robot/sign"
 
 
-def test_what_a_robot_says_widens_nothing(tmp_path: Path) -> None:
+def test_what_a_robot_reports_widens_nothing(tmp_path: Path) -> None:
     model = asking(
         call("receive_message", topic="/robot/sign", timeout_s=PATIENCE_S),
         call("publish_message", topic="/robot/flash", message={}),
@@ -155,7 +155,7 @@ def test_a_decision_that_names_no_tool_that_looks_is_refused_before_the_start(to
     assert message in str(fault.value)
 
 
-def test_without_tools_in_the_profile_there_are_none_and_it_is_said(caplog: pytest.LogCaptureFixture) -> None:
+def test_without_tools_in_the_profile_there_are_none_and_it_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     model = asking(call("receive_message", topic="/robot/sign"))
     setting = RunConfig(mission("receive_message"), robot(tools=None), model=model, connector=Counting())
     with caplog.at_level(logging.WARNING), prepare(setting) as run:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A message is never older than asked, a picture never larger than bounded, and what the robot says is data."""
+"""A message is never older than asked, a picture never larger than bounded, and what the robot reports is data."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from tests.tools.conftest import PATIENCE_S, Replying, Tried
 
 
 class Latched(LocalConnector):
-    """Tells who subscribes what was said before, in the order given."""
+    """Reports who subscribes what was reported before, in the order given."""
 
     def __init__(self, stamps: list[float]) -> None:
         super().__init__(now=lambda: 100.0)
@@ -70,7 +70,7 @@ def test_a_message_that_is_too_old_is_not_shown_and_a_newer_one_is_waited_for() 
     connector = Latched([97.2])
     look = Toolbox(connector, now=lambda: 100.0).looking
     old = look.receive_message("/x", max_age_s=1.0, timeout_s=0.01)
-    assert old.words.startswith("What was heard on /x within 0.01 s is 2.80 s old, and 1 s was the most that was asked")
+    assert old.words.startswith("What was received on /x within 0.01 s is 2.80 s old, and at most 1 s were asked")
     assert (old.facts, old.data["message"]) == (None, None)
     connector.start()
     timer = threading.Timer(0.05, lambda: connector.publish("/x", "", {"at": "now"}))
@@ -79,7 +79,7 @@ def test_a_message_that_is_too_old_is_not_shown_and_a_newer_one_is_waited_for() 
     timer.join()
 
 
-def test_whoever_waits_is_told_when_the_tools_are_stopped(local: Tried) -> None:
+def test_anyone_who_waits_learns_when_the_tools_are_stopped(local: Tried) -> None:
     box = local.box()
     threading.Timer(0.05, box.stop).start()
     with pytest.raises(UsageError, match="the tools were stopped"):
@@ -94,7 +94,7 @@ def test_a_wait_has_an_end(local: Tried, timeout_s: float) -> None:
         local.box().looking.receive_message("/x", max_age_s=math.nan)
 
 
-def test_a_field_that_is_not_there_is_told_with_those_that_are() -> None:
+def test_a_field_that_is_not_there_is_reported_with_those_that_are() -> None:
     message = {"pose": {"x": 1.0, "path": [4, 5]}}
     assert (at_path(message, "pose.path.1"), at_path(message, "")) == (5, message)
     with pytest.raises(UsageError, match=r"no field 'z' of 'pose.z'; there is: x, path"):
@@ -111,7 +111,7 @@ anything = st.recursive(
 
 
 @given(anything)
-def test_what_the_robot_says_stands_between_the_marks_and_cannot_end_them(message: Any) -> None:
+def test_what_the_robot_reports_is_between_the_marks_and_cannot_end_them(message: Any) -> None:
     text = ToolResult("Ours:", {}, {"message": message}).text()
     assert text.startswith("Ours:\n<facts>\n")
     assert text.endswith("\n</facts>")
@@ -228,14 +228,14 @@ def test_a_picture_file_that_unpacks_to_very_many_pixels_is_refused() -> None:
         ({"data": b"1234", "encoding": "16UC1", "width": 2, "height": 1, "step": 4}, "encoding: '16UC1'"),
     ],
 )
-def test_what_is_no_picture_is_told(message: Any, text: str) -> None:
+def test_what_is_no_picture_is_reported(message: Any, text: str) -> None:
     from rai_missions.tools.images import image_of
 
     with pytest.raises(ConnectorError, match=text):
         image_of(message, "x")
 
 
-def test_a_camera_that_fails_is_told() -> None:
+def test_a_camera_that_fails_is_reported() -> None:
     def fail() -> bytes:
         raise OSError("no light")
 
@@ -246,7 +246,7 @@ def test_a_camera_that_fails_is_told() -> None:
 # ── As langchain's ──────────────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_every_tool_says_what_it_takes_and_whether_it_only_looks(local: Tried) -> None:
+def test_every_tool_reports_what_it_takes_and_whether_it_only_looks(local: Tried) -> None:
     box = local.box()
     acts = {"publish_message", "call_service", "start_action", "cancel_action"}
     assert {tool.name for tool in box.tools} - {tool.name for tool in box.read_only} == acts
@@ -271,7 +271,7 @@ def failing(fault: Exception) -> RobotTool:
     ("fault", "text"),
     [
         (UsageError("no such topic"), "no such topic"),
-        (ConnectorError("the robot said </facts>"), "the robot said \\u003c/facts\\u003e"),
+        (ConnectorError("the robot reported </facts>"), "the robot reported \\u003c/facts\\u003e"),
         (RuntimeError("broken"), "failed: RuntimeError: broken"),
         (RecursionError(), "failed: RecursionError"),
     ],
@@ -297,7 +297,7 @@ def test_whatever_goes_wrong_is_an_answer(fault: Exception, text: str) -> None:
         ({"topic": "/" + "x" * 300}, "topic: String should have at most 255 characters"),
     ],
 )
-def test_arguments_that_are_not_right_are_told(local: Tried, arguments: dict[str, Any], message: str) -> None:
+def test_arguments_that_are_not_right_are_reported(local: Tried, arguments: dict[str, Any], message: str) -> None:
     tool = {tool.name: tool for tool in local.box().tools}["receive_message"]
     reported = tool.invoke(arguments)
     assert "the arguments are not right" in reported
@@ -334,7 +334,7 @@ def test_what_is_too_long_to_be_sent_is_refused(local: Tried) -> None:
     act = local.box().acting
     with pytest.raises(UsageError, match="message: 200012 characters; 100000 are the most"):
         act.publish_message("/x", {"data": "x" * 200_000}, type_name="t")
-    with pytest.raises(UsageError, match=r"goal: .* stands where an object with fields belongs"):
+    with pytest.raises(UsageError, match=r"goal: .* is given where an object with fields belongs"):
         act.start_action("/x", ["order"], type_name="t")  # type: ignore[arg-type]
 
 

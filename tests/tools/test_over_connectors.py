@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tools do on every connector what they say, in the modes that it has."""
+"""The tools do on every connector what they state, in the modes that it has."""
 
 from __future__ import annotations
 
@@ -47,14 +47,14 @@ def test_the_newest_message_comes_with_its_age_and_its_field(tried: Tried) -> No
     assert part.data["type"] == STRING, "found out from the robot, or from who listened before"
 
 
-def test_what_nobody_says_is_unknown_and_not_an_error(tried: Tried) -> None:
+def test_what_no_one_reports_is_unknown_and_not_an_error(tried: Tried) -> None:
     reported = tried.box().looking.receive_message("/tools/silent", type_name=STRING, timeout_s=0.05)
     assert reported.data["message"] is None
-    assert reported.words.startswith("Nothing was heard on /tools/silent within 0.05 s.")
+    assert reported.words.startswith("Nothing was received on /tools/silent within 0.05 s.")
     assert reported.words.endswith("What is so now is unknown.")
 
 
-def test_what_is_published_is_heard(tried: Tried) -> None:
+def test_what_is_published_is_received(tried: Tried) -> None:
     received: Inbox[Message] = Inbox(PATIENCE_S)
     close = tried.connector.subscribe("/tools/heard", STRING, received)
     tried.box().acting.publish_message("/tools/heard", {"data": "hello"}, timeout_s=PATIENCE_S)
@@ -79,7 +79,7 @@ def test_what_is_there_is_listed_with_its_type(tried: Tried) -> None:
 # ── Services ────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_a_call_says_what_was_answered(tried: Tried) -> None:
+def test_a_call_reports_what_was_answered(tried: Tried) -> None:
     close = tried.connector.serve("/tools/flash", TRIGGER, lambda _: {"success": True, "message": "done"})
     reported = tried.box().acting.call_service("/tools/flash", type_name=TRIGGER, timeout_s=PATIENCE_S)
     close()
@@ -87,7 +87,7 @@ def test_a_call_says_what_was_answered(tried: Tried) -> None:
     assert (reported.data["done"], reported.data["reply"]) == (True, {"success": True, "message": "done"})
 
 
-def test_a_call_that_was_refused_is_told_as_not_done(tried: Tried) -> None:
+def test_a_call_that_was_refused_is_reported_as_not_done(tried: Tried) -> None:
     close = tried.connector.serve("/tools/horn", TRIGGER, lambda _: {"success": False, "message": "no horn"})
     reported = tried.box().acting.call_service("/tools/horn", type_name=TRIGGER, timeout_s=PATIENCE_S)
     close()
@@ -116,7 +116,7 @@ def test_a_service_that_is_not_there_has_done_nothing(tried: Tried) -> None:
 
 
 class Server(PatientServer):
-    """Does what the test says, and takes a goal at once if that is the first thing said."""
+    """Does what the test reports, and takes a goal at once if that is the first thing reported."""
 
     def __init__(self, first: str = "") -> None:
         super().__init__()
@@ -139,7 +139,7 @@ def started(tried: Tried, box: Toolbox, server: Server, name: str) -> str:
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(moves=st.lists(st.sampled_from(MOVES), max_size=7), number=st.integers(0, 10**9))
-def test_the_outcome_that_is_told_is_the_servers(tried: Tried, moves: list[str], number: int) -> None:
+def test_the_outcome_that_is_reported_is_the_servers(tried: Tried, moves: list[str], number: int) -> None:
     needs(tried, "actions")
     server, box = Server(), tried.box()
     close = tried.connector.offer("/tools/law", FIBONACCI, server)
@@ -154,7 +154,7 @@ def test_the_outcome_that_is_told_is_the_servers(tried: Tried, moves: list[str],
     finally:
         close()
     end = next(move for move in (*moves, "succeeded") if move in ENDS)
-    # ROS has no word for a goal that is rejected after all, or canceled though nobody asked: such a one is aborted.
+    # ROS has no word for a goal that is rejected after all, or canceled though no one asked: such a one is aborted.
     is_ros = not isinstance(tried.connector, LocalConnector)
     expected = {REPORTED[end]} | ({"aborted"} if is_ros and end in ("canceled", "rejected") else set())
     assert reported.data["is_over"]
@@ -191,7 +191,7 @@ def test_a_goal_that_is_rejected_never_ran(tried: Tried) -> None:
     assert (reported.data["state"], reported.data["is_over"]) == ("rejected", True)
 
 
-def test_feedback_is_told_and_the_goal_is_not_over(tried: Tried) -> None:
+def test_feedback_is_reported_and_the_goal_is_not_over(tried: Tried) -> None:
     needs(tried, "actions")
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/feeds", FIBONACCI, server)
@@ -210,7 +210,7 @@ def test_feedback_is_told_and_the_goal_is_not_over(tried: Tried) -> None:
     assert '"newest feedback"' in reported.text()
 
 
-def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_told_as_such(tried: Tried) -> None:
+def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_reported_as_such(tried: Tried) -> None:
     needs(tried, "actions")
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/stubborn", FIBONACCI, server)
@@ -224,7 +224,7 @@ def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_told_as_such
     assert "has SUCCEEDED" in reported.words, "what ended before the cancel was not canceled"
 
 
-def test_stop_cancels_what_still_runs_and_names_what_nobody_confirmed(tried: Tried) -> None:
+def test_stop_cancels_what_still_runs_and_names_what_no_one_confirmed(tried: Tried) -> None:
     needs(tried, "actions")
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/stopped", FIBONACCI, server)
@@ -242,8 +242,8 @@ def test_stop_cancels_what_still_runs_and_names_what_nobody_confirmed(tried: Tri
 
 
 @given(st.lists(st.sampled_from([move for move in MOVES if move != "cancel"])))
-def test_after_its_end_nothing_changes_how_a_goal_stands(status: list[Any]) -> None:
-    """Even if a connector went on telling."""
+def test_after_its_end_nothing_changes_how_a_goal_is(status: list[Any]) -> None:
+    """Even if a connector continued reporting."""
     goal = ToolGoal("g", "/a")
     for each in status:
         goal.receive(Report("other", each, {}))

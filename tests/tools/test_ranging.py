@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The distance that is told is the scene's, whatever the camera, the encoding and what is missing; else unknown."""
+"""The distance that is reported is the scene's, whatever the camera, the encoding and what is missing; else unknown."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def scene_cloud(scene: Scene, *, holes: float = 0.0, seed: int = 0) -> list[tupl
     scenes(), st.sampled_from(["16UC1", "32FC1"]), st.booleans(), st.sampled_from([0, 2, 8]), st.floats(0, 0.9),
     st.integers(0, 99),
 )  # fmt: skip
-def test_a_depth_image_tells_the_distance_of_the_scene(
+def test_a_depth_image_notifies_the_distance_of_the_scene(
     scene: Scene, encoding: str, big: bool, pad: int, holes: float, seed: int
 ) -> None:
     image = depth_image(scene, encoding, big=big, pad=pad, holes=holes, seed=seed)
@@ -112,7 +112,7 @@ def test_a_depth_image_tells_the_distance_of_the_scene(
 
 
 @given(scenes(), st.floats(0, 0.5), st.integers(0, 99), st.booleans())
-def test_a_point_cloud_with_rows_and_one_without_tell_the_same(
+def test_a_point_cloud_with_rows_and_one_without_report_the_same(
     scene: Scene, holes: float, seed: int, big: bool
 ) -> None:
     points = scene_cloud(scene, holes=holes, seed=seed)
@@ -150,7 +150,7 @@ def test_too_few_measurements_are_no_distance(scene: Scene, holes: float, seed: 
 
 
 @given(scenes(), st.integers(1, 19))
-def test_what_stands_before_a_small_part_of_an_object_does_not_count(scene: Scene, share: int) -> None:
+def test_what_is_before_a_small_part_of_an_object_does_not_count(scene: Scene, share: int) -> None:
     """A fence of lines of depth 0.1 m before less than half of the object: the median stays with the object."""
     image = depth_image(scene, "32FC1")
     values = array("f", image["data"])
@@ -189,10 +189,10 @@ GOOD = depth_image(Scene((0, 0, 9, 9), 1.0), "16UC1")
         ({"data": b"short"}, "needs more than its 5 bytes"),
         ({"width": 10**6, "height": 10**6}, "a depth image of 1000000 × 1000000 pixels"),
         ({"step": 4}, "needs more than"),
-        ({"data": "text"}, "stands where bytes belong"),
+        ({"data": "text"}, "is given where bytes belong"),
     ],
 )
-def test_what_is_no_depth_image_is_told(change: dict[str, Any], message: str) -> None:
+def test_what_is_no_depth_image_is_reported(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ConnectorError, match=message):
         depth_points({**GOOD, **change}, CAMERA, (0, 0, 9, 9))
 
@@ -205,10 +205,10 @@ def test_what_is_no_depth_image_is_told(change: dict[str, Any], message: str) ->
         ({"width": 10**9}, "a point cloud of 1000000000 × 1 points"),
     ],
 )
-def test_what_is_no_cloud_is_told(change: dict[str, Any], message: str) -> None:
+def test_what_is_no_cloud_is_reported(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ConnectorError, match=message):
         cloud_points({**cloud([(0, 0, 1)], 1, 1), **change}, CAMERA, (0, 0, 64, 48))
-    with pytest.raises(ConnectorError, match="say its camera_info topic"):
+    with pytest.raises(ConnectorError, match="state its camera_info topic"):
         cloud_points(cloud([(0, 0, 1)], 1, 1), None, (0, 0, 64, 48))
 
 
@@ -249,7 +249,7 @@ def test_detections_are_read_as_detectors_write_them(message: Any) -> None:
         {"detections": [7]},
     ],
 )
-def test_what_is_no_detection_is_told(message: Any) -> None:
+def test_what_is_no_detection_is_reported(message: Any) -> None:
     with pytest.raises(ConnectorError):
         detections_of(message)
 
@@ -267,7 +267,7 @@ def saying(tried: Tried, topic: str, message: Any, at: float, frame: str = "came
     return Replying(tried.connector, topic, "", lambda: {"header": header, **message})
 
 
-def test_the_tool_tells_each_object_and_what_is_unknown(local: Tried) -> None:
+def test_the_tool_reports_each_object_and_what_is_unknown(local: Tried) -> None:
     box, now = local.box(), local.now()
     with (
         saying(local, "/seen", SEEN, now), saying(local, "/info", INFO, now),
@@ -301,7 +301,7 @@ def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: Tried) 
 
 @pytest.mark.parametrize(
     ("late_s", "old_s", "why"),
-    [(0.0, 5.0, r"what was heard on /seen is 5\.\d+ s old"), (1.0, 0.0, r"/seen and /depth are 1\.00 s apart")],
+    [(0.0, 5.0, r"what was received on /seen is 5\.\d+ s old"), (1.0, 0.0, r"/seen and /depth are 1\.00 s apart")],
 )
 def test_what_does_not_fit_in_time_is_unknown(local: Tried, late_s: float, old_s: float, why: str) -> None:
     now = local.now()
@@ -345,9 +345,9 @@ def test_what_is_missing_is_named(local: Tried) -> None:
     ask = local.box().measuring.get_distance_to_objects
     assert (
         ask("/seen", cloud_topic="/cloud", timeout_s=0).words
-        == "The distances are unknown: nothing was heard on /seen."
+        == "The distances are unknown: nothing was received on /seen."
     )
-    with pytest.raises(UsageError, match="say one of depth_topic and cloud_topic"):
+    with pytest.raises(UsageError, match="state one of depth_topic and cloud_topic"):
         ask("/seen")
     with pytest.raises(UsageError, match="needs its camera_info_topic"):
         ask("/seen", depth_topic="/depth")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames are looked up as they lie, interpolated between what was heard, and nowhere else."""
+"""Frames are looked up as they lie, interpolated between what was received, and nowhere else."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def test_a_turn_is_the_same_however_its_quaternion_is_signed(start: Quaternion, 
 
 
 @given(st.lists(instants, min_size=1, max_size=30), instants)
-def test_outside_of_what_was_heard_there_is_nothing(received: list[float], at: float) -> None:
+def test_outside_of_what_was_received_there_is_nothing(received: list[float], at: float) -> None:
     tree = Frames()
     kept: list[float] = []
     for stamp in received:
@@ -141,7 +141,7 @@ def test_outside_of_what_was_heard_there_is_nothing(received: list[float], at: f
     if min(kept) <= at <= max(kept):
         assert abs(tree.lookup("map", "base", at).transform.translation[0] - at) < 1e-9
     else:
-        with pytest.raises(UsageError, match="is not known: it was heard from"):
+        with pytest.raises(UsageError, match="is not known: it was received from"):
             tree.lookup("map", "base", at)
 
 
@@ -153,15 +153,19 @@ ONE = stamped("map", "base", Transform(), 5.0)
 @pytest.mark.parametrize(
     ("reported", "asked", "why"),
     [
-        ((ONE,), ("map", "lidar"), "no frame 'lidar' was heard of; there is: base, map"),
-        ((), ("map", "base"), "no frame 'map' was heard of; there is: none yet"),
+        ((ONE,), ("map", "lidar"), "no frame 'lidar' was reported; there is: base, map"),
+        ((), ("map", "base"), "no frame 'map' was reported; there is: none yet"),
         (
             (ONE, stamped("world", "arm", Transform(), 5.0)),
             ("arm", "base"),
             "the frames 'base' and 'arm' are not connected: map and world have no parent",
         ),
         ((ONE, stamped("base", "map", Transform(), 5.0)), ("map", "base"), "the frames go round in a circle"),
-        ((ONE,), ("map", "base", 6.0), "at 6.000 s 'base' in 'map' is not known: it was heard from 5.000 to 5.000 s"),
+        (
+            (ONE,),
+            ("map", "base", 6.0),
+            "at 6.000 s 'base' in 'map' is not known: it was received from 5.000 to 5.000 s",
+        ),
     ],
 )
 def test_an_error_names_the_frame_or_the_time(reported: Any, asked: Any, why: str) -> None:
@@ -209,7 +213,7 @@ def test_what_does_not_change_has_no_age_and_a_new_parent_no_past() -> None:
 # ── The tool ────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_the_tool_listens_and_says_where_a_frame_lies(local: Tried) -> None:
+def test_the_tool_listens_and_reports_where_a_frame_lies(local: Tried) -> None:
     box = local.box()
     half = math.sqrt(0.5)
     moving = {"transforms": [stamped("map", "base_link", Transform((1, 2, 0), (0, 0, half, half)), 10.0)]}
@@ -226,21 +230,21 @@ def test_the_tool_listens_and_says_where_a_frame_lies(local: Tried) -> None:
     assert "/tf" not in {name for name, listeners in local.connector._subscribers.items() if listeners}  # type: ignore[attr-defined]
 
 
-def test_a_transform_that_nobody_says_any_more_is_old(local: Tried) -> None:
+def test_a_transform_that_no_one_reports_any_more_is_old(local: Tried) -> None:
     at = [100.0]
     box = Toolbox(local.connector, now=lambda: at[0])
-    with pytest.raises(UsageError, match="no frame 'map' was heard of; there is: none yet"):
+    with pytest.raises(UsageError, match="no frame 'map' was reported; there is: none yet"):
         box.measuring.get_transform("map", "base", timeout_s=0.0)
     local.connector.publish("/tf", "tf2_msgs/msg/TFMessage", {"transforms": [ONE]})
     at[0] = 112.0
     reported = box.measuring.get_transform("map", "base", timeout_s=0.0)
-    assert (reported.data["age_s"], "heard 12.00 s ago" in reported.words) == (12.0, True)
-    with pytest.raises(ConnectorError, match=r"'base' in 'map' was last heard 12\.00 s ago, more than 1 s"):
+    assert (reported.data["age_s"], "received 12.00 s ago" in reported.words) == (12.0, True)
+    with pytest.raises(ConnectorError, match=r"'base' in 'map' was last received 12\.00 s ago, more than 1 s"):
         box.measuring.get_transform("map", "base", max_age_s=1.0, timeout_s=0.0)
     box.stop()
 
 
-def test_a_hostile_transform_is_dropped_and_the_next_is_heard(local: Tried) -> None:
+def test_a_hostile_transform_is_dropped_and_the_next_is_received(local: Tried) -> None:
     box = local.box()
     with pytest.raises(UsageError):
         box.measuring.get_transform("map", "base", timeout_s=0.0)
@@ -255,7 +259,7 @@ def test_transforms_are_read_only_where_their_topics_may_be_read(local: Tried) -
         local.box(read=("/camera",), write=()).measuring.get_transform("map", "base")
 
 
-def test_what_does_not_change_is_heard_by_who_comes_later_over_ros() -> None:
+def test_what_does_not_change_is_received_by_who_comes_later_over_ros() -> None:
     from rai_missions.connectors.ros2.config import read_options
 
     options = read_options({"qos": {"/b/tf_static": {"depth": 1}}})
@@ -263,7 +267,7 @@ def test_what_does_not_change_is_heard_by_who_comes_later_over_ros() -> None:
     assert results == ["latched", "latched", "volatile", "volatile"]
 
 
-def test_what_was_said_once_before_anybody_listened_is_heard_over_ros(ros: None) -> None:
+def test_what_was_reported_once_before_anybody_listened_is_received_over_ros(ros: None) -> None:
     for package in ("rclpy", "tf2_msgs"):
         pytest.importorskip(package, reason=f"{package} is not installed")
     from rai_missions.connectors.ros2 import open_connector
@@ -277,7 +281,7 @@ def test_what_was_said_once_before_anybody_listened_is_heard_over_ros(ros: None)
         moving = {"transforms": [stamped("map", "base_link", Transform((1, 2, 0)), 10.0)]}
         robot.subscribe("/tf_static", kind, received)
         robot.publish("/tf_static", kind, static)
-        received.wait(bool, "it was said")
+        received.wait(bool, "it was reported")
         mission.start()
         box = Toolbox(mission, now=time.time)
         with Replying(robot, "/tf", kind, lambda: moving):

@@ -18,7 +18,7 @@ class Drive(Trip):
     """One run of the tractor's mission.
 
     Args:
-        orchard: What the world takes; no camera, but the detector, unless it says so.
+        orchard: What the world takes; no camera, but the detector, unless it states it.
         moments: When → what happens then.
         events_of: The profile whose anomaly is listened for.
         words: Fields of `Setting`.

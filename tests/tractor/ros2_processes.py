@@ -27,7 +27,7 @@ PATIENCE_S = 150.0
 
 @contextmanager
 def ros_domain(logs: Path) -> Iterator[dict[str, str]]:
-    """The environment of processes that find each other and nobody else."""
+    """The environment of processes that find each other and no one else."""
     domain, lock = lock_free_domain()
     with lock:
         yield {
@@ -40,7 +40,7 @@ def ros_domain(logs: Path) -> Iterator[dict[str, str]]:
 
 
 class Process:
-    """A command of ours that runs, and the lines that it has said.
+    """A command of ours that runs, and the lines that it has reported.
 
     Args:
         words: The command line after `rai-missions`.

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every end of the shipped missions does what its texts promise: it halts where it says so, and calls whom it names."""
+"""Every end of the shipped missions does what its texts promise: it halts where it states it, and calls whom it
+names."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ CALLS, STOPS = ("a person is called", "call a person"), ("stop here for good", "
 
 
 @pytest.mark.parametrize("name", ["tractor", "rosbot"])
-def test_an_option_and_its_end_do_what_they_say(name: str) -> None:
+def test_an_option_and_its_end_do_what_they_state(name: str) -> None:
     mission = load(MISSIONS / name / "mission.json")
     promised = {state: end.about for _, state, end in mission.walk() if isinstance(end, Final)}
     for _, _, state in mission.walk():

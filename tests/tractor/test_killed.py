@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped mission over ROS 2, killed with `kill -9` while its tractor goes on: it ends as it does without."""
+"""The shipped mission over ROS 2, killed with `kill -9` while its tractor continues: it ends as it does without."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ class Death(NamedTuple):
     """When a life ends, and how long the tractor is alone then."""
 
     word: str = ""
-    """What the world says."""
+    """What the world reports."""
     delay_s: float = 0.0
     instant: Instant | None = None
     until: str = ""
-    """What the world says before the next life begins; at once, if nothing."""
+    """What the world reports before the next life begins; at once, if nothing."""
     alone_s: float = ALONE_S
     """For so long at the most."""
 
@@ -132,8 +132,8 @@ def test_a_tractor_that_finished_its_alley_alone_is_no_failure(orchard: Orchard,
 
 
 @pytest.mark.drill
-def test_a_start_of_which_nobody_knows_is_looked_after(orchard: Orchard) -> None:
-    """Killed as it is told to drive on, and then as it is told to drive over the branch."""
+def test_a_start_of_which_no_one_knows_is_looked_after(orchard: Orchard) -> None:
+    """Killed as it is asked to drive on, and then as it is asked to drive over the branch."""
     orchard.drive([Death(delay_s=60.0, instant=Instant("a call is sent", number, True)) for number in (1, 2)])
 
 
@@ -141,7 +141,7 @@ def test_a_start_of_which_nobody_knows_is_looked_after(orchard: Orchard) -> None
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("options", [BRANCH, ANIMAL, ORCHARD], ids=["branch", "animal", "seed 3"])
 def test_killed_after_a_row_it_ends_as_if_it_had_not_been(orchard: Orchard, options: Mapping[str, Any]) -> None:
-    """`RAI_MISSIONS_ROWS` says after which rows, as `9,11,12`."""
+    """`RAI_MISSIONS_ROWS` reports after which rows, as `9,11,12`."""
     for row in (int(each) for each in os.environ.get("RAI_MISSIONS_ROWS", "3,9,11,12,15,20").split(",")):
         orchard.drive([Death(delay_s=60.0, instant=Instant("a row is written", row, True))], options)
         print(f"after row {row}: {orchard.kills} kills", flush=True)  # noqa: T201 - the figure
@@ -164,7 +164,7 @@ def chosen(chance: random.Random) -> Death:
 @pytest.mark.drill
 @pytest.mark.timeout(14_400)
 def test_whenever_it_is_killed_the_tractors_mission_ends_as_if_it_had_not_been(orchard: Orchard) -> None:
-    """`RAI_MISSIONS_KILLS` says how often; `RAI_MISSIONS_SEED` by which chance."""
+    """`RAI_MISSIONS_KILLS` reports how often; `RAI_MISSIONS_SEED` by which chance."""
     most, chance = int(os.environ.get("RAI_MISSIONS_KILLS", "40")), random.Random(os.environ.get("RAI_MISSIONS_SEED"))
     while orchard.kills < most:
         deaths = [chosen(chance) for _ in range(chance.randint(1, 3))]

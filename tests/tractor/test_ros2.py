@@ -74,7 +74,7 @@ class TestOnRos:
 
     @pytest.mark.drill
     def test_the_same_mission_takes_the_same_answers_to_the_same_end_as_in_one_process(self, graph: Graph) -> None:
-        """A branch is driven over, a person is signalled to, as the rules say; nobody is touched."""
+        """A branch is driven over, a person is signalled to, as the rules state; no one is touched."""
         world = graph.world("--seed", "7", speed=UNHURRIED, **LIVELY)
         over_ros = graph.run("--json", alleys=2)
         assert over_ros.ends() == 0, over_ros.text + world.text
@@ -97,7 +97,7 @@ class TestOnRos:
         assert json.loads(in_process.lines.all[-1])["outcome"] == "succeeded"
         assert taken == answers(Path(reported["journal"])) == ["drive_over", "signal"]
 
-    def test_a_world_that_is_killed_ends_the_run_which_says_why(self, graph: Graph) -> None:
+    def test_a_world_that_is_killed_ends_the_run_which_states_why(self, graph: Graph) -> None:
         world = graph.world(alleys=1, obstacles=["none"])
         mission = graph.run()
         world.says("state: DRIVING")
@@ -141,7 +141,7 @@ class TestOnRos:
         assert "passed: True" in world.text
         assert world.lines.all[-1].endswith("at_home: True") or "at_home: True" in world.text.split("FINISHED")[-1]
 
-    def test_a_world_that_does_not_run_is_missed_by_name_and_one_is_told_how_to_start_it(self, graph: Graph) -> None:
+    def test_a_world_that_does_not_run_is_missed_by_name_and_one_learns_how_to_start_it(self, graph: Graph) -> None:
         mission = graph.run()
         assert mission.ends() == 2
         last = mission.lines.all[-1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped mission in the orchard: what it is, what it does, and what nobody can make it do."""
+"""The shipped mission in the orchard: what it is, what it does, and what no one can make it do."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_the_twin_in_python_is_equal() -> None:
 
 
 @pytest.mark.sim
-def test_the_main_job_succeeds_and_its_journal_says_how(drive: Any, tmp_path: Path) -> None:
+def test_the_main_job_succeeds_and_its_journal_reports_how(drive: Any, tmp_path: Path) -> None:
     """Six alleys, seed 7, rules alone, as `make run` does it."""
     one = drive(words={"journal": tmp_path / "one.journal"})
     result = one.run()
@@ -90,7 +90,7 @@ def test_each_kind_of_obstacle_ends_sensibly(
 
 @pytest.mark.sim
 @pytest.mark.parametrize("obstacle", ["person", "animal"])
-def test_nobody_is_driven_over_whatever_a_model_says(drive: Any, obstacle: str) -> None:
+def test_no_one_is_driven_over_whatever_a_model_reports(drive: Any, obstacle: str) -> None:
     liar = ChatteringAnswerer([{"option": "drive_over", "why": "the way is free"}])
     one = drive(words={"answerers": {"agent": liar, "operator": liar}}, alleys=2, obstacles=[obstacle, "none"])
     result = one.run()
@@ -131,7 +131,7 @@ def test_an_emergency_stop_stops_it_at_once_from_anywhere(drive: Any) -> None:
 
 @pytest.mark.sim
 @pytest.mark.parametrize("events_of", ["robot.sim.json", "robot.ros2.json", "robot.nav2.json"])
-def test_a_pause_stops_the_tractor_and_resume_goes_on(drive: Any, events_of: str) -> None:
+def test_a_pause_stops_the_tractor_and_resume_continues(drive: Any, events_of: str) -> None:
     speeds: list[float] = []
     one = drive(
         moments={

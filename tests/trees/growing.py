@@ -33,7 +33,7 @@ class Facts(NamedTuple):
 
 
 def seen(at: float, facts: Mapping[str, Any]) -> Any:
-    """A view of these facts, stamped with this time; a fact that is None was never heard."""
+    """A view of these facts, stamped with this time; a fact that is None was never received."""
     return Facts(at, {key: Stamped(value, at) for key, value in facts.items() if value is not None})
 
 

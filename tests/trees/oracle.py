@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A tree built of plain py_trees, with leaves that say what a script says: what ours is compared with."""
+"""A tree built of plain py_trees, with leaves that state what a script reports: what ours is compared with."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CONVERTERS: Mapping[type, type] = {
 
 
 class Script:
-    """What leaves say at this tick, the time, and the calls that were recorded."""
+    """What leaves state at this tick, the time, and the calls that were recorded."""
 
     def __init__(self) -> None:
         self.at = 0.0

@@ -256,7 +256,7 @@ class Polled(Oracle):
         return False
 
     def reaches(self, at: float, rig: Any) -> bool:
-        """Whether polling that goes round comes by this stand."""
+        """Whether polling that goes round comes by this are."""
         for _ in range(MOST_POLLS):
             if self.stand() == rig:
                 return True
@@ -280,7 +280,7 @@ class Polled(Oracle):
 
 
 class Ran(NamedTuple):
-    """How both stand after something has happened."""
+    """How both are after something has happened."""
 
     has_settled: bool
     """Polling came to an end, or goes round and comes by where the chart's tree rests."""

@@ -53,7 +53,7 @@ def the_rest(calls: Any) -> Any:
 
 
 def taken_over(lived: Lived) -> Iterator[tuple[str, str]]:
-    """Children of composites without memory: one that ran and was ended, and one that now stands in for it."""
+    """Children of composites without memory: one that ran and was ended, and one that now is in for it."""
     closed = {path for path, call, _ in lived.calls if call == "terminate"}
     for path, node in lived.nodes.items():
         if not hasattr(node, "memory") or node.memory or lived.before[path] != "running":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Behaviours written in Python: a leaf in the tree, and the live one beside the mission."""
+"""Behaviours written in Python: a leaf in the tree, and the live one next to the mission."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.trees.growing import is_true, seen
 
 
 class Worker(py_trees.behaviour.Behaviour):
-    """Says what it is told to say, and writes down its calls."""
+    """Reports what it is asked to state, and writes down its calls."""
 
     def __init__(self, *states: Any) -> None:
         super().__init__("worker")
@@ -69,7 +69,7 @@ def test_a_behaviour_in_python_is_not_written_as_json() -> None:
         dump(mission)
 
 
-def test_a_leaf_says_what_its_behaviour_said() -> None:
+def test_a_leaf_reports_what_its_behaviour_reported() -> None:
     ticker = PyTrees().compile(Tree(make).tree, "/tree", {}, "s")
     first = ticker.tick(TreeState(), seen(0.0, {}), {})
     assert (first.status, first.started) == ("running", ("",))
@@ -106,7 +106,7 @@ def test_a_live_behaviour_that_has_ended_is_not_interrupted() -> None:
 
 
 @pytest.mark.parametrize("states", [ValueError("no"), Status.INVALID, Status.FAILURE])
-def test_a_behaviour_that_raises_or_says_nothing_has_failed(states: Any) -> None:
+def test_a_behaviour_that_raises_or_reports_nothing_has_failed(states: Any) -> None:
     assert LiveBehaviour(BehaviourLeaf(lambda: Worker(states))).tick() == "failure"
 
 

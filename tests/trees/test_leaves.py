@@ -24,7 +24,7 @@ KEYS = {
 
 
 class Run:
-    """One tree, ticked where it stands."""
+    """One tree, ticked where it is."""
 
     def __init__(self, tree: Any) -> None:
         self.ticker = PyTrees().compile(TreeNode.read(tree), "/states/s/tree", KEYS, "s")
@@ -54,7 +54,7 @@ def test_an_action_succeeds_with_succeeded_and_with_nothing_else(outcome: str) -
     assert run.ticker.tick(run.state, seen(0.0, {}), {"": outcome}).status == "failure"
 
 
-def test_an_outcome_may_stand_in_the_state_instead() -> None:
+def test_an_outcome_may_be_in_the_state_instead() -> None:
     run = Run({"call": "horn"})
     run.tick()
     run.state = run.state._replace(leaves={"": Leaf(1, "succeeded")})
@@ -173,7 +173,7 @@ def test_a_branch_that_takes_over_starts_after_the_old_one_has_ended() -> None:
     assert ("selector/0/sequence/1", "update", "running") in ticked.trace[1:]
 
 
-def test_a_higher_branch_that_succeeds_at_once_is_told_after_the_old_one_has_ended() -> None:
+def test_a_higher_branch_that_succeeds_at_once_is_reported_after_the_old_one_has_ended() -> None:
     run = Run({"selector": [{"check": is_true("a")}, {"action": "work"}]})
     run.tick(a=False)
     ticked = run.tick(a=True)
@@ -181,7 +181,7 @@ def test_a_higher_branch_that_succeeds_at_once_is_told_after_the_old_one_has_end
     assert [path for path, *_ in ticked.trace] == ["selector/1", *["selector/0"] * 3, ""]
 
 
-def test_a_guard_that_fails_in_a_sequence_is_told_before_what_it_ends() -> None:
+def test_a_guard_that_fails_in_a_sequence_is_reported_before_what_it_ends() -> None:
     run = Run({"sequence": [{"check": is_true("a")}, {"action": "work"}], "memory": False})
     run.tick(a=True)
     ticked = run.tick(a=False)
@@ -204,7 +204,7 @@ def test_a_tick_that_breaks_off_leaves_no_trace() -> None:
     assert run.tick(2.0).state.leaves == {"sequence/1": Leaf(1)}
 
 
-def test_a_tick_says_which_rounds_of_loops_have_ended() -> None:
+def test_a_tick_reports_which_rounds_of_loops_have_ended() -> None:
     run = Run({"retry": 2, "child": {"action": "grasp"}})
     first = run.tick()
     assert (first.begun, first.rounds) == (("child",), ())
@@ -231,7 +231,7 @@ def test_the_round_of_a_loop_without_a_number_may_take_time() -> None:
     assert run.wake_at(1.0) == 2.0
 
 
-def test_a_condition_waits_for_what_its_child_says() -> None:
+def test_a_condition_waits_for_what_its_child_reports() -> None:
     run = Run({"condition": "failure", "child": {"check": is_true("a")}})
     assert run.tick(a=True).status == "running"
     assert run.tick(a=False).status == "success"
@@ -263,7 +263,7 @@ def test_a_held_guard_counts_from_when_it_became_true() -> None:
     assert run.tick(3.0, a=True).status == "success"
 
 
-def test_a_held_guard_counts_anew_after_a_break() -> None:
+def test_a_held_guard_counts_again_after_a_break() -> None:
     run = Run({"condition": "success", "child": {"check": {"held": is_true("a"), "for_s": 2}}})
     for at, fact in ((0.0, True), (1.0, False), (1.5, True), (2.5, True)):
         assert run.tick(at, a=fact).status == "running"

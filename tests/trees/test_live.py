@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A behaviour written in Python runs beside its mission, on the run's clock."""
+"""A behaviour written in Python runs next to its mission, on the run's clock."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_its_failure_is_its_leaf_s() -> None:
     assert ran(3, py_trees.common.Status.FAILURE).state == ("bad",)
 
 
-def test_one_that_goes_on_when_its_state_is_left_is_interrupted() -> None:
+def test_one_that_continues_when_its_state_is_left_is_interrupted() -> None:
     Count.made.clear()
     assert ran(10_000).state == ("bad",)
     assert [each.stopped for each in Count.made] == [True]

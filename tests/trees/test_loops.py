@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A tree that goes round: as often as it says, as far as a step has room, and it never fails for it."""
+"""A tree that goes round: as often as it reports, as far as a step has room, and it never fails for it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def above(number: int) -> dict[str, Any]:
 
 
 def working(tree: Any, **neighbours: Any) -> Chart:
-    """A chart that runs a tree; other states beside it make it a region."""
+    """A chart that runs a tree; other states next to it make it a region."""
     ends = [{"on": "succeeded", "to": "good"}, {"on": "failed", "to": "bad"}]
     states: dict[str, Any] = {
         "work": {"tree": tree, "transitions": ends}, "good": {"final": "aborted"}, "bad": {"final": "failed"}
@@ -50,7 +50,7 @@ def count(chart: Chart) -> int:
 # -- what a tree writes ---------------------------------------------------------------------------------------------
 
 
-def test_a_row_beside_a_tree_sees_what_it_writes() -> None:
+def test_a_row_next_to_a_tree_sees_what_it_writes() -> None:
     keep = {"sequence": [COUNT, {"check": {"key": "waiting", "==": True}}], "memory": False}
     pokes = {"on": "poke", "do": [{"set": "waiting", "value": True}]}
     waits = {"waits": {"transitions": [pokes, {"when": {"key": "n", ">=": 2}, "to": "there"}]}, "there": {}}
@@ -155,7 +155,7 @@ def test_a_tree_that_writes_what_it_looks_at_rests_after_a_thousand_times() -> N
     assert count(chart) == 7 + MOST_WAKES + 1
 
 
-def test_a_step_that_takes_the_short_way_says_what_rests_too() -> None:
+def test_a_step_that_takes_the_short_way_reports_what_rests_too() -> None:
     data = working({"repeat": -1, "child": {"sequence": [COUNT, above(0)]}}).mission.model_dump(by_alias=True)
     data |= {"transitions": [{"on": "poke", "do": [{"log": "poked"}]}]}
     chart = Chart(Mission.model_validate(data), PyTrees())

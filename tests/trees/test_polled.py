@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A tree in a chart, which nobody polls, stands where py_trees stands that is polled until nothing changes."""
+"""A tree in a chart, which no one polls, is where py_trees is that is polled until nothing changes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.trees.polling import Pair, lives, polled_trees
 def as_polled(drawn: Any, life: Any) -> None:
     with pytest.MonkeyPatch.context() as monkeypatch:
         for ran in Pair(drawn, monkeypatch).live(life):
-            if not ran.has_settled:  # what never comes to rest by polling rests here, and says so
+            if not ran.has_settled:  # what never comes to rest by polling rests here, and states it
                 event("never comes to rest")
                 assert ran.resting == ("work",)
                 return

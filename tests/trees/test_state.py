@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All that a tree remembers stands in its state; time and facts matter when it says so."""
+"""All that a tree remembers is in its state; time and facts matter when it states it."""
 
 from __future__ import annotations
 

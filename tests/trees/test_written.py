@@ -36,7 +36,7 @@ def test_every_path_leads_to_its_node(tree: Any) -> None:
         assert TreeNode.read(place) == node
 
 
-def test_python_and_json_say_the_same() -> None:
+def test_python_and_json_state_the_same() -> None:
     python = t.Selector([
         t.Sequence([t.CheckLeaf({"fresh": "obstacle"}), t.Inverter(t.ActionLeaf("drive"))], memory=False),
         t.Retry(t.Timeout(t.CallLeaf("horn"), 2.0), 3),
@@ -64,7 +64,7 @@ def test_python_and_json_say_the_same() -> None:
         ),
     ],
 )
-def test_a_fault_is_told_with_a_remedy(tree: Any, sentence: str) -> None:
+def test_a_fault_is_reported_with_a_remedy(tree: Any, sentence: str) -> None:
     with pytest.raises(DefinitionError, match=re.escape(sentence)):
         t.Tree(tree)
 

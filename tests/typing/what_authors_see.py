@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a type checker tells the authors of Python missions; `make check` runs mypy on this, strictly."""
+"""What a type checker notifies the authors of Python missions; `make check` runs mypy on this, strictly."""
 
 from __future__ import annotations
 

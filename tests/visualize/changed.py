@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The design's example as somebody in a hurry would change it: a little of each thing that a review must find."""
+"""The design's example as someone in a hurry would change it: a little of each thing that a review must find."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def seen(colour: str, blindness: str) -> Triple:
 
 
 def distance(one: str, other: str, blindness: str) -> float:
-    """2.3 is what a trained eye can just tell, side by side."""
+    """2.3 is what a trained eye can just report, side by side."""
     return math.dist(seen(one, blindness), seen(other, blindness))
 
 

@@ -36,7 +36,7 @@ def hostile() -> Mission:
 
 
 def run(mission: Mission, events: Sequence[str]) -> list[Step]:
-    """The steps of a chart that hears events three seconds apart, and is told the time in between."""
+    """The steps of a chart that receives events three seconds apart, and is sent the time in between."""
     chart = Chart(mission, ticker=PyTrees())
     steps = [chart.start(at=0.0)]
     for number, name in enumerate(events, start=1):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colours that readers with any colour blindness can tell apart, and that never stand alone."""
+"""Colours that readers with any colour blindness can distinguish, and that never are alone."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ def nearest(colours: set[str], blindness: str) -> float:
 
 
 @pytest.mark.parametrize("blindness", BLINDNESSES)
-def test_what_changed_can_be_told_from_what_came_and_went(blindness: str) -> None:
+def test_what_changed_can_be_reported_from_what_came_and_went(blindness: str) -> None:
     assert nearest({pen for pen, _, _ in MARKS.values()}, blindness) > 20
 
 
 @pytest.mark.parametrize("blindness", BLINDNESSES)
-def test_the_kinds_of_states_can_be_told_apart(blindness: str) -> None:
+def test_the_kinds_of_states_can_be_distinguished(blindness: str) -> None:
     assert nearest({look.pen for look in (*LOOKS.values(), *OUTCOMES.values())}, blindness) > 10
 
 
 @pytest.mark.parametrize("blindness", BLINDNESSES)
 @pytest.mark.parametrize("theme", THEMES, ids=range(len(THEMES)))
-def test_the_lines_of_the_page_can_be_told_apart_and_read(theme: str, blindness: str) -> None:
-    """Twice what an eye can just tell; which kind it is stands in words on each."""
+def test_the_lines_of_the_page_can_be_distinguished_and_read(theme: str, blindness: str) -> None:
+    """Twice what an eye can just report; which kind it is is in words on each."""
     colours = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", theme))
     lines = {colours[name] for name in ("blue", "sky", "orange", "green", "purple", "red", "group-line")}
     assert len(lines) == 7
@@ -46,13 +46,13 @@ def test_the_page_has_a_light_and_a_dark_theme() -> None:
     assert len(THEMES) >= 2
 
 
-def test_nothing_is_told_by_colour_alone() -> None:
+def test_nothing_is_reported_by_colour_alone() -> None:
     looks = [*LOOKS.values(), *OUTCOMES.values()]
     assert len({look.word for look in looks}) == len(looks)
     assert len({style for _, style, _ in MARKS.values()}) == len(MARKS) == len({word for _, _, word in MARKS.values()})
 
 
-def test_a_simulated_reader_sees_what_the_model_says() -> None:
+def test_a_simulated_reader_sees_what_the_model_reports() -> None:
     """Black and white stay, and the pure red and green that a deuteranope confuses come close together."""
     for blindness in BLINDNESSES:
         assert distance("#000000", "#ffffff", blindness) == pytest.approx(100, abs=0.5)

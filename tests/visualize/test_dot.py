@@ -33,7 +33,7 @@ def svg(mission: Mission) -> ElementTree.Element:
 
 
 @given(missions())
-def test_every_row_is_an_arrow_for_each_target_or_stands_in_its_state(mission: Mission) -> None:
+def test_every_row_is_an_arrow_for_each_target_or_is_in_its_state(mission: Mission) -> None:
     drawn = picture(mission)
     text = dot_text(drawn)
     assert Counter(ROW.findall(text)) == Counter((edge.place, edge.target) for edge in drawn.edges if edge.target)
@@ -161,7 +161,7 @@ def test_the_path_is_bold_and_counted() -> None:
     assert 'penwidth="1"' in untaken
 
 
-def test_fonts_are_portable_and_the_drawing_program_is_not_told() -> None:
+def test_fonts_are_portable_and_the_drawing_program_is_not_reported() -> None:
     text = render(picture(tractor()), "svg").decode()
     assert set(re.findall(r'font-family="([^"]*)"', text)) == {
         "Helvetica,Arial,Liberation Sans,DejaVu Sans,Noto Sans,sans-serif"
@@ -176,10 +176,10 @@ def test_a_png_is_one_with_and_without_resvg(monkeypatch: pytest.MonkeyPatch) ->
     assert render(picture(tractor()), "png").startswith(b"\x89PNG\r\n")
 
 
-def test_a_png_tells_of_characters_that_no_font_has(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_png_reports_of_characters_that_no_font_has(caplog: pytest.LogCaptureFixture) -> None:
     pytest.importorskip("resvg_py")
     given = document()
-    given["about"] = "\U0010fffd and \U000f1234"  # of nobody, for private use
+    given["about"] = "\U0010fffd and \U000f1234"  # of no one, for private use
     render(picture(Mission.model_validate(given)), "png")
     assert "has 2 of the characters" in caplog.text and "\U0010fffd \U000f1234; install a font" in caplog.text
     caplog.clear()
@@ -200,14 +200,14 @@ def test_a_dot_of_the_user_comes_first(tmp_path: Path, monkeypatch: pytest.Monke
         assert layout_program() == program
 
 
-def test_without_graphviz_the_error_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_graphviz_the_error_states_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
     with pytest.raises(UsageError, match=r"neither `dot` nor `graphviz-pure`.*pip install 'rai-missions\[draw\]'"):
         render(picture(tractor()), "svg")
 
 
-def test_what_graphviz_refuses_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_graphviz_refuses_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     program = tmp_path / "dot"
     program.write_text("#!/bin/sh\ncat > /dev/null\necho no memory >&2\nexit 3\n")
     program.chmod(0o755)

@@ -30,7 +30,7 @@ def test_an_unknown_ending_is_refused_with_those_there_are(tmp_path: Path) -> No
     assert not list(tmp_path.iterdir())
 
 
-def test_a_file_that_cannot_be_written_is_told_and_leaves_nothing(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_is_reported_and_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"a.dot' cannot be written: No such file or directory"):
         draw(tractor(), tmp_path / "nowhere" / "a.dot")
     (tmp_path / "folder.dot").mkdir()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A notebook shows a mission, and nothing is told to a notebook where there is none."""
+"""A notebook shows a mission, and nothing is sent to a notebook where there is none."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def test_the_edges_are_exactly_the_rows_once_for_each_target(mission: Mission) -
 
 
 @given(missions())
-def test_the_nodes_are_exactly_the_states_where_they_stand(mission: Mission) -> None:
+def test_the_nodes_are_exactly_the_states_where_they_are(mission: Mission) -> None:
     drawn = picture(mission)
     assert [(node.place, node.name) for node in drawn.nodes] == [(place, name) for place, name, _ in mission.walk()]
     for node in drawn.nodes:
@@ -88,7 +88,7 @@ def test_a_tree_hangs_in_its_state() -> None:
     ]
 
 
-def test_the_path_tells_how_often_and_when() -> None:
+def test_the_path_reports_how_often_and_when() -> None:
     drawn = picture(tractor(), tractor_path())
     anomaly = next(edge for edge in drawn.edges if edge.trigger == "anomaly")
     assert anomaly.taken.words() == "2× in steps 2, 5"

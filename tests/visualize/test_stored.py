@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures as text, against those that were looked at and stored; `make pictures` draws them anew."""
+"""The pictures as text, against those that were looked at and stored; `make pictures` draws them again."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_the_difference_reads_as_it_was_looked_at() -> None:
 
 
 @pytest.mark.parametrize("path", shipped(), ids=lambda path: path.parent.name)
-def test_a_shipped_mission_has_its_picture_beside_it(path: Path) -> None:
+def test_a_shipped_mission_has_its_picture_next_to_it(path: Path) -> None:
     """Its places and words, not its coordinates, which each Graphviz lays out a little otherwise."""
     target = path.with_suffix(".svg")
     data = drawn(picture(_read(path)), "svg")

@@ -52,7 +52,7 @@ def test_mermaid_shows_a_text_as_it_is(text: str) -> None:
     assert re.sub(r"#(\d+);", lambda found: chr(int(found[1])), written) == clean(text).replace("\n", " ")
 
 
-def test_a_diagram_that_mermaid_refuses_for_its_size_says_so() -> None:
+def test_a_diagram_that_mermaid_refuses_for_its_size_states_it() -> None:
     texts = [f"{number} " + "long " * 100 for number in range(120)]
     states = {f"s{number}": {"entry": [{"say": text}]} for number, text in enumerate(texts)}
     large = Mission.model_validate({"format": 1, "name": "large", "initial": "s0", "states": states})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generated missions with behaviour trees as they are written, and what their files say of the order of nodes."""
+"""Generated missions with behaviour trees as they are written, and what their files report about the order of nodes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Child(NamedTuple):
 
 
 def named(node: Json, names: Iterator[str], number: int = 0) -> Child:
-    """Give each node of a written tree a name of its own; returns what the file then says."""
+    """Give each node of a written tree a name of its own; returns what the file then reports."""
     node["name"] = next(names)
     inside = next((node[word] for word in ("sequence", "selector", "parallel") if isinstance(node.get(word), list)), [])
     if inside:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An orchard on a connector, and somebody who listens to it."""
+"""An orchard on a connector, and someone who listens to it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rai_missions.worlds import open_world
 
 
 class Rig:
-    """A world, its connector, and all that was heard.
+    """A world, its connector, and all that was received.
 
     Args:
         options: Those of `Orchard`.
@@ -84,7 +84,7 @@ class Rig:
         return dict(json.loads(self.data(topic)))
 
     def to_the_obstacle(self) -> None:
-        """Drive until the autonomy hands over, and stand."""
+        """Drive until the autonomy hands over, and are."""
         assert self.call("continue")["success"]
         assert self.run(lambda: self.state == "STOPPED", 60.0), "nothing stopped the tractor"
         assert self.run(lambda: abs(self.world.pose.speed) < 0.02, 5.0)

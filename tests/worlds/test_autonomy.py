@@ -32,7 +32,7 @@ def test_without_obstacles_it_drives_every_alley_and_the_count_is_by_pose(rig: A
     assert orchard.call("continue") == {"success": False, "message": "There is nothing to continue"}
 
 
-def test_it_stops_nearer_than_five_metres_and_says_so_in_the_words_of_upstream(rig: Any) -> None:
+def test_it_stops_nearer_than_five_metres_and_states_it_in_the_words_of_upstream(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[PERSON], camera=False)
     orchard.to_the_obstacle()
     person = orchard.world.places[0]
@@ -42,7 +42,7 @@ def test_it_stops_nearer_than_five_metres_and_says_so_in_the_words_of_upstream(r
     assert orchard.data("passed") is False
 
 
-def test_a_stop_stops_and_a_continue_goes_on(rig: Any) -> None:
+def test_a_stop_stops_and_a_continue_continues(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[], camera=False)
     orchard.call("continue")
     orchard.rest(8.0)
@@ -91,7 +91,7 @@ def test_a_continue_that_sees_nothing_looks_again_before_it_moves(rig: Any) -> N
     assert not orchard.world.judge.touched
 
 
-def test_the_horn_makes_whoever_heeds_it_walk_away(rig: Any) -> None:
+def test_the_horn_makes_anyone_who_heeds_it_walk_away(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[{"kind": "animal", "heeds_after": 2, "lingers_s": 900.0}])
     orchard.to_the_obstacle()
     assert orchard.call("flash")["success"]
@@ -106,7 +106,7 @@ def test_the_horn_makes_whoever_heeds_it_walk_away(rig: Any) -> None:
     assert orchard.data("touched_living") is False
 
 
-def test_whoever_lingers_leaves_without_walking_into_the_tractor(rig: Any) -> None:
+def test_anyone_who_lingers_leaves_without_walking_into_the_tractor(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[{"kind": "person", "heeds_after": 99, "lingers_s": 3.0}], camera=False)
     orchard.to_the_obstacle()
     orchard.rest(20.0)
@@ -125,7 +125,7 @@ def test_it_goes_home_from_an_alley_that_is_blocked_and_on_from_there(rig: Any) 
     left = [r.data["distance_remaining"] for r in orchard.reports if r.status == "feedback"]
     assert left[0] > 10.0 > 1.0 > left[-1]
     assert orchard.call("continue")["success"]
-    assert orchard.run(lambda: orchard.state == "STOPPED", 90.0), "it goes on to the alley that is left"
+    assert orchard.run(lambda: orchard.state == "STOPPED", 90.0), "it continues to the alley that is left"
 
 
 def test_a_way_home_that_is_canceled_ends_canceled_and_standing(rig: Any) -> None:
@@ -143,7 +143,7 @@ def test_a_way_home_that_is_canceled_ends_canceled_and_standing(rig: Any) -> Non
     assert abs(orchard.world.pose.speed) < 0.05
 
 
-def test_a_way_home_ends_failed_when_somebody_stops_the_tractor(rig: Any) -> None:
+def test_a_way_home_ends_failed_when_someone_stops_the_tractor(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[], camera=False)
     orchard.call("continue")
     orchard.rest(10.0)
@@ -174,7 +174,7 @@ def test_the_battery_drains_with_work_and_an_empty_one_stops_the_tractor(rig: An
     assert orchard.world.battery.percentage == 0.0
 
 
-def test_whoever_hears_of_a_stop_may_call_a_service_at_once(rig: Any) -> None:
+def test_anyone_who_is_notified_of_a_stop_may_call_a_service_at_once(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[PERSON], camera=False)
     answers: list[Any] = []
     orchard.connector.subscribe(

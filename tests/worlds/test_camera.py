@@ -129,7 +129,7 @@ def renderers(rig: Any) -> Iterator[list[Any]]:
         one.close()
 
 
-def test_what_nobody_closes_is_freed_by_the_thread_that_made_it(renderers: list[Any]) -> None:
+def test_what_no_one_closes_is_freed_by_the_thread_that_made_it(renderers: list[Any]) -> None:
     renderer, thread = renderers[0].do(lambda: (renderers[0].of(24, 32), threading.current_thread()))
     renderers.clear()
     gc.collect()
@@ -147,7 +147,7 @@ def test_a_picture_that_is_asked_for_after_the_end_is_rendered_all_the_same(rig:
         assert (camera.colour(moment) == before).all()
 
 
-def test_what_goes_wrong_on_the_thread_of_the_renderers_is_told_to_who_asked(renderers: list[Any]) -> None:
+def test_what_goes_wrong_on_the_thread_of_the_renderers_is_asked_to_who_asked(renderers: list[Any]) -> None:
     (one,) = renderers
     with pytest.raises(UsageError, match=r"(?s)the camera cannot render \(Image width .*\): install EGL"):
         one.do(lambda: one.of(24, 1_000_000))

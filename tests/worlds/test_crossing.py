@@ -72,7 +72,7 @@ def test_there_is_nothing_to_cross_before_something_was_in_the_way(rig: Any) -> 
     assert "nothing to cross" in orchard.reports[-1].why
 
 
-def test_a_crossing_that_is_canceled_stands_short_of_the_obstacle(rig: Any) -> None:
+def test_a_crossing_that_is_canceled_is_short_of_the_obstacle(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=["branch"], camera=False)
     orchard.to_the_obstacle()
     orchard.send("/tractor1/cross", {}, "cross")

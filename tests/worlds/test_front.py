@@ -33,7 +33,7 @@ def _known(type_name: str) -> None:
 
 
 class Crowded(Poor):
-    """A connector on which others are seen, by mode and name, and who tells of its own topics at once."""
+    """A connector on which others are seen, by mode and name, and who reports of its own topics at once."""
 
     def __init__(self, others: Mapping[Mode, Mapping[str, int]] | None = None) -> None:
         super().__init__()
@@ -75,7 +75,7 @@ def test_what_the_machine_has_no_types_for_is_left_out_and_the_rest_is_there() -
     assert "/tractor1/pose" not in front.topics
 
 
-def test_the_time_is_said_after_each_step() -> None:
+def test_the_time_is_reported_after_each_step() -> None:
     connector, received = LocalConnector(), list[Message]()
     connector.subscribe(CLOCK, "rosgraph_msgs/msg/Clock", received.append)
     _, stage = staged(connector)
@@ -86,7 +86,7 @@ def test_the_time_is_said_after_each_step() -> None:
     assert stage.at == 1.5
 
 
-def test_a_plain_fact_is_told_once_for_each_time_it_changes() -> None:
+def test_a_plain_fact_is_reported_once_for_each_time_it_changes() -> None:
     lines: list[tuple[str, Any]] = []
     _, stage = staged(LocalConnector(), lambda name, fact: lines.append((name, fact)))
     for _ in range(60):
@@ -106,7 +106,7 @@ def test_every_topic_is_seen_before_anything_was_published_on_it() -> None:
     assert silent_at_first | {"/tractor1/state", CLOCK} <= connector.seen.keys()
     assert front.topics == connector.seen
     assert "/tractor1/pose" in front.left_out, "its type is not here"
-    assert "/tractor1/obstacle" not in connector.seen, "nobody sees one without a camera"
+    assert "/tractor1/obstacle" not in connector.seen, "no one sees one without a camera"
 
 
 @pytest.mark.parametrize(
@@ -118,13 +118,13 @@ def test_every_topic_is_seen_before_anything_was_published_on_it() -> None:
         ("actions", "/navigate_to_pose", "serves"),
     ],
 )
-def test_a_world_does_not_open_beside_another_that_has_one_of_its_names(mode: Mode, name: str, does: str) -> None:
+def test_a_world_does_not_open_next_to_another_that_has_one_of_its_names(mode: Mode, name: str, does: str) -> None:
     connector = Crowded({mode: {name: 1}})
     with pytest.raises(UsageError, match=f"another world or robot is there and {does} {name}: .* --domain N"):
         staged(connector, taken=company(connector))
 
 
-def test_whoever_only_waits_for_the_robot_is_no_company() -> None:
+def test_anyone_who_only_waits_for_the_robot_is_no_company() -> None:
     connector = Crowded({"topics": {"/tractor2/state": 1}, "services": {"/mission/start": 1}})
     front, _ = staged(connector, taken=company(connector))
     front.refuse_company()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The house: its robot goes where it can, says so truly where it cannot, and does the same thing twice."""
+"""The house: its robot goes where it can, states it truly where it cannot, and does the same thing twice."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NAVIGATE, DOCK = "/navigate_to_pose", "/dock_robot"
 
 
 class Visit:
-    """A house on a connector, and all that it said."""
+    """A house on a connector, and all that it reported."""
 
     def __init__(self, **options: Any) -> None:
         self.world: Any = open_world("house", **{"camera": False, **options})
@@ -54,7 +54,7 @@ class Visit:
         return until()
 
     def finish(self, goal_id: str = "g") -> Report:
-        """Go on until a goal has ended; its last report."""
+        """Continue until a goal has ended; its last report."""
         assert self.run(lambda: len(self.statuses(goal_id)) > 1), self.reports[-3:]
         return [report for report in self.reports if report.goal_id == goal_id][-1]
 
@@ -81,7 +81,7 @@ def test_the_house_keeps_the_contract() -> None:
     check_world(lambda: open_world("house"), topics)
 
 
-def test_it_goes_to_every_room_and_stands_as_it_was_told(visit: Any) -> None:
+def test_it_goes_to_every_room_and_is_as_it_was_reported(visit: Any) -> None:
     house = visit()
     for number, (name, place) in enumerate(PLACES.items()):
         house.send(name, f"g{number}")
@@ -103,7 +103,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_does_not(visit: Any) -> N
     assert [repr(message) for message in runs[0].heard] == [repr(message) for message in runs[1].heard]
 
 
-def test_feedback_says_how_far_it_is_and_how_long_it_took(visit: Any) -> None:
+def test_feedback_reports_how_far_it_is_and_how_long_it_took(visit: Any) -> None:
     house = visit()
     house.send("bedroom")
     house.finish()
@@ -125,7 +125,7 @@ def test_with_one_door_blocked_it_takes_the_other_way(visit: Any) -> None:
     assert house.world.at > 30, "the way round is long"
 
 
-def test_with_the_only_door_blocked_its_recoveries_fail_and_it_says_why(visit: Any) -> None:
+def test_with_the_only_door_blocked_its_recoveries_fail_and_it_states_why(visit: Any) -> None:
     house = visit(blocked=["study_pantry"], recoveries=4)
     house.send("pantry")
     report = house.finish()
@@ -135,7 +135,7 @@ def test_with_the_only_door_blocked_its_recoveries_fail_and_it_says_why(visit: A
     counted = [one.data["number_of_recoveries"] for one in house.reports if one.status == "feedback"]
     assert counted == sorted(counted) and set(counted) >= {0, 1, 2, 3, 4}
     house.send("kitchen", "again")
-    assert house.finish("again").status == "succeeded", "after a failure it goes on as before"
+    assert house.finish("again").status == "succeeded", "after a failure it continues as before"
 
 
 def test_a_door_that_opens_in_time_lets_it_through(visit: Any) -> None:
@@ -177,7 +177,7 @@ def test_no_crate_is_put_onto_the_robot(visit: Any) -> None:
         ((math.nan, 1.0), "the goal's pose is not finite"),
     ],
 )
-def test_a_goal_where_it_cannot_stand_is_rejected(visit: Any, where: tuple[float, float], why: str) -> None:
+def test_a_goal_where_it_cannot_be_is_rejected(visit: Any, where: tuple[float, float], why: str) -> None:
     house = visit()
     pose = pose_message({"x": 0.0, "y": 0.0, "frame": "map"})
     pose["pose"]["position"] |= {"x": where[0], "y": where[1]}
@@ -197,7 +197,7 @@ def test_a_goal_in_another_frame_or_without_a_pose_is_rejected(visit: Any) -> No
     ]
 
 
-def test_a_canceled_goal_ends_when_the_robot_stands(visit: Any) -> None:
+def test_a_canceled_goal_ends_when_the_robot_is(visit: Any) -> None:
     house = visit()
     house.send("bedroom")
     house.run(lambda: house.world.pose.speed > 0.3)
@@ -277,7 +277,7 @@ def test_a_velocity_command_moves_it_while_no_goal_does_and_does_not_last(visit:
         house.connector.publish("/cmd_vel", "geometry_msgs/msg/Twist", twist)
         house.world.step()
     assert house.world.pose.speed > 0.2
-    assert house.run(lambda: abs(house.world.pose.speed) < 0.02, 3.0), "whoever falls silent drives no more"
+    assert house.run(lambda: abs(house.world.pose.speed) < 0.02, 3.0), "anyone who falls silent drives no more"
     start = house.world.pose.x
     house.send("dock")
     house.connector.publish("/cmd_vel", "geometry_msgs/msg/Twist", {"linear": {"x": 0.5}, "angular": {"z": 0.0}})
@@ -305,6 +305,6 @@ def test_its_camera_shows_the_room(visit: Any) -> None:
         ({"alleys": 3}, "has no option 'alleys'; there are: seed, blocked"),
     ],
 )
-def test_an_option_that_is_wrong_is_told(options: dict[str, Any], why: str) -> None:
+def test_an_option_that_is_wrong_is_reported(options: dict[str, Any], why: str) -> None:
     with pytest.raises(UsageError, match=why):
         open_world("house", **options)

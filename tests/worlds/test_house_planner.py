@@ -66,7 +66,7 @@ def test_a_way_is_made_of_free_neighbours_and_none_is_shorter(given: tuple[np.nd
     assert total(cost, way) == pytest.approx(best)
 
 
-def test_whoever_stands_too_close_gets_away() -> None:
+def test_anyone_who_is_too_close_gets_away() -> None:
     cost = np.ones((9, 9))
     cost[3:6, 3:6] = math.inf
     way = plan(cost, (4, 4), (0, 0))
@@ -117,4 +117,4 @@ def test_a_way_that_is_seen_to_be_blocked_is_not_driven_on() -> None:
     navigator.begin(PLACES["pantry"], turns=False, at=0.0)
     assert navigator.step(here, 0.0)[0] > 0 and navigator.left_m > 2
     navigator.see(here[:2], here.heading, np.linspace(-math.pi, math.pi, 360, endpoint=False), np.full(360, 1.2))
-    assert navigator.step(here, 0.2)[0] == 0 and navigator.recoveries == 1, "at once, not when it would plan anew"
+    assert navigator.step(here, 0.2)[0] == 0 and navigator.recoveries == 1, "at once, not when it would plan again"

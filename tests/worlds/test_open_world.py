@@ -46,7 +46,7 @@ def test_a_wrong_option_names_the_right_ones(options: dict[str, Any], sentence: 
     assert str(fault.value).startswith(sentence)
 
 
-def test_a_missing_package_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_reports_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in sys.modules if name.startswith("rai_missions.worlds.orchard")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "mujoco", None)

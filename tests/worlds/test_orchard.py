@@ -16,7 +16,7 @@ from rai_missions.worlds.orchard.obstacles import place
 
 
 def digest(orchard: Any) -> str:
-    """Of everything heard; of a picture its reference."""
+    """Of everything received; of a picture its reference."""
     reported = "\n".join(f"{m.topic} {m.at!r} {m.data!r}" for m in orchard.heard)
     return hashlib.sha256(reported.encode()).hexdigest()
 

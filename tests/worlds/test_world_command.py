@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions world`: what it says, how it ends, and what is wrong when it does not begin."""
+"""`rai-missions world`: what it reports, how it ends, and what is wrong when it does not begin."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def graph(tmp_path: Path) -> Iterator[Graph]:
 @on_ros
 @pytest.mark.sim
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_says_what_it_serves_and_ends_in_good_order(graph: Graph, number: signal.Signals) -> None:
+def test_it_states_what_it_serves_and_ends_in_good_order(graph: Graph, number: signal.Signals) -> None:
     world = graph.world("--no-camera", alleys=1, obstacles=["none"])
     reported = world.text
     domain = graph.environment["ROS_DOMAIN_ID"]
@@ -52,7 +52,7 @@ def test_it_says_what_it_serves_and_ends_in_good_order(graph: Graph, number: sig
         (["orchard", "--ros", "--domain", "999"], "connector/domain_id: 999 is no ROS domain; one goes from 0 to 232"),
     ],
 )
-def test_what_is_at_fault_is_told_in_a_sentence(
+def test_what_is_at_fault_is_reported_in_a_sentence(
     words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if "--ros" in words and ABSENT:
@@ -69,7 +69,7 @@ def test_a_pace_is_a_number_above_zero_or_max(pace: str, capsys: pytest.CaptureF
     assert f"{pace!r} is no pace: give 1, another number above 0, or max" in capsys.readouterr().err
 
 
-def test_without_rclpy_one_sentence_says_how_to_get_it(
+def test_without_rclpy_one_sentence_states_how_to_get_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "rclpy", None)

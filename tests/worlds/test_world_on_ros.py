@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A world on a ROS graph of its own: what others see of it from the first moment, and whom it does not stand beside."""
+"""A world on a ROS graph of its own: what others see of it from the first moment, and whom it does not be next to."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What changed between two missions, by meaning: found, weighed, and told as text, Markdown, JSON, a picture or a page.
+"""What changed between two missions, by meaning: found, weighed, and shown as text, JSON, a picture or a page.
 
 Rule: every difference of meaning gives a sentence; what may loosen a protection comes first, and where that is unclear
 it counts as such.

@@ -18,7 +18,7 @@ NOTHING = "nothing that diff weighs as safety-relevant"
 
 
 class TextReport(Protocol):
-    """What there is to tell."""
+    """What there is to report."""
 
     @property
     def new(self) -> Mission: ...
@@ -46,7 +46,7 @@ def headline(given: TextReport) -> str:
 
 
 def by_topic(changes: Sequence[Change]) -> Iterator[tuple[str, list[Change]]]:
-    """Heading → what stands below it."""
+    """Heading → what is below it."""
     for title, found in groupby(changes, key=heading):
         yield title, list(found)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One thing that is otherwise now, how much it matters to whoever lets the mission run, and under which heading."""
+"""One thing that is otherwise now, how much it matters to anyone who lets the mission run, and under which heading."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ TOPICS: Mapping[str, str] = {
     "guard": "Guards that became weaker, or cannot be compared",
     "limit": "Times and numbers that bound something: grew, or went",
     "proof": "Invariants, requires and achieved: went, or became weaker",
-    "fallback": "What is done when nobody answers",
+    "fallback": "What is done when no one answers",
     "asked": "Who is asked, and with what",
     "success": "New ways to succeeded",
     "control": "Who has control",
     "trust": "What is believed, from whom and for how long",
-    "row": "Rows that protected, or that go on by themselves",
-    "does": "What the robot is told to do",
+    "row": "Rows that protected, or that continue by themselves",
+    "does": "What the robot is asked to do",
     "effect": "What is done on the way: written, raised, called, published",
-    "form": "What a state is, where it stands, where it begins",
+    "form": "What a state is, where it is, where it begins",
     "tree": "Behaviour trees",
     "name": "Other names for the same",
     "rest": "All else",
     "words": "Words for readers",
 }
-"""What a change is about → its heading, in the order in which a reviewer is told."""
+"""What a change is about → its heading, in the order in which a reviewer is reported."""
 CALMER: Mapping[str, str] = {
     "guard": "Guards",
     "limit": "Times and numbers that bound something",
     "proof": "Invariants, requires and achieved",
     "row": "Rows",
 }
-"""The headings of changes that are not for a reviewer to judge, where those above would say too much."""
+"""The headings of changes that are not for a reviewer to judge, where those above would state too much."""
 ORDER = {topic: number for number, topic in enumerate(TOPICS)}
 
 
@@ -54,7 +54,7 @@ class Change(NamedTuple):
     new_place: str | None = None
     """JSON pointer into the new mission; None for what is gone."""
     before: str = ""
-    """What it was, in words, where that is more than the sentence says."""
+    """What it was, in words, where that is more than the sentence reports."""
     after: str = ""
     severity: Severity = "other"
     """`safety`: it lets something happen that could not before, or drops something that protected, or may do so."""
@@ -63,7 +63,7 @@ class Change(NamedTuple):
 
     @property
     def place(self) -> str:
-        """Where it stands in the new mission; what is gone, in the old one."""
+        """Where it is in the new mission; what is gone, in the old one."""
         return self.new_place if self.new_place is not None else self.old_place or ""
 
     @property
@@ -77,7 +77,7 @@ class Change(NamedTuple):
 
 
 def heading(change: Change) -> str:
-    """What stands above it."""
+    """What is above it."""
     return TOPICS[change.topic] if change.safety else CALMER.get(change.topic, TOPICS[change.topic])
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What changed in what is asked: the options, who answers, with what, and what is done when nobody does."""
+"""What changed in what is asked: the options, who answers, with what, and what is done when no one does."""
 
 from __future__ import annotations
 

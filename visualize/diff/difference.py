@@ -112,9 +112,9 @@ def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[C
 
 
 def _known_outside(each: Renamed, old: Mission, new: Mission) -> str:
-    """Who else knows a thing by its old name, in words; empty for nobody.
+    """Who else knows a thing by its old name, in words; empty for no one.
 
-    A person reads an option's name beside its other words; whoever else is asked goes by the name.
+    A person reads an option's name next to its other words; anyone who else is asked goes by the name.
     """
     if each.sort == "option":
         state = new.state(each.where)

@@ -58,7 +58,7 @@ TOPIC_OF = {
 TO_A_MODEL = ("question", "evidence")
 """What matters where a model is asked, and elsewhere is for people, who see more than that."""
 WHEN_SET = {"over_orphan": "control", "optional": "trust"}
-"""What loosens when it is said, and tightens when it is not."""
+"""What loosens when it is reported, and tightens when it is not."""
 APART = (
     "transitions", "states", "parallel", "decision", "tree", "options", "blackboard", "events", "invariants", "format",
     "entry", "exit",
@@ -67,7 +67,7 @@ APART = (
 
 
 class FieldRef(NamedTuple):
-    """Where two things that are compared stand."""
+    """Where two things that are compared are."""
 
     old: str
     """JSON pointer into the old mission."""
@@ -110,7 +110,7 @@ def fields(
     Args:
         old: As it was.
         new: As it is.
-        spot: Where they stand.
+        spot: Where they are.
         also_apart: More fields that are compared by hand.
         of: The kind whose fields both have, where they are not of one.
         asks_a_model: They are what a model is asked, or part of it.
@@ -156,7 +156,7 @@ def _same_program(before: Any, after: Any) -> bool:
 
 
 def _limit(before: Any, after: Any, spot: FieldRef, word: str, *, either: bool) -> Change:
-    """What became of a bound; `either`: to lower it may loosen as well, as in a tree, which goes on past a failure."""
+    """What became of a bound; `either`: to lower it may loosen as well, as in a tree that continues."""
     topic = "trust" if word == "max_age_s" else "limit"
     was, now = (_bound(value, word) for value in (before, after))
     grew = after is None or (before is not None and after > before)

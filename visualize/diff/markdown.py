@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A difference as Markdown for a pull request's comment: the summary first, the rest folded away.
 
-Rule: what a mission says is shown as it is and does nothing: no markup, no mention of a person, no link. A comment that
-its host would refuse is cut, and says so.
+Rule: what a mission reports is shown as it is and does nothing: no markup, no mention of a person, no link. A comment
+that its host would refuse is cut, and states it.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _head(given: Difference) -> Iterator[str]:
     yield f"### Mission {quoted(given.new.name)}: {quoted(before)} → {quoted(after)}"
     yield ""
     if given.safety:
-        yield f"⚠ **{headline(given)}.** A second pair of eyes must agree to what stands in the first table."
+        yield f"⚠ **{headline(given)}.** A second pair of eyes must agree to what is in the first table."
     else:
         yield f"{headline(given).capitalize()}."
 

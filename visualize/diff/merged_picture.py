@@ -53,7 +53,7 @@ def _node(old: PictureNode | None, new: PictureNode, was: str) -> PictureNode:
 
 
 def _lines(node: PictureNode) -> PictureNode:
-    """A state as far as it is drawn, wherever it stands in the file."""
+    """A state as far as it is drawn, wherever it is in the file."""
     return node._replace(
         place="",
         choices=tuple(choice._replace(place="") for choice in node.choices),

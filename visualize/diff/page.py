@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A difference as one HTML file: both missions in one chart, and what changed beside it, what matters first.
+"""A difference as one HTML file: both missions in one chart, and what changed next to it, what matters first.
 
 Rule: it is the review page with a list of changes; every change leads to where it is seen in the chart.
 """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a mission can go by its rows, as far as it matters to a reviewer: which ways lead to `succeeded`.
 
-Rule: guards are taken as if they could always hold. A way that is said to be new is one of rows that were not there; a
-state that is said to be avoidable was on every such way before. A final at the top leads nowhere.
+Rule: guards are taken as if they could always hold. A way that is reported to be new is one of rows that were not
+there; a state that is reported to be avoidable was on every such way before. A final at the top leads nowhere.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Ways:
         )
         """The states in which the whole mission has succeeded."""
         self.ended = frozenset(name for name, state in mission.states.items() if isinstance(state, Final))
-        """The states that end the mission, however: no row of anything is heard in them."""
+        """The states that end the mission, however: no row of anything is received in them."""
         self.initial = mission.initial
         self.onward = {name: frozenset(self._next(name)) for name in self.places}
         self.hopeful = self._before(self.ends)
@@ -52,7 +52,7 @@ class Ways:
                     yield from row.to
 
     def _is_waited_for(self, name: str, around: str, row: Transition) -> bool:
-        """Whether a row may fire while a state is active: that one which holds it succeeded, its ends say."""
+        """Whether a row may fire while a state is active: that one which holds it succeeded, its ends state."""
         holds = bool(around) and bool(self.roads.states[around].children())
         if not holds or row.of is not None or set(row.on) != {"succeeded"}:
             return True

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a mission reads and hears, and so which of its effects matter to more than a reader.
+"""What a mission reads and receives, and so which of its effects matter to more than a reader.
 
-Rule: an effect matters where it writes a key that is read anywhere, raises or takes back an event that a row hears, or
-has the robot do something. A sentence that is said or logged does not.
+Rule: an effect matters where it writes a key that is read anywhere, raises or takes back an event that a row
+receives, or has the robot do something. A sentence that is reported or logged does not.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ("Uses", "otherwise", "uses")
 
 
 class Uses(NamedTuple):
-    """What is read and heard in either of two missions."""
+    """What is read and received in either of two missions."""
 
     keys: frozenset[str]
     received: frozenset[str]
@@ -39,9 +39,9 @@ class Uses(NamedTuple):
         if isinstance(effect, Raise | Drop):
             events = self.timers.get(effect.drop, frozenset()) if isinstance(effect, Drop) else {effect.event}
             received = events if ANY_EVENT in self.received else self.received.intersection(events)
-            return f"rows hear '{min(received)}'" if received else ""
+            return f"rows receive '{min(received)}'" if received else ""
         if isinstance(effect, Call | Publish):
-            return "it is told to the robot"
+            return "it is sent to the robot"
         return ""
 
 
@@ -55,7 +55,7 @@ def otherwise(old: Iterable[Effect], new: Iterable[Effect]) -> list[Effect]:
 
 
 def uses(*missions: Mission) -> Uses:
-    """What these missions read and hear."""
+    """What these missions read and receive."""
     keys, received = set[str](), set[str]()
     timers: dict[str, frozenset[str]] = {}
     for mission in missions:

@@ -2,8 +2,8 @@
 """What changed in the rows of a state, or of the mission.
 
 Rule: a row that gives up (it leads to where the mission can no longer succeed) protects: to narrow it, to lead it
-elsewhere or to drop it is `safety`. A row that goes on is one that must be earned: to add or to widen it is, and to
-narrow it too unless it waits for a success or an answer that no other row hears. What a row does counts where
+elsewhere or to drop it is `safety`. A row that continues is one that must be earned: to add or to widen it is, and to
+narrow it too unless it waits for a success or an answer that no other row receives. What a row does counts where
 more than a reader sees it.
 """
 
@@ -34,11 +34,11 @@ class Rows(NamedTuple):
     before: Ways
     after: Ways
     used: Uses
-    """What either mission reads and hears."""
+    """What either mission reads and receives."""
     gone: frozenset[str] = frozenset()
     """The options of the state's own decision that are no more."""
     come: frozenset[str] = frozenset()
-    """Those that were not there; that they are offered is told for itself, with where they lead."""
+    """Those that were not there; that they are offered is reported for itself, with where they lead."""
 
 
 def row_changes(rows: Rows) -> Iterator[Change]:
@@ -110,7 +110,7 @@ def _changed(rows: Rows, before: int, after: int) -> Iterator[Change]:
 
 
 def _only_earned(rows: Rows, index: int) -> bool:
-    """Whether a row only goes on from a success or an answer, and no other is tried in its stead."""
+    """Whether a row only continues from a success or an answer, and no other is tried in its stead."""
     row, state = rows.new[index], rows.after.roads.states.get(rows.spot.subject)
     earned = {"succeeded", *(state.options if isinstance(state, Decision) else ())}
     rivals = _later(rows, index, [(0, number) for number in range(len(rows.new))])

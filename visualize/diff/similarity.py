@@ -68,7 +68,7 @@ def alike_states(known: ComparedMissions) -> Scores:
 
 
 def _written(mission: Mission, hidden: frozenset[str]) -> dict[str, Any]:
-    """State → what is written in it, without what stands inside and without the names that only one mission has."""
+    """State → what is written in it, without what is inside and without the names that only one mission has."""
 
     def hide(name: str) -> str:
         return "?" if name in hidden else name
@@ -122,7 +122,7 @@ def _facts(mission: Mission, written: Mapping[str, Any], hidden: frozenset[str])
 
 
 def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """What is written, each with the words above it; where in a list it stands does not count."""
+    """What is written, each with the words above it; where in a list it is does not count."""
     if isinstance(value, Mapping) and value:
         for word, item in value.items():
             yield from _leaves(item, f"{path}/{word}")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The live page: a run in a browser while it goes on, served beside it, and the operator's hands on it.
+"""The live page: a run in a browser while it continues, served next to it, and the operator's hands on it.
 
-Rule: the engine waits for nobody. It leaves its steps in a queue; what a viewer costs, the server pays.
+Rule: the engine waits for no one. It leaves its steps in a queue; what a viewer costs, the server pays.
 
 Imports `engine`, `journal` and `mission`, and the modules of the root.
 """

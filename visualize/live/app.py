@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the page asks of its server: the mission, the stream, pictures, and orders.
 
-Rule: an order is carried as it came to whoever carries it out; here only its size and its rate are judged.
+Rule: an order is carried as it came to anyone who carries it out; here only its size and its rate are judged.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ LARGEST_ORDER = 65_536
 PATIENCE_S = 1.5
 """How long an order's reply waits for the run to take it; a page waits for 2 s."""
 OLDEST_S = 5.0
-"""An order that was on its way for longer is not carried out: whoever gave it has gone on."""
+"""An order that was on its way for longer is not carried out: anyone who gave it has continued."""
 SENT_HEADER = "x-mission-sent"
-"""When an order was given, by the clock that each message of the stream tells as `sent`."""
+"""When an order was given, by the clock that each message of the stream reports as `sent`."""
 ALWAYS = frozenset({"e_stop", "cancel"})
 """Orders that are carried out however late they come."""
 STALLED_S = 10.0
@@ -55,7 +55,7 @@ OWN = ("line.js", "acts.js", "question.js", "panel.js", "live.js")
 
 
 class ReplyCallback(Protocol):
-    """Hears once, from any thread, what became of an order."""
+    """Receives once, from any thread, what became of an order."""
 
     def __call__(self, success: bool, why: str) -> None: ...
 
@@ -102,7 +102,7 @@ class Pages:
         mission: Whose run is shown.
         hub: Its viewers.
         desk: Who takes orders; None: the page may look and do nothing.
-        about: What the page says of the run beside what happens: `run`, `journal`, `answers`.
+        about: What the page reports about the run next to what happens: `run`, `journal`, `answers`.
     """
 
     def __init__(self, mission: Mission, hub: Hub, desk: CommandSink | None, about: Json) -> None:
@@ -192,12 +192,12 @@ class Pages:
                 if command in ALWAYS
                 else f"unless it does within {OLDEST_S:.0f} s, it is dropped"
             )
-            return _refused(202, f"the run has not taken it yet; {then}, and the journal will say so")
+            return _refused(202, f"the run has not taken it yet; {then}, and the journal will state it")
         return JSONResponse({"success": success, "why": why}, 200 if success else 409)
 
 
 def application(mission: Mission, hub: Hub, desk: CommandSink | None, about: dict[str, Any]) -> ASGI:
-    """What stands behind the door."""
+    """What is behind the door."""
     return Starlette(routes=[*Pages(mission, hub, desk, about).routes()])
 
 
@@ -225,7 +225,7 @@ def _command(text: str) -> str:
 
 
 def _is_late(sent: str | None) -> str:
-    """Why an order is too old; who does not say when it was given is taken to have just given it."""
+    """Why an order is too old; who does not state when it was given is taken to have just given it."""
     if sent is None:
         return ""
     try:
@@ -234,8 +234,8 @@ def _is_late(sent: str | None) -> str:
         age_s = math.nan
     if age_s <= OLDEST_S:
         return ""
-    old = "it does not say when it was given" if math.isnan(age_s) else f"it came {age_s:.0f} s after it was given"
-    return f"{old}, and orders older than {OLDEST_S:.0f} s are not carried out; look again, and give it anew"
+    old = "it does not state when it was given" if math.isnan(age_s) else f"it came {age_s:.0f} s after it was given"
+    return f"{old}, and orders older than {OLDEST_S:.0f} s are not carried out; look again, and give it again"
 
 
 @cache

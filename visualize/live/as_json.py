@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps, values and questions as the live page shows them: plain data of bounded size.
 
-Rule: nothing that a robot or a model says makes a message long; what is cut says so.
+Rule: nothing that a robot or a model reports makes a message long; what is cut states it.
 """
 
 from __future__ import annotations

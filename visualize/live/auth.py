@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who may come in: asked by the right name, from the page itself, and with the token where there is anything to see.
 
-Rule: what is not known to be ours is refused, and the refusal says why. Nothing here trusts an address to be private.
+Rule: what is not known to be ours is refused, and the refusal reports why. Nothing here trusts an address to be
+private.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ class Allowance:
 
 
 class Door:
-    """Stands before the application.
+    """Comes before the application.
 
     Args:
         inside: The application.
@@ -120,7 +121,7 @@ class Door:
         return len(given) == 1 and hmac.compare_digest(given[0], self._token)
 
     def _is_ours(self, host: str) -> bool:
-        """No name that somebody else's DNS can point here is ours; an address that was typed is."""
+        """No name that someone else's DNS can point here is ours; an address that was typed is."""
         name, port = _split(host)
         if port != (self._port or (443 if self._scheme == "https" else 80)):
             return False
@@ -139,7 +140,7 @@ def _split(host: str) -> tuple[str, int]:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether nobody but this machine can reach an address."""
+    """Whether no one but this machine can reach an address."""
     try:
         return ipaddress.ip_address(host.strip("[]")).is_loopback
     except ValueError:
@@ -147,7 +148,7 @@ def is_loopback(host: str) -> bool:
 
 
 async def refuse(send: Send, status: int, why: str) -> None:
-    """Say no, and why."""
+    """State no, and why."""
     body = json.dumps({"success": False, "why": why}).encode()
     kind = (b"content-type", b"application/json")
     length = (b"content-length", str(len(body)).encode())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where steps come from: a run in this process, which leaves them in a queue and goes on.
+"""Where steps come from: a run in this process, which leaves them in a queue and continues.
 
 Rule: `step` runs on the engine's thread. It does no more than append, and wakes the server once however much there is.
 """
@@ -24,13 +24,13 @@ class Feed(Protocol):
     """What a page follows. All of it is called on the server's loop."""
 
     async def begin(self, wake: Callable[[], None]) -> RunScene:
-        """Somebody watches: how it stands, and `wake` (from any thread) once there is more."""
+        """Someone watches: how it is, and `wake` (from any thread) once there is more."""
 
     async def take(self, scene: RunScene) -> RunScene:
         """Bring a scene up to date; a new one where what happened in between was not kept."""
 
     def end(self) -> None:
-        """Nobody watches any more."""
+        """No one watches any more."""
 
     def closed(self) -> Mapping[int, Mapping[str, str]]:
         """Question → option → why it would be refused if it were taken now."""
@@ -43,10 +43,10 @@ class RunFeed:
     """Follows a run of this process.
 
     Args:
-        look: Says how the run stands, from any thread. What it says is at least as new as the step it names.
+        look: Reports how the run is, from any thread. What it reports is at least as new as the step it names.
         now: The run's clock.
-        closed: Says which options of open questions would be refused now, from any thread.
-        loose: Says which goals may still move the robot although nothing waits for them, from any thread.
+        closed: Reports which options of open questions would be refused now, from any thread.
+        loose: Reports which goals may still move the robot although nothing waits for them, from any thread.
     """
 
     def __init__(

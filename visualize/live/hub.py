@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Passes a run on to its viewers: each message is made once, numbered, and kept for those who come back.
 
-Rule: a viewer that does not keep up is dropped and nobody waits for it; with no viewer nothing is made.
+Rule: a viewer that does not keep up is dropped and no one waits for it; with no viewer nothing is made.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MOST_WAITING = 256
 RING = 512
 """Messages that are kept for viewers who come back."""
 BEAT_S = 1.0
-"""A viewer that has heard nothing for some of these knows that the line is dead."""
+"""A viewer that has received nothing for some of these knows that the line is dead."""
 PACE_S = 0.015
 BOARD_S = 0.1
 """How often values of the blackboard alone are passed on."""
@@ -110,7 +110,7 @@ class Hub:
             self._news.set()
 
     async def close(self) -> None:
-        """The server ends: what is left is told, and every stream with it."""
+        """The server ends: what is left is sent, and every stream with it."""
         if self._pump is not None and not self._pump.done():
             await self._pass_on(board=True)
             self._pump.cancel()
@@ -165,7 +165,7 @@ class Hub:
             self._board_at = time.monotonic() + BOARD_S
 
     def _missed(self, last: str) -> list[bytes]:
-        """What a viewer has to hear to be where the others are."""
+        """What a viewer has to receive to be where the others are."""
         boot, _, number = last.partition("-")
         had = int(number) if number.isascii() and number.isdigit() and len(number) < 18 else -1
         if boot == self._boot and self._ring and self._ring[0][0] - 1 <= had <= self._number:

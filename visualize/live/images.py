@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures for viewers: encoded when somebody looks, once for all of them, and no more often than the page shows.
+"""Pictures for viewers: encoded when someone looks, once for all of them, and no more often than the page shows.
 
-Rule: what a picture is, its first bytes say and nobody's word for it; what is neither PNG nor JPEG is not sent.
+Rule: what a picture is, its first bytes state and no one's word for it; what is neither PNG nor JPEG is not sent.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Shown = tuple[str, bytes]
 
 
 class ImageStream:
-    """What one key shows. All of it is called on the server's loop; encoding is done on a thread beside it."""
+    """What one key shows. All of it is called on the server's loop; encoding is done on a thread next to it."""
 
     def __init__(self) -> None:
         self._lock = asyncio.Lock()
@@ -49,7 +49,7 @@ def _encoded(image: Image) -> Shown:
         data = image.data
         if image.encoding == "rgb8":
             data = png(image.width, image.height, data)
-    except Exception as error:  # noqa: BLE001 - whatever makes a picture is not trusted to; the viewer is told
+    except Exception as error:  # noqa: BLE001 - whatever makes a picture is not trusted to; the viewer is informed
         return "", str(error)[:300].encode()
     if len(data) > MOST_BYTES:
         return "", f"{len(data)} bytes are too many".encode()

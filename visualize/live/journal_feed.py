@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run of another process, or of yesterday, followed by its journal.
 
-Rule: the run is not asked, slowed or locked; the file is looked at here, and only while somebody watches.
+Rule: the run is not asked, slowed or locked; the file is looked at here, and only while someone watches.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ ASKS_EVERY = 10
 """Looks after which it is asked whether anybody still writes."""
 CUT_SHORT = "no process writes its journal any more, and no end of the mission is in it"
 BATCH = 2000
-"""Rows that are read before what they say is passed on."""
+"""Rows that are read before what they state is passed on."""
 
 
 class JournalFeed:
@@ -78,7 +78,7 @@ class JournalFeed:
             self._watch = None
 
     def closed(self) -> Mapping[int, Mapping[str, str]]:
-        """Nobody answers by a journal."""
+        """A journal carries no answers."""
         return {}
 
     def now(self) -> float:
@@ -104,7 +104,7 @@ class JournalFeed:
         return tuple(found)
 
     def _read(self) -> bool:
-        """Take up what has been written since; whether that was all."""
+        """Resume what has been written since; whether that was all."""
         size, continues = self._stat(), _is_written(self.path)  # asked first: what was written before is read below
         try:
             record = Record(self.path)  # closed with the last picture that may be asked of it
@@ -158,8 +158,8 @@ def _mission(header: Header, path: Path) -> Mission:
 def _is_written(path: Path) -> bool:
     """Whether some process writes a journal now.
 
-    Where the file system knows no locks, the process counts that the run file beside the journal names; without a run
-    file there is nobody.
+    Where the file system knows no locks, the process counts that the run file next to the journal names; without a run
+    file there is no one.
     """
     try:
         about = path.stat()

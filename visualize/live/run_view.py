@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a viewer sees of a run at one moment, and how a step changes it.
 
-Rule: a change names whole values, never differences; so one that comes twice, or beside a newer state, does no harm.
+Rule: a change names whole values, never differences; so one that comes twice, or next to a newer state, does no harm.
 """
 
 from __future__ import annotations
@@ -91,25 +91,25 @@ class RunScene:
         self.tail.extend(text for step in steps if (text := line(step)) is not None)
 
     def fault(self, sentence: str) -> None:
-        """Say what is wrong, once."""
+        """State what is wrong, once."""
         if sentence not in self.faults:
             self.faults.append(sentence)
             self._fields.add("faults")
 
     def cut_short(self, sentence: str) -> None:
-        """Say how it is known that nothing more comes; empty where the run goes on."""
+        """State how it is known that nothing more comes; empty where the run continues."""
         if sentence != self.cut:
             self.cut = sentence
             self._fields.add("cut")
 
     def loosen(self, goals: list[Json]) -> None:
-        """Say which goals may still move the robot although nothing waits for them."""
+        """State which goals may still move the robot although nothing waits for them."""
         if goals != self.open_goals:
             self.open_goals = goals
             self._fields.add("open_goals")
 
     def close(self, options: Mapping[int, Mapping[str, str]]) -> None:
-        """Say which options would be refused now, and why."""
+        """State which options would be refused now, and why."""
         closed = {str(number): dict(each) for number, each in options.items()}
         if closed != self.closed:
             self.closed = closed
@@ -185,7 +185,7 @@ class RunScene:
         if step.event.kind == "proposal":
             self._answered.add(step.event.number)
         is_kept = self.mode == "paused" or (self.held_by and not (step.moves or step.effects))
-        if not is_kept:  # then an answer waits until the run goes on
+        if not is_kept:  # then an answer waits until the run continues
             for number in self._answered:
                 self.questions.pop(number, None)
             self._answered.clear()
@@ -199,7 +199,7 @@ class RunScene:
         if before != tuple(self.questions):
             self._fields.add("questions")
 
-    # -- telling --------------------------------------------------------------------------------------------------
+    # -- reporting --------------------------------------------------------------------------------------------------
 
     @property
     def pressing(self) -> bool:
@@ -208,14 +208,14 @@ class RunScene:
 
     @property
     def written(self) -> bool:
-        """Values have changed that were not told."""
+        """Values have changed that were not reported."""
         return bool(self._written)
 
     def change(self, *, board: bool = True) -> Json:
-        """What has changed since it was told last.
+        """What has changed since it was reported last.
 
         Args:
-            board: Whether the blackboard is told of too.
+            board: Whether the blackboard is reported too.
         """
         fields = {name: self._field(name) for name in sorted(self._fields)}
         if self._lines:

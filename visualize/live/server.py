@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server beside a run: an address of its own, a thread of its own, and an end with the run.
+"""The server next to a run: an address of its own, a thread of its own, and an end with the run.
 
-Rule: whatever is wrong with the address is said before anything moves; what goes wrong later harms no run.
+Rule: whatever is wrong with the address is reported before anything moves; what goes wrong later harms no run.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class LivePage:
             mission: Whose run it is.
             feed: Where its steps come from.
             desk: Who takes orders; None: the page only looks on.
-            about: What the page says of the run: `run`, `journal`, `answers`.
+            about: What the page reports about the run: `run`, `journal`, `answers`.
         """
         ready = threading.Event()
         errors: list[BaseException] = []
@@ -109,7 +109,7 @@ class LivePage:
         def work() -> None:
             try:
                 asyncio.run(self._serve(mission, feed, desk, about or {}, ready))
-            except BaseException as error:  # noqa: BLE001 - told to whoever starts, or it ends the page alone
+            except BaseException as error:  # noqa: BLE001 - reported to the one that starts it, or it ends the page alone
                 errors.append(error)
             finally:
                 ready.set()
@@ -124,7 +124,7 @@ class LivePage:
     async def _serve(
         self, mission: Mission, feed: Feed, desk: CommandSink | None, about: dict[str, Any], ready: threading.Event
     ) -> None:
-        import uvicorn  # an extra, and needed by nobody who does not watch
+        import uvicorn  # an extra, and needed by no one who does not watch
 
         from visualize.live.timeouts import Impatient
 
@@ -143,7 +143,7 @@ class LivePage:
         await self._server.serve(sockets=[self._socket])
 
     def stop(self, within_s: float = 3.0) -> None:
-        """Tell the viewers how it ended, and serve no more."""
+        """Notify the viewers how it ended, and serve no more."""
         thread, loop, hub = self._thread, self._loop, self._hub
         if thread is not None and thread.is_alive() and loop is not None and hub is not None:
 

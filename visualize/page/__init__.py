@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The review page: a mission, what may happen in it and what did, as one HTML file that needs nothing else.
 
-Rule: what is shown is data. It stands in the page as JSON, is put on the screen as text alone, and nothing of it runs.
+Rule: what is shown is data. It is in the page as JSON, is put on the screen as text alone, and nothing of it runs.
 
 Imports `engine`, `guards`, `journal`, `mission` and `states`, and the modules of the root.
 """

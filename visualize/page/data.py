@@ -50,7 +50,7 @@ def review(
 
     Args:
         mission: The graph.
-        journals: Files of its runs; a damaged one is told on the page and shown as far as it can be read.
+        journals: Files of its runs; a damaged one is reported on the page and shown as far as it can be read.
             One that is called otherwise than its file is a pair of name and file.
         findings: What a check found, for the places where it found it.
         runs: Runs that no journal holds.

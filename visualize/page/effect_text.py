@@ -23,7 +23,7 @@ __all__ = ("effect_words", "resting_words")
 
 
 def effect_words(effect: Effect) -> str:
-    """An effect as a person would say it, with what it sends and its number."""
+    """An effect as a person would state it, with what it sends and its number."""
     if isinstance(effect, StartGoal):
         return f"start {effect.action}{_sent(effect.goal)} for {effect.owner} (number {effect.number})"
     if isinstance(effect, CancelGoal):
@@ -48,7 +48,7 @@ def effect_words(effect: Effect) -> str:
 
 
 def resting_words(step: Step) -> list[str]:
-    """The trees that rest at a limit, as a person would say it."""
+    """The trees that rest at a limit, as a person would state it."""
     continues = "continues at once" if step.wake_at == step.at else "waits for the next event that concerns it"
     return [f"the tree of '{name}' has gone round as far as a step allows; it {continues}" for name in step.resting]
 

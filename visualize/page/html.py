@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One HTML file of data, scripts and styles.
 
-Rule: the script that runs is the package's own, named by its hash in the page's policy; whatever stands in the data is
+Rule: the script that runs is the package's own, named by its hash in the page's policy; whatever is in the data is
 read as JSON, and could not run even if it broke out.
 """
 
@@ -36,7 +36,7 @@ def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, conn
     """The page.
 
     Args:
-        data: What it shows; `kind` says which page it is.
+        data: What it shows; `kind` reports which page it is.
         title: Of the window.
         scripts: The files of `assets` that run, in order.
         connect: Where the page may connect to, as its policy has it: a live one to `'self'`.

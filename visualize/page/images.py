@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures that a question showed, as `data:` URIs of PNG and JPEG.
 
-Rule: what a picture is, its first bytes say and nobody's word for it; what is neither is not shown.
+Rule: what a picture is, its first bytes state and no one's word for it; what is neither is not shown.
 """
 
 from __future__ import annotations

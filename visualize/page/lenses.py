@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a reviewer asks of a mission, answered on its picture: each lens lights some of it and says the rest in words.
+"""What a reviewer asks of a mission, answered on its picture: each lens lights some of it and explains the rest.
 
-Rule: a lens is data. It names states, and rows and options by JSON pointer; whoever draws dims all the others.
+Rule: a lens is data. It names states, and rows and options by JSON pointer; anyone who draws dims all the others.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _operator(mission: Mission, picture: Picture) -> Json:
         item("pause and resume: timers keep the time left, goals are canceled and started again, events wait"),
         item(_cancel_words(mission), state=mission.on_cancel or ""),
         item("e-stop (kill): acts at once, before it is written down; the mission ends aborted"),
-        item("take and return control; only an operator lifts control from nobody"),
+        item("take and return control; only an operator lifts control from no one"),
     ]
     return lens(
         "operator", "What may the operator do?", "o",
@@ -80,7 +80,7 @@ def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
         rows=[*(edge.place for edge in to_ends), *(after.rows if after else ())],
         sections=[
             ("E-stop (kill)", [
-                item("from every state, at once: whatever runs is canceled, control goes to nobody, it ends aborted"),
+                item("from every state, at once: whatever runs is canceled, control goes to no one, it ends aborted"),
                 item("an invariant that is false does the same"),
             ]),
             ("Cancel", cancel),
@@ -129,7 +129,7 @@ def lens(
         states: The names of those that stay lit.
         rows: The JSON pointers of those that stay lit.
         options: The JSON pointers of those that stay lit.
-        sections: Heading and sentences, for beside the picture.
+        sections: Heading and sentences, for next to the picture.
     """
     return {
         "name": name, "title": title, "key": key,
@@ -139,7 +139,7 @@ def lens(
 
 
 class DecisionSite(NamedTuple):
-    """A question where it stands."""
+    """A question where it is."""
 
     state: str
     place: str
@@ -150,7 +150,7 @@ class DecisionSite(NamedTuple):
 
     @property
     def in_tree(self) -> bool:
-        """A tree asks it, and goes on by itself."""
+        """A tree asks it, and continues by itself."""
         return "#" in self.owner
 
     def options(self) -> list[str]:
@@ -159,7 +159,7 @@ class DecisionSite(NamedTuple):
 
 
 def asked_of(mission: Mission, who: str) -> list[DecisionSite]:
-    """The questions that somebody is asked, in document order."""
+    """The questions that someone is asked, in document order."""
     return [each for each in questions(mission) if who in each.asked.ask]
 
 
@@ -191,7 +191,7 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
     states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
     return lens(
-        "say", "Where does the model have a say?", "m", states=states if asked else (), rows=rows,
+        "say", "Where does the model decide?", "m", states=states if asked else (), rows=rows,
         options=[place for each in asked for place in each.options()], sections=sections if asked else none,
     )  # fmt: skip
 
@@ -205,7 +205,7 @@ def _told(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterato
         bound = f"only when {option.when.words()}" if option.when is not None else "always open"
         fired = [edge for edge in edges if edge.option == name]
         to = [edge.target for edge in fired if edge.target]
-        leads = f"leads to {', '.join(to)}" if to else "goes on in its tree" if each.in_tree else "does not leave"
+        leads = f"leads to {', '.join(to)}" if to else "continues in its tree" if each.in_tree else "does not leave"
         yield (
             item(f"{name}: {bound}; {leads}{_ends_after(to, roads)}", row=fired[0].place)
             if fired

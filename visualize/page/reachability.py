@@ -57,7 +57,7 @@ class Roads:
         """Everything that may be entered once these have been, themselves included.
 
         Args:
-            targets: Entered from nobody knows where: the regions beside them may be anywhere they ever come to.
+            targets: Entered from no one knows where: the regions next to them may be anywhere they ever come to.
         """
         given = tuple(targets)
         entered, received, rows = set[str](), set[str](), set[str]()
@@ -82,7 +82,7 @@ class Roads:
         return () if ends else (name, *self.above(name), "")
 
     def at_once(self, targets: Iterable[str]) -> frozenset[str]:
-        """What may be entered in the same breath, themselves included: nothing is heard, finished or waited for."""
+        """What may be entered in the same breath, themselves included: nothing is received, finished or waited for."""
         found: set[str] = set()
         waiting = list(targets)
         while waiting:
@@ -140,7 +140,7 @@ class Roads:
         return [*first, *(each for each in self.states if parent in self.above(each))]
 
     def _with(self, within: set[str], targets: Iterable[str]) -> Iterator[str]:
-        """Targets, and the regions that are entered beside them unless their own is one that is not left."""
+        """Targets, and the regions that are entered next to them unless their own is one that is not left."""
         for target in targets:
             yield target
             for region in self._regions(target):
@@ -148,7 +148,7 @@ class Roads:
                     yield from self._others(region)
 
     def _neighbours(self, name: str) -> Iterator[str]:
-        """Wherever the regions beside a state may have been entered: by default, or by a name from outside."""
+        """Wherever the regions next to a state may have been entered: by default, or by a name from outside."""
         for region in self._regions(name):
             for other in self._others(region):
                 yield from (other, *self._doors.get(other, ()))

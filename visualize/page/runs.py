@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Journals as the page plays them: a row a step, each with what it changed alone.
 
-Rule: nothing is worked out anew. What the page shows of a step stood in the journal, and what cannot be read is told.
+Rule: nothing is worked out again. What the page shows of a step was in the journal, and what cannot be read is
+reported.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ MOST_FAULTS = 20
 
 @dataclass(frozen=True)
 class Run:
-    """A run as far as it can be told."""
+    """A run as far as it can be reported."""
 
     name: str
     """What the reader knows it by: its file."""
@@ -187,7 +188,7 @@ def _question(question: Question, index: int, gallery: Gallery) -> Json:
 
 
 def _answer(step: Step, index: int) -> Json:
-    """What was proposed, and what the rules said of it."""
+    """What was proposed, and what the rules reported about it."""
     notes = [note for note in step.notes if note.startswith((f"question {step.event.number}:", "fallback "))]
     return {
         "answered": index,

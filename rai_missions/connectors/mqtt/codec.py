@@ -41,7 +41,7 @@ def decode(payload: bytes) -> dict[str, Any]:
     except (ValueError, TypeError, RecursionError) as fault:
         raise ConnectorError(f"a message is no JSON: {cut(fault, 120)}") from None
     if not isinstance(content, dict):
-        raise ConnectorError(f"{cut_repr(payload, 40)} stands where a JSON object belongs")
+        raise ConnectorError(f"{cut_repr(payload, 40)} is given where a JSON object belongs")
     return content
 
 

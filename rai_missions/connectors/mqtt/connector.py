@@ -39,8 +39,8 @@ class MqttConnector:
     A topic's name is MQTT's; requests of a service travel on `NAME/request`. Types are not checked: MQTT has none.
 
     Args:
-        options: What a profile's `connector` says beside its `kind`: `host` (127.0.0.1), `port` (1883).
-        now: Seconds on the run's clock; stamps what is heard. Left out, the time of day.
+        options: What a profile's `connector` reports besides its `kind`: `host` (127.0.0.1), `port` (1883).
+        now: Seconds on the run's clock; stamps what is received. Left out, the time of day.
 
     Raises:
         UsageError: An option is not known.
@@ -105,7 +105,7 @@ class MqttConnector:
             self._client = client
         client.loop_start()
         if not is_answered.wait(PATIENCE_S) or answers[0].is_failure:
-            why = answers[0] if answers else "it says nothing"
+            why = answers[0] if answers else "it states nothing"
             self.stop()
             raise ConnectorError(f"the MQTT broker at {self._host}:{self._port} does not let us in: {why}")
 
@@ -121,7 +121,7 @@ class MqttConnector:
             self._give_up("the connector was stopped")
 
     def listed(self, mode: Mode) -> Mapping[str, str]:
-        """What this connector itself listens to, publishes on and serves: a broker does not tell what others do."""
+        """What this connector itself listens to, publishes on and serves: a broker does not report what others do."""
         with self._lock:
             served = {service for service, _ in self._services.values()}
             known = dict(self._types)
@@ -162,7 +162,7 @@ class MqttConnector:
             return
         client, key = self._client, uuid.uuid4().bytes
         if client is None:
-            on_reply(Reply("unavailable", {}, f"nobody serves {service}: the connector is not started"))
+            on_reply(Reply("unavailable", {}, f"no server offers {service}: the connector is not started"))
             return
         late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
         timer = None if timeout_s is None else threading.Timer(timeout_s, lambda: self._end(key, late))
@@ -270,7 +270,7 @@ class MqttConnector:
             self._end(key, Reply("failed", {}, str(answer.get("why", ""))))
 
     def _taken(self, _client: Any, _data: Any, mid: int, code: Any, _properties: Any) -> None:
-        """The broker has a request; it says if nobody listens to it."""
+        """The broker has a request; it reports if no client listens to it."""
         if code.value != NO_SUBSCRIBERS:
             return
         with self._lock:
@@ -329,7 +329,7 @@ class _Call:
 
 
 def _no_server(service: str) -> Reply:
-    return Reply("unavailable", {}, f"nobody serves {service}")
+    return Reply("unavailable", {}, f"no server offers {service}")
 
 
 def _hurry(_client: Any, _data: Any, opened: socket.socket) -> None:

@@ -27,8 +27,8 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
     """A connector to the ROS 2 graph, not started.
 
     Args:
-        options: What a profile's `connector` says beside its `kind`; see `options.Options`.
-        now: Seconds on the run's clock; stamps what is heard. Left out, ROS time.
+        options: What a profile's `connector` states besides its `kind`; see `options.Options`.
+        now: Seconds on the run's clock; stamps what is received. Left out, ROS time.
 
     Raises:
         UsageError: rclpy is not here, or an option is not understood.
@@ -43,7 +43,7 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
 
 
 def fields_of(type_name: str, kind: Literal["msg", "srv"]) -> Mapping[str, Any] | None:
-    """The fields of a message, or of a service's reply, as `describe.describe_type` tells them; None if it cannot."""
+    """The fields of a message, or of a service's reply, as `describe.describe_type` reports them; None if it cannot."""
     from rai_missions.connectors.ros2.types import describe_type
 
     try:

@@ -45,8 +45,8 @@ class ClientGoal:
     Args:
         client: The action that it is for.
         goal_id: As the mission calls it.
-        report: Whom to tell.
-        ended: Told once, before the end is reported.
+        report: Whom to notify.
+        ended: Called once, before the end is reported.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class ClientGoal:
         self._is_unwanted = self._is_sent = self._is_asking = self._is_overdue = False
         self._may_run = True
         self.is_over = self.is_settled = False
-        """`is_settled`: its end is known, or its server has said what it thinks of a cancel."""
+        """`is_settled`: its end is known, or its server has reported what it thinks of a cancel."""
         self.peers: Peers = NO_PEERS
         self.sightings = Sightings()
         self.is_contested = False
@@ -82,7 +82,7 @@ class ClientGoal:
         if self.is_over:
             return
         if not is_there:
-            self.end("rejected", why=f"nobody serves {self._client.action}")
+            self.end("rejected", why=f"no server offers {self._client.action}")
             return
         self._client.hasten()
         self._client.runtime.when(
@@ -115,7 +115,7 @@ class ClientGoal:
         self._client.watch(self)
 
     def cancel(self) -> None:
-        """Ask for its end; before the acceptance is heard the wish is kept, and asked for again then."""
+        """Ask for its end; before the acceptance is received the wish is kept, and asked for again then."""
         was_unwanted, self._is_unwanted = self._is_unwanted, True
         if self.is_over:
             return
@@ -127,13 +127,13 @@ class ClientGoal:
             self._client.cancels.enter(self._ask_early)
 
     def _ask_early(self, leave: Work) -> None:
-        """It may run already: the word of its acceptance may be late. What the server says to this means nothing."""
+        """It may run already: the word of its acceptance may be late. What the server reports to this means nothing."""
         self._leaves.append(leave)
         early = ClientGoalHandle(self._client.client, self._uuid, None)
         early.cancel_goal_async().add_done_callback(lambda _future: leave())
 
     def cancel_blindly(self) -> None:
-        """Ask for its end whether or not it was accepted, and although nobody hears of it."""
+        """Ask for its end whether or not it was accepted, and although no one is notified of it."""
         if self._is_sent:
             self._ask(self._handle or ClientGoalHandle(self._client.client, self._uuid, None), lambda: None)
 
@@ -225,7 +225,7 @@ class ClientGoal:
             self._client.caught(self)
         elif self.is_over:
             self._handle = handle
-            self._ask_to_cancel(handle)  # nobody owns it any more
+            self._ask_to_cancel(handle)  # no one owns it any more
         else:
             self._handle = handle
             self._deliver(Report(self.goal_id, "accepted", {}))
@@ -294,10 +294,10 @@ class ClientGoal:
             self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
         else:
             self._is_unwanted = self.is_contested
-            self._deliver(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} goes on"))
+            self._deliver(Report(self.goal_id, "cancel_rejected", {}, f"the server of {self._client.action} continues"))
 
     def _chased(self, response: Any, is_ending: bool) -> None:
-        """What the server says of a goal that was lost. That it is ending is not yet its end."""
+        """What the server reports about a goal that was lost. That it is ending is not yet its end."""
         is_unknown = response.return_code == CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID
         if is_ending:
             handle = self._handle or ClientGoalHandle(self._client.client, self._uuid, None)

@@ -26,7 +26,7 @@ log = logger(__name__)
 
 ENDS = frozenset({"succeeded", "failed", "canceled", "lost"})
 KEPT_S = 10
-"""How long a result is kept for whoever asks late; every status message lists the goals that are kept."""
+"""How long a result is kept for anyone who asks late; every status message lists the goals that are kept."""
 
 
 @dataclass(eq=False)
@@ -70,7 +70,7 @@ class Served:
             self._report(goal, Report(goal.goal_id, "rejected" if goal.handle is None else "failed", {}))
         self._runtime.when(lambda: self.is_done, 1.0, lambda _done: self._runtime.dispose(self))
 
-    # -- what rclpy says -------------------------------------------------------------------------------------------
+    # -- what rclpy reports -------------------------------------------------------------------------------------------
 
     def arrived(self, request: Any) -> None:
         """A goal has come; `request` is its header and message."""
@@ -86,7 +86,7 @@ class Served:
             self._on_report(goal, Report(goal.goal_id, "rejected", {}, f"{type(fault).__name__}: {fault}"))
 
     def accepted(self, handle: Any) -> None:
-        """rclpy has told the client that its goal was accepted."""
+        """rclpy has sent the client that its goal was accepted."""
         goal = self._goals[goal_id_from_bytes(bytes(handle.goal_id.uuid))]
         goal.handle = handle
         handle.execute()
@@ -104,11 +104,11 @@ class Served:
             goal.is_refused = True
         return CancelResponse.REJECT if goal.is_refused else CancelResponse.ACCEPT
 
-    # -- what the server says --------------------------------------------------------------------------------------
+    # -- what the server reports --------------------------------------------------------------------------------------
 
     def _on_report(self, goal: _Goal, report: Report) -> None:
         if report.status == "cancel_rejected":
-            goal.is_refused = True  # counts while the server is being asked; later it is too late for ROS to say so
+            goal.is_refused = True  # counts while the server is being asked; later it is too late for ROS to state it
         elif report.goal_id == goal.goal_id:
             self._runtime.post(lambda: self._report(goal, report))
 
@@ -134,7 +134,7 @@ class Served:
         self._entity.decide(goal.request, decision)
 
     def _finish(self, goal: _Goal, report: Report) -> None:
-        if goal.handle is None or self._entity is None:  # its client went away before it could be told
+        if goal.handle is None or self._entity is None:  # its client went away before it could be notified
             self._forget(goal)
             return
 
@@ -157,7 +157,7 @@ class Served:
             handle.canceled()
         else:
             if report.status == "canceled":
-                log.warning("%s ended a goal as canceled that nobody canceled; ROS says aborted", self._action)
+                log.warning("%s ended a goal as canceled that no one canceled; ROS reports aborted", self._action)
             handle.abort()
 
     def _forget(self, goal: _Goal) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot profile says of its ROS 2 connector, and what it means where it says nothing."""
+"""What a robot profile holds of its ROS 2 connector, and its meaning where it is silent."""
 
 from __future__ import annotations
 
@@ -24,28 +24,28 @@ class QosProfile:
     reliability: str | None = None
     """`reliable` or `best_effort`; left out: reliable, and best effort where the publisher offers no better."""
     durability: str = "volatile"
-    """`latched` (ROS 2's `transient_local`): who subscribes later hears the last messages. Or `volatile`."""
+    """`latched` (ROS 2's `transient_local`): who subscribes later receives the last messages. Or `volatile`."""
     depth: int = 10
     """How many messages wait for a slow reader; 1 means that the newest wins."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """A profile's `connector`, beside its `kind`."""
+    """A profile's `connector`, next to its `kind`."""
 
     node: str = ""
     """The node's name; left out, one that is unique in the graph."""
     namespace: str = ""
     domain_id: int | None = None
-    """Left out, `ROS_DOMAIN_ID` says it."""
+    """Left out, `ROS_DOMAIN_ID` gives it."""
     arguments: tuple[str, ...] = ()
     """What would follow `--ros-args`: `["-r", "/scan:=/front/scan"]`."""
     parameters: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     """The node's parameters, by name."""
     sim_time: bool = False
-    """Time is what `/clock` says."""
+    """Time is what `/clock` reports."""
     discovery_s: float = 3.0
-    """Seconds in which whoever is there is found; who is not found then is not there."""
+    """Seconds in which anyone who is there is found; who is not found then is not there."""
     pictures: bool = False
     """This process publishes pictures; then Fast DDS is given the shared memory that they take."""
     qos: Mapping[str, QosProfile] = field(default_factory=lambda: MappingProxyType({}))
@@ -58,14 +58,14 @@ class Options:
 
 DEFAULT = QosProfile()
 STATIC = QosProfile(durability="latched", depth=100)
-"""tf2 says once what does not change, to whoever comes later as well."""
+"""tf2 reports once what does not change, to anyone who comes later as well."""
 
 
 def read_options(given: Mapping[str, Any]) -> Options:
     """A profile's words as `Options`.
 
     Raises:
-        UsageError: A word or a value that is not understood; the sentence says what would be right.
+        UsageError: A word or a value that is not understood; the sentence states what would be right.
     """
     options = dict(_known(given, Options, "connector"))
     if "arguments" in options:
@@ -122,7 +122,7 @@ def _is(value: Any, kind: type) -> bool:
 
 def _mapping(given: Any, place: str) -> Mapping[str, Any]:
     if not isinstance(given, Mapping):
-        raise UsageError(f"{place}: {shown(given)} stands where an object belongs")
+        raise UsageError(f"{place}: {shown(given)} is given where an object belongs")
     return given
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The connector to ROS 2: types by name, plain data, and what really became of every call and goal.
 
-Rule: what a caller has wrong is told on the caller's thread, at once; everything else is told by the callbacks.
+Rule: what a caller has wrong is reported on the caller's thread, at once; everything else is reported by the callbacks.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ("Ros2Connector",)
 
 MODES: Mapping[Kind, Mode] = {"msg": "topics", "srv": "services", "action": "actions"}
 HIDDEN = "/_"
-"""Stands in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
+"""Is in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
 OF_ROS = ("use_sim_time", "start_type_description_service")
 """Parameters that each node of ROS has."""
 OF_QUALITY = "qos_overrides."
@@ -37,10 +37,10 @@ class Ros2Connector:
     """Topics, services and actions of the ROS 2 graph; a `Connector`.
 
     Callbacks run one after the other on the connector's own thread and must return at once. It has a context of its
-    own, and lives beside whatever else the process does with rclpy.
+    own, and lives next to whatever else the process does with rclpy.
 
     Args:
-        options: What a profile's `connector` says beside its `kind`.
+        options: What a profile's `connector` states besides its `kind`.
         now: Seconds on the run's clock; left out, ROS time.
 
     Raises:
@@ -57,7 +57,7 @@ class Ros2Connector:
 
     @property
     def running(self) -> bool:
-        """It was started, not stopped since, and nobody else has shut ROS down under it."""
+        """It was started, not stopped since, and no one else has shut ROS down under it."""
         session = self._session
         return session is not None and session.runtime.is_open
 
@@ -83,7 +83,7 @@ class Ros2Connector:
     def listed(self, mode: Mode) -> Mapping[str, str]:
         """What the graph has at this moment, hidden names left out.
 
-        Types that contradict each other stand side by side. Whoever has just started, here or elsewhere, is not known
+        Types that contradict each other are side by side. Anyone who has just started, here or elsewhere, is not known
         yet: ask again a second later.
 
         Raises:
@@ -124,7 +124,7 @@ class Ros2Connector:
     def tap(
         self, topic: str, type_name: str, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None]
     ) -> Close:
-        """Subscribe once, and hear each message as CDR and as plain data."""
+        """Subscribe once, and receive each message as CDR and as plain data."""
         cls = self._type("msg", topic, type_name)
         return self._opened().subscribe(topic, cls, on_message, on_raw)
 
@@ -161,7 +161,7 @@ class Ros2Connector:
     ) -> None:
         session = self._session
         if session is None:
-            on_reply(Reply("unavailable", {}, f"nobody serves {service}: the connector is not started"))
+            on_reply(Reply("unavailable", {}, f"no server offers {service}: the connector is not started"))
             return
         try:
             cls = self._type("srv", service, type_name)
@@ -176,7 +176,7 @@ class Ros2Connector:
     ) -> None:
         session = self._session
         if session is None:
-            on_report(Report(goal_id, "rejected", {}, f"nobody serves {action}: the connector is not started"))
+            on_report(Report(goal_id, "rejected", {}, f"no server offers {action}: the connector is not started"))
             return
         try:
             cls = self._type("action", action, type_name)
@@ -189,7 +189,7 @@ class Ros2Connector:
     def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         session = self._session
         if session is None:
-            on_report(Report(goal_id, "lost", {}, f"nobody serves {action}: the connector is not started"))
+            on_report(Report(goal_id, "lost", {}, f"no server offers {action}: the connector is not started"))
             return
         try:
             cls = self._type("action", action, type_name)
@@ -203,7 +203,7 @@ class Ros2Connector:
         session = self._session
         try:
             cls = self._type("action", action, type_name) if session is not None else None
-        except ConnectorError:  # its first use says so
+        except ConnectorError:  # its first use states it
             cls = None
         if session is None or cls is None:
             on_result("")
@@ -218,8 +218,8 @@ class Ros2Connector:
     def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
         """Serve a service.
 
-        ROS has no word for a server that fails: where a response has `success` and `message` (std_srvs), these say why;
-        other clients are left to their timeout.
+        ROS has no word for a server that fails: where a response has `success` and `message` (std_srvs), these state
+        why; other clients are left to their timeout.
         """
         return self._opened().serve(service, self._type("srv", service, type_name), answer)
 

@@ -24,13 +24,13 @@ REQUEST = re.compile(r"^(?P<package>\w+?)(?:::|/)srv(?:::|/)(?:dds_(?:::|/))?(?P
 
 
 def servers_of_action(node: Node, action: str) -> Callable[[], Peers]:
-    """Looks up who serves an action: whoever publishes its status."""
+    """Looks up who serves an action: anyone who publishes its status."""
     topic = f"{node.resolve_service_name(action)}/_action/status"
     return lambda: _peers(node.get_publishers_info_by_topic(topic))
 
 
 def servers_of_service(node: Node, service: str) -> Callable[[], Peers]:
-    """Looks up who serves a service: whoever reads its requests, under the name that DDS knows them by."""
+    """Looks up who serves a service: anyone who reads its requests, under the name that DDS knows them by."""
     return lambda: _peers(_servers(node, service))
 
 
@@ -57,7 +57,7 @@ def _name_of(endpoint: Any) -> str:
 def are_gone(then: Peers, now: Peers) -> bool:
     """Whether the servers that were there then are there no more; unknown ones are taken to be there.
 
-    Where they are known, this says it, and not whether ROS calls a server of the name ready: while another one comes
+    Where they are known, this reports it, and not whether ROS calls a server of the name ready: while another one comes
     or goes and is not matched yet, it calls none so.
     """
     left = then.keys() & now.keys()
@@ -66,7 +66,7 @@ def are_gone(then: Peers, now: Peers) -> bool:
 
 
 def are_replaced(then: Peers, now: Peers) -> bool:
-    """Whether others are there instead of the servers that were there then. Nobody at all is no proof of it.
+    """Whether others are there instead of the servers that were there then. No one at all is no proof of it.
 
     A machine that is busy loses sight of a server that lives.
     """

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """An executor for one thread that takes what is ready in rounds.
 
-Rule: in each round everybody who has something to be heard has one turn, so that nobody who is loud silences another.
+Rule: in each round everybody who has something to be received has one turn, so that no one who is loud silences
+another.
 
-rclpy's own executors collect every entity anew each time they wait, and wait two or three times for each message: with
+rclpy's own executors collect every entity again each time they wait, and wait two or three times for each message: with
 hundreds of subscriptions that takes 15 ms. Here the entities are collected when they change.
 """
 
@@ -32,11 +33,13 @@ Work = Callable[[], None]
 Turn = Callable[[], None]
 LONGEST_S = 1e6
 CLOCK = "/clock"
-"""Is heard last: time shall not go on before what was said until then is heard, however long nobody listened."""
+"""Is received last: time shall not continue before what was reported until then is received, however long no one
+listened."""
 A_TURN = 10
-"""How many messages one turn may bring, as many as wait in a queue where nobody says otherwise."""
+"""How many messages one turn may bring, as many as wait in a queue where no one reports otherwise."""
 EVENTS_S = 0.1
-"""How soon somebody is told that a publisher does not fit: each subscription has such an event, and none is urgent."""
+"""How soon someone is notified that a publisher does not fit: each subscription has such an event, and none is
+urgent."""
 
 
 class SingleThreadExecutor(Executor):  # type: ignore[misc]
@@ -47,7 +50,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
 
     Args:
         context: Of its nodes.
-        run: Runs one piece of work, and sees to it that what it raises stops nobody else.
+        run: Runs one piece of work, and sees to it that what it raises stops no one else.
     """
 
     def __init__(self, context: Context, run: Callable[[Work], None]) -> None:
@@ -90,7 +93,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
             raise task.exception()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """One round: wait until somebody is ready, and let everybody who is have one turn.
+        """One round: wait until someone is ready, and let everybody who is have one turn.
 
         Raises:
             ShutdownException: The executor was shut down.
@@ -114,7 +117,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
                 self._gather()
             waitables, timeout_s = self._due(LONGEST_S if timeout_s is None else timeout_s)
             self._fill(waitables)
-        except InvalidHandle:  # destroyed, and nobody said so
+        except InvalidHandle:  # destroyed, and no one stated it
             self._is_stale = True
             return []
         with self._context.handle:
@@ -194,7 +197,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
 
 
 def _take_message(subscription: Any) -> None:
-    with suppress(InvalidHandle):  # destroyed by somebody whose turn came before, or by its own callback
+    with suppress(InvalidHandle):  # destroyed by someone whose turn came before, or by its own callback
         for _ in range(A_TURN):
             with subscription.handle:
                 taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
@@ -209,7 +212,7 @@ def _take_answer(client: Any) -> None:
         with client.handle:
             header, response = client.handle.take_response(client.srv_type.Response)
         if header is not None:
-            with suppress(KeyError):  # nobody waits for it any more
+            with suppress(KeyError):  # no one waits for it any more
                 client.get_pending_request(header.request_id.sequence_number).set_result(response)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How Fast DDS carries what a node says, where the user has not said it.
+"""How Fast DDS carries what a node reports, where the user has not reported it.
 
-Rule: whoever brings a profile of their own for Fast DDS keeps it whole, and no process that is started meanwhile or
+Rule: anyone who brings a profile of their own for Fast DDS keeps it whole, and no process that is started meanwhile or
 later inherits ours.
 """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One action whose servers are asked: what of its goals is under way, lost, or executing at a server that nobody meant.
+"""One action whose servers are asked: what of its goals is under way, lost, or executing at a server that no one meant.
 
 Rule: where a second server may be on the name, what is executing is read from every server's status messages.
 """
@@ -75,7 +75,7 @@ class GoalClient:
         self.patience_s = 0.0
 
     def observe(self, topic: str, cls: Any, quality: Any, on_message: Callable[[Any], None]) -> Work:
-        """Listen to what the server tells everybody: its `status` or `feedback`; returns what ends it."""
+        """Listen to what the server reports everybody: its `status` or `feedback`; returns what ends it."""
         node, name = self.runtime.node, f"{self.action}/_action/{topic}"
         ear = node.create_subscription(cls, name, on_message, quality, callback_group=self.runtime.group)
         self.runtime.keep(ear, lambda: node.destroy_subscription(ear))
@@ -89,7 +89,7 @@ class GoalClient:
         return len(self.peers()) > 1
 
     def survey(self, on_result: Callable[[str], None], within_s: float = 0.0) -> None:
-        """Say who serves the action beside another, as soon as nobody does, or after a while.
+        """State who serves the action next to another, as soon as no one does, or after a while.
 
         Args:
             on_result: Takes the sentence, on this thread; empty where at most one server answers.
@@ -167,7 +167,7 @@ class GoalClient:
         self._look_later()
 
     def chase(self, goal: ClientGoal) -> None:
-        """Nobody owns a lost goal any more: if its server comes back with it, it is canceled."""
+        """No one owns a lost goal any more: if its server comes back with it, it is canceled."""
         self._lost[goal] = time.monotonic() + CHASE_S
         self._look_later()
 
@@ -191,12 +191,12 @@ class GoalClient:
         return not self._lost
 
     def hasten(self) -> None:
-        """Somebody waits for the lost goals to end."""
+        """Someone waits for the lost goals to end."""
         for goal in tuple(self._lost):
             self._press(goal)
 
     def _press(self, goal: ClientGoal) -> None:
-        """Ask for a lost goal's end, in one word at a time: another would end what is sent anew under its id."""
+        """Ask for a lost goal's end, in one word at a time: another would end what is sent again under its id."""
         now = time.monotonic()
         if goal in self._lost and now >= self._pressed.get(goal, 0.0):
             self._pressed[goal] = now + PRESS_S

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages from plain data and back: mappings, lists, numbers, texts, bytes, pictures; goal ids from texts.
 
-Rule: what does not fit is an error that names the field, never a message that says something else.
+Rule: what does not fit is an error that names the field, never a message that states something else.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def to_message(cls: Any, data: Data, place: str = "") -> Any:
     Args:
         cls: The message's class, or a service's `Request`, an action's `Goal`, …
         data: Fields by name. A Time or Duration may be given in seconds, a picture as `Image`, bytes as they are.
-        place: What stands before the field's path in an error.
+        place: What is before the field's path in an error.
 
     Raises:
         ConnectorError: A field that the message does not have, or a value that its type does not take.
@@ -57,7 +57,7 @@ def to_message(cls: Any, data: Data, place: str = "") -> Any:
     if isinstance(data, Image):
         data = message_of_picture(data, name_of(cls), place)
     if not isinstance(data, Mapping):
-        raise ConnectorError(f"{place or name_of(cls)}: {shown(data)} stands where the fields of a message belong")
+        raise ConnectorError(f"{place or name_of(cls)}: {shown(data)} is given where the fields of a message belong")
     message, known = cls(), _fields(cls)
     for name, value in data.items():
         if name not in known:
@@ -96,7 +96,7 @@ def to_message_later(cls: Any, data: Data, place: str = "") -> Callable[[], Any]
 def _set(message: Any, name: str, value: Any, place: str) -> None:
     try:
         setattr(message, name, value)
-    except (AssertionError, TypeError, ValueError) as fault:  # what a message refuses beyond what its types say
+    except (AssertionError, TypeError, ValueError) as fault:  # what a message refuses beyond what its types state
         raise ConnectorError(f"{place}: {cut(fault, 160)}") from None
 
 
@@ -108,7 +108,7 @@ def _field(kind: FieldType, value: Any, place: str) -> Any:
     elif hasattr(value, "tolist") and not isinstance(value, array):  # numpy's, without knowing numpy
         value = value.tolist()
     elif not isinstance(value, list | tuple | array):
-        raise ConnectorError(f"{place}: {shown(value)} stands where a list of {kind.name} belongs")
+        raise ConnectorError(f"{place}: {shown(value)} is given where a list of {kind.name} belongs")
     if kind.count is not None and len(value) != kind.count:
         raise ConnectorError(f"{place}: {len(value)} items; there are always {kind.count}")
     if kind.most is not None and len(value) > kind.most:
@@ -132,7 +132,7 @@ def _single(kind: FieldType, value: Any, place: str) -> Any:
         return value
     if name == "string":
         if not isinstance(value, str):
-            raise ConnectorError(f"{place}: {shown(value)} stands where text belongs")
+            raise ConnectorError(f"{place}: {shown(value)} is given where text belongs")
         if kind.longest is not None and len(value) > kind.longest:
             raise ConnectorError(f"{place}: {len(value)} characters; there are {kind.longest} at the most")
         return value

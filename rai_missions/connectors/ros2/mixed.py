@@ -27,7 +27,7 @@ class Mixed:
 
     Args:
         later: Has something done after so many seconds.
-        deliver: Told each message once.
+        deliver: Sent each message once.
         reliable: How many reliable publishers the reliable reader is connected to.
     """
 
@@ -65,6 +65,6 @@ class Mixed:
 
 
 def _key(info: Info) -> tuple[int, int] | None:
-    """What both copies of a message have in common; None where the middleware does not say when it was published."""
+    """What both copies of a message have in common; None where the middleware does not state when it was published."""
     published = int(info.get("source_timestamp") or 0)
     return (published, int(info.get("publication_sequence_number") or 0)) if published else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The text that says how a message's bytes are read: its .msg file, followed by those of all that it is made of.
+"""The text that states how a message's bytes are read: its .msg file, followed by those of all that it is made of.
 
 Source: the MCAP specification's registry, "ros2msg": definitions are separated by a line of 80 `=`, and each after the
 first begins with `MSG: package/Type`.
@@ -74,7 +74,7 @@ def _text(package: str, name: str) -> str:
 
 
 def _prefixes(package: str) -> Iterator[Path]:
-    """Where packages of ROS are installed: a sourced ROS says so, wheels have it beside Python's own."""
+    """Where packages of ROS are installed: a sourced ROS states it, wheels have it next to Python's own."""
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         if prefix:
             yield Path(prefix)

@@ -25,7 +25,7 @@ def check_name(name: str, kind: Kind) -> None:
     """Whether ROS takes a name.
 
     Raises:
-        ConnectorError: It does not; the sentence says where it goes wrong.
+        ConnectorError: It does not; the sentence states where it goes wrong.
     """
     from rclpy.exceptions import NameValidationException
     from rclpy.validate_full_topic_name import validate_full_topic_name

@@ -37,10 +37,10 @@ log = logger(__name__)
 T = TypeVar("T")
 Work = Callable[[], None]
 LOOK_S = 0.02
-"""How often somebody who is awaited is looked for."""
+"""How often someone who is awaited is looked for."""
 IDLE_S = 1.0
 ANSWER_S = 5.0
-"""How long somebody on another thread waits for what only this thread can say."""
+"""How long someone on another thread waits for what only this thread can state."""
 
 
 class Runtime:
@@ -50,7 +50,7 @@ class Runtime:
 
     Args:
         options: Names, domain, arguments and parameters of the node.
-        fell: Told on this thread if ROS was shut down from outside (such as by the user's Ctrl-C).
+        fell: Reported on this thread if ROS was shut down from outside (such as by the user's Ctrl-C).
 
     Raises:
         UsageError: A name or an argument that ROS does not take.
@@ -115,7 +115,7 @@ class Runtime:
         def find_out() -> None:
             try:
                 answer.set_result(question())
-            except Exception as fault:  # noqa: BLE001 - whoever asks is told
+            except Exception as fault:  # noqa: BLE001 - anyone who asks is reported
                 answer.set_exception(fault)
 
         if not self.post(find_out):
@@ -149,7 +149,7 @@ class Runtime:
         return entry.clear
 
     def when(self, is_so: Callable[[], bool], within_s: float, then: Callable[[bool], None]) -> None:
-        """Wait until something is so, and say whether it came; only on this thread."""
+        """Wait until something is so, and state whether it came; only on this thread."""
         until = time.monotonic() + within_s
 
         def look() -> None:
@@ -216,7 +216,7 @@ class Runtime:
                 self._run(work)
 
     def _drain(self) -> None:
-        """Do what was posted until now: what that posts in turn waits until others were heard."""
+        """Do what was posted until now: what that posts in turn waits until others were received."""
         for _ in range(len(self._waiting)):
             if self._is_closing or not self._context.ok():
                 return
@@ -246,7 +246,7 @@ class Runtime:
 
 
 def guarded(work: Callable[[], Any]) -> None:
-    """Run somebody's code; what it raises is logged and stops nobody else."""
+    """Run someone's code; what it raises is logged and stops no one else."""
     try:
         work()
     except Exception:

@@ -29,11 +29,11 @@ def profile(quality: QosProfile, reliability: str = "reliable") -> QoSProfile:
 class Publication:
     """One topic that is published on. On the runtime's thread only.
 
-    A new publisher is not yet known to the subscribers: what it said in that while would be lost. So its first messages
-    wait for a subscriber, as many as the topic's depth and no longer than `patience_s`.
+    A new publisher is not yet known to the subscribers: what it reported in that while would be lost. So its first
+    messages wait for a subscriber, as many as the topic's depth and no longer than `patience_s`.
 
-    A picture is made when it leaves: while nobody listens it is not made at all, and of those that wait for the first
-    subscriber only the newest is.
+    A picture is made when it leaves: while no client listens it is not made at all, and of those that wait for the
+    first subscriber only the newest is.
     """
 
     def __init__(self, runtime: Runtime, topic: str, cls: Any, quality: QosProfile, patience_s: float) -> None:

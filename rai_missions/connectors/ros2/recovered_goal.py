@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A goal that an earlier process sent, taken up again by its id.
+"""A goal that an earlier process sent, resumed by its id.
 
-Rule: its server alone says what has become of it. What the server does not list and has no result of is lost.
+Rule: its server alone reports what has become of it. What the server does not list and has no result of is lost.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class RecoveredGoal(ClientGoal):
         if self.is_over:
             return
         if not is_there:
-            self.end("lost", why=f"nobody serves {client.action}")
+            self.end("lost", why=f"no server offers {client.action}")
             return
         self.peers, self._is_sent = client.peers(), True
         self._handle = ClientGoalHandle(client.client, self._uuid, None)
@@ -65,7 +65,7 @@ class RecoveredGoal(ClientGoal):
         was_over = self.is_over
         super()._finished(future)
         if self.is_over and not was_over:
-            self._client.caught(self)  # its server has said what became of it: there is nothing to chase
+            self._client.caught(self)  # its server has reported what became of it: there is nothing to chase
 
     def end(self, how: End, data: dict[str, Any] | None = None, why: str = "") -> None:
         for close in self._ears:

@@ -28,7 +28,7 @@ OnSecond = Callable[[bytes], None]
 
 
 class Sightings:
-    """What the status messages of all servers say of one goal.
+    """What the status messages of all servers report about one goal.
 
     They carry no sender, but the instant of the acceptance: two servers give two.
     """
@@ -63,8 +63,8 @@ class ObservedClient(ActionClient):  # type: ignore[misc]
         node: Its node.
         cls: The action's class.
         action: Its name.
-        on_status: Told of each goal in a status message: id, stamp of its acceptance, status.
-        on_second: Told of a goal whose request a second server has answered.
+        on_status: Notified of each goal in a status message: id, stamp of its acceptance, status.
+        on_second: Notified of a goal whose request a second server has answered.
         servers: How many servers are on the graph.
         qualities: As rclpy's client takes them.
     """

@@ -23,7 +23,7 @@ from rai_missions.redaction import logger
 __all__ = ("AT_ONCE", "MANY", "Client", "InFlightLimit", "Service")
 
 AT_ONCE = 10
-"""The depth of a ROS service's queue where nobody says otherwise."""
+"""The depth of a ROS service's queue where no one reports otherwise."""
 Leave = Callable[[], None]
 
 
@@ -111,10 +111,10 @@ class Client:
         return self._no_server()
 
     def _no_server(self) -> Reply:
-        """Nobody serves it; who serves it as another type is not spoken to, and said."""
+        """No server offers it; who serves it as another type is not spoken to, and reported."""
         others = ", ".join(sorted(types_of_service(self._runtime.node, self._service) - {self._type}))
         if not others:
-            return Reply("unavailable", {}, f"nobody serves {self._service}")
+            return Reply("unavailable", {}, f"no server offers {self._service}")
         why = f"{self._service} is served as {others}, and not as the {self._type} that is asked for; mend the type"
         return Reply("unavailable", {}, why)
 
@@ -218,7 +218,7 @@ class Service:
         except Exception as fault:
             known = response.get_fields_and_field_types()
             if known.get("success") != "boolean" or known.get("message") != "string":
-                raise  # no word for failure: the client is left to its timeout, and the log says why
+                raise  # no word for failure: the client is left to its timeout, and the log reports why
             log.exception("%s failed", self._service)
             response.success, response.message = False, f"{FAILED}{type(fault).__name__}: {fault}"
             return response

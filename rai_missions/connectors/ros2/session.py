@@ -32,9 +32,9 @@ Kind = TypeVar("Kind", bound=ClientGoal)
 log = logger(__name__)
 
 NAMESAKE_S = 1.5
-"""After so long whoever is there is known."""
+"""After so long anyone who is there is known."""
 FAREWELL_S = 3.0
-"""How long a stop waits for a server of its goals to say that it has heard of it, from one answer to the next."""
+"""How long a stop waits for a server of its goals to state that it has learned of it, from one answer to the next."""
 
 
 class Session:
@@ -163,7 +163,7 @@ class Session:
         return self._goal_clients[action]
 
     def survey(self, action: str, cls: Any, within_s: float, on_result: Callable[[str], None]) -> None:
-        """Say who serves an action beside another; empty where at most one server answers, or ROS was shut down."""
+        """State who serves an action next to another; empty where at most one server answers, or ROS was shut down."""
         if not self.runtime.post(lambda: self._goal_client(action, cls).survey(on_result, within_s)):
             on_result("")
 
@@ -211,7 +211,7 @@ class Session:
     # -- the end ---------------------------------------------------------------------------------------------------
 
     def close(self) -> None:
-        """Cancel the goals, tell the clients, then close; from a callback it goes on after that has returned."""
+        """Cancel the goals, notify the clients, then close; from a callback it continues after that has returned."""
         is_sent = threading.Event()
         end = self.runtime.close if self.runtime.is_here else is_sent.set
         if self.runtime.post(lambda: self._part(end)) and not self.runtime.is_here:
@@ -245,7 +245,7 @@ class Session:
             return sum(not goal.is_settled for goal in goals)
 
         def wait(before: int) -> None:
-            """As long as answers go on coming there is hope."""
+            """As long as answers continue coming there is hope."""
             self.runtime.when(
                 lambda: not unsettled(), FAREWELL_S,
                 lambda is_settled: wait(unsettled()) if 0 < unsettled() < before else served_last(is_settled),
@@ -254,7 +254,7 @@ class Session:
         wait(len(goals))
 
     def _give_up(self, why: str) -> None:
-        """Nothing more will be heard: end what has no end yet."""
+        """Nothing more will be received: end what has no end yet."""
         with self._lock:
             calls, goals = tuple(self._calls), tuple(self._goals.values())
         for goal in tuple(self._sent.values()):
@@ -266,7 +266,7 @@ class Session:
 
 
 class _Once:
-    """A callback of a call that is told exactly once; it stands in `unanswered` until then."""
+    """A callback of a call that is reported exactly once; it is in `unanswered` until then."""
 
     def __init__(self, on_reply: Callable[[Reply], None], unanswered: set[_Once], lock: threading.Lock) -> None:
         self._answered, self._unanswered, self._lock = on_reply, unanswered, lock

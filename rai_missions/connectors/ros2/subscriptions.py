@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Subscribe: readers that fit their publisher, each for all who listen to a topic.
 
-Rule: whoever joins later hears what a reader of their own would: of a latched topic what was said last, else nothing.
+Rule: anyone who joins later receives what a reader of their own would: of a latched topic what was reported last,
+else nothing.
 """
 
 from __future__ import annotations
@@ -30,15 +31,15 @@ __all__ = ("Listener", "Subscriptions")
 log = logger(__name__)
 
 LOOKS_S = (1.0, 2.0, 7.0)
-"""When it is asked why nothing is heard, each counted from the time before."""
+"""When it is asked why nothing is received, each counted from the time before."""
 
 
 class Listener:
     """One who listens to a topic.
 
     Args:
-        hear: Told each message.
-        hear_raw: Told its bytes, before.
+        receive: Sent each message.
+        hear_raw: Sent its bytes, before.
     """
 
     def __init__(
@@ -49,7 +50,7 @@ class Listener:
         self.is_open = True
 
     def deliver(self, raw: RawMessage | None, message: Message) -> None:
-        """Pass a message on; what this listener raises stops nobody else."""
+        """Pass a message on; what this listener raises stops no one else."""
         on_raw = self._on_raw
         if raw is not None and on_raw is not None and self.is_open:
             guarded(lambda: on_raw(raw))
@@ -58,7 +59,7 @@ class Listener:
 
 
 class Subscriptions:
-    """The topics that are listened to: one reader each, and one more where somebody wants the bytes.
+    """The topics that are listened to: one reader each, and one more where someone wants the bytes.
 
     Args:
         runtime: Where they live.
@@ -71,7 +72,7 @@ class Subscriptions:
         self._readers: dict[tuple[str, bool], _Reader] = {}
 
     def join(self, topic: str, cls: Any, listener: Listener) -> Close:
-        """Listen to a topic from now on; from any thread, as is what ends it: then nothing more is heard."""
+        """Listen to a topic from now on; from any thread, as is what ends it: then nothing more is received."""
         self._runtime.post(lambda: self._join(topic, cls, listener))
 
         def close() -> None:
@@ -116,14 +117,14 @@ class _Reader:
         self._look_after(LOOKS_S)
 
     def join(self, listener: Listener) -> None:
-        """Tell one more, beginning with what ROS would tell a reader that is new."""
+        """Add one listener, beginning with what ROS would notify a reader that is new."""
         self._listeners += (listener,)
         if self._last and self._publishers():
             for kept in tuple(self._last):
                 self._deliver(kept, (listener,), is_kept=True)
 
     def leave(self, listener: Listener) -> bool:
-        """Tell one less; whether that was the last one, and the reader is closed."""
+        """Remove one listener; whether that was the last one, and the reader is closed."""
         self._listeners = tuple(each for each in self._listeners if each is not listener)
         if self._is_open and not self._listeners:
             self._is_open = False
@@ -160,7 +161,7 @@ class _Reader:
         return self._offers
 
     def _look_after(self, waits: tuple[float, ...]) -> None:
-        """Say it if what is published there is of another type: ROS itself keeps silent."""
+        """State it if what is published there is of another type: ROS itself keeps silent."""
 
         def look() -> None:
             if self._has_arrived or not self._is_open:
@@ -168,7 +169,7 @@ class _Reader:
             name = name_of(self._class)
             others = sorted({each.topic_type for each in self._publishers()} - {name})
             if others:
-                log.warning("%s is published as %s, and so not heard as the %s that is asked for; mend the type",
+                log.warning("%s is published as %s, and so not received as the %s that is asked for; mend the type",
                             self._topic, " and ".join(others), name)  # fmt: skip
             else:
                 self._look_after(waits[1:])
@@ -177,7 +178,7 @@ class _Reader:
             self._runtime.later(waits[0], look)
 
     def _misfits(self, found: Any) -> None:
-        """A publisher offers less than is asked for, and would never be heard."""
+        """A publisher offers less than is asked for, and would never be received."""
         if self._is_fitted:
             return
         if found.last_policy_kind == QoSPolicyKind.RELIABILITY and self._quality.reliability is None:
@@ -188,25 +189,25 @@ class _Reader:
             self._is_puzzled = True
             policy = QoSPolicyKind(found.last_policy_kind).name.lower()
             log.warning(
-                "a publisher of %s offers less %s than the profile asks for and is not heard; mend connector/qos/%s",
+                "a publisher of %s offers less %s than the profile asks for and is not received; mend connector/qos/%s",
                 self._topic, policy, self._topic,
             )  # fmt: skip
 
     def _arrived(self, message: Any, info: Mapping[str, Any]) -> None:
-        """A message has come; in bytes, where somebody wants them."""
+        """A message has come; in bytes, where someone wants them."""
         self._has_arrived = True
         self._last.append(message)
         self._deliver(message, self._listeners, is_kept=self._is_kept(info))
 
     def _is_kept(self, info: Mapping[str, Any]) -> bool:
-        """A latched message that was published before this reader was there; a middleware may not say when it was."""
+        """A latched message that was published before this reader was there; a middleware may not state when it was."""
         self._count += 1
         if self._quality.durability != "latched" or self._count > self._quality.depth:
             return False
         return int(info.get("source_timestamp") or 0) < self._opened_ns
 
     def _deliver(self, arrived: Any, listeners: tuple[Listener, ...], *, is_kept: bool) -> None:
-        """Convert a message once, for whoever still listens."""
+        """Convert a message once, for anyone who still listens."""
         if not any(each.is_open for each in listeners):
             return
         message = deserialize_message(arrived, self._class) if self._is_raw else arrived

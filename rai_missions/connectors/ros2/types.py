@@ -53,7 +53,7 @@ class FieldType:
 
 @cache
 def field_type(type_name: str) -> FieldType:
-    """What a field holds, from how the message tells it."""
+    """What a field holds, from how the message reports it."""
     shape = SHAPE.match(type_name)
     if shape is None:
         name, longest = _single(type_name)

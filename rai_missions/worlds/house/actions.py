@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The servers of Nav2's actions: drive to a pose, and drive to the dock.
 
-Rule: a goal ends as the robot's pose and the charger say, and canceled only once the robot stands. As in Nav2, a newer
-goal replaces the one that is pursued, which is aborted.
+Rule: a goal ends as the robot's pose and the charger state, and canceled only once the robot has stopped. As in Nav2,
+a newer goal replaces the one that is pursued, which is aborted.
 """
 
 from __future__ import annotations

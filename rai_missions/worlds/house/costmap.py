@@ -48,7 +48,7 @@ class Costmap:
         return 0 <= x < WIDTH_M and 0 <= y < DEPTH_M
 
     def is_free_on_the_map(self, x: float, y: float) -> bool:
-        """Whether the robot could stand there, as far as the map goes."""
+        """Whether the robot could be there, as far as the map goes."""
         return self.is_inside(x, y) and not self._map_blocked[self.cell(x, y)]
 
     def look(self, place: tuple[float, float], angles: NDArray[np.float64], ranges: NDArray[np.float64]) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The crates that stand in doorways, and when."""
+"""The crates that are in doorways, and when."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ("Blocked", "Doors")
 Blocked = Sequence[str] | Mapping[str, Sequence[float]]
 """Doors that are blocked all the time, or each with the seconds from and until."""
 ROOM_M = 0.8
-"""Nobody puts a crate onto the robot: it waits until the robot is so far away."""
+"""No one puts a crate onto the robot: it waits until the robot is so far away."""
 
 
 class Doors:
@@ -43,7 +43,7 @@ class Doors:
         self._wanted: dict[str, bool] = {}
 
     def set(self, door: str, is_blocked: bool) -> None:
-        """Block or free a door from now on, whatever its times say."""
+        """Block or free a door from now on, whatever its times state."""
         self._wanted[door] = is_blocked
 
     def is_blocked(self, door: str) -> bool:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The navigation: plans a way, follows it, plans anew when it is blocked, and recovers until it gives up.
+"""The navigation: plans a way, follows it, plans again when it is blocked, and recovers until it gives up.
 
 Rule: it knows the map and what the lidar saw, and nothing else of the house.
 """
@@ -26,7 +26,7 @@ ARRIVED_M, TURNED_RAD = 0.12, 0.12
 AHEAD_M = 0.35
 """How far along the way it aims."""
 PLAN_S, PATIENCE_S = 3.0, 10.0
-"""How often it plans anew, and how long it may take to come 0.2 m nearer."""
+"""How often it plans again, and how long it may take to come 0.2 m nearer."""
 TOUCH_M = 0.22
 """So near ahead of the lidar nothing may be."""
 
@@ -81,7 +81,7 @@ class Navigator:
         return self.number
 
     def stop(self) -> None:
-        """Stand still, whatever was meant."""
+        """Stop, whatever was meant."""
         self.goal, self._recovery, self._way = None, None, []
 
     def fail(self, why: str, error: int) -> None:

@@ -20,14 +20,14 @@ def plan(cost: NDArray[np.float64], start: Cell, goal: Cell) -> list[Cell] | Non
     """The cells from start to goal, both included; None if no way leads there.
 
     Args:
-        cost: Of a step onto each cell, at least 1; infinite where nobody can be.
-        start: May lie on an infinite cell: whoever stands too close to something must get away.
+        cost: Of a step onto each cell, at least 1; infinite where no one can be.
+        start: May lie on an infinite cell: a robot that is too close to something must get away.
         goal: Must not.
     """
     rows, columns = cost.shape
     if not (0 <= goal[0] < rows and 0 <= goal[1] < columns) or math.isinf(cost[goal]):
         return None
-    # Numbers for cells, and an edge where nobody can be: a way over a house takes many thousand looks at a neighbour.
+    # Numbers for cells, and an edge where no one can be: a way over a house takes many thousand looks at a neighbour.
     wide = columns + 2
     costs: list[float] = np.pad(cost, 1, constant_values=math.inf).ravel().tolist()
     left = _left(rows, columns, goal)

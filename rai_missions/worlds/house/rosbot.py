@@ -14,7 +14,7 @@ __all__ = ("ACTUATORS", "RADIUS_M", "RobotPose", "Rosbot", "body")
 
 WHEEL_M, TRACK_M = 0.048, 0.27
 SKID = 1.55
-"""How much wider a skid-steered base turns than its track says, on this floor."""
+"""How much wider a skid-steered base turns than its track reports, on this floor."""
 RADIUS_M = 0.2
 """Of the circle around it."""
 FASTEST_MPS, FASTEST_RADPS = 0.5, 1.8

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The house: a robot, its navigation and its surroundings, stepped in simulated time.
 
-Rule: what is published comes from sensors, from the battery and from the pose; nobody is told what the navigation
+Rule: what is published comes from sensors, from the battery and from the pose; no one learns what the navigation
 merely believes.
 """
 

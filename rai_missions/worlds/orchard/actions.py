@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tractor's two actions: drive to a place, and drive over what it handed over for.
 
-Rule: a goal ends as the tractor's pose and the judge of the physics say, never because time has passed.
+Rule: a goal ends as the tractor's pose and the judge of the physics state, never because time has passed.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class RunningGoal:
 
 
 class OneGoal:
-    """What both actions share: one goal at a time, an end that waits for the tractor to stand.
+    """What both actions share: one goal at a time, an end that waits for the tractor to stop.
 
     Args:
         autonomy: Who drives.
@@ -118,7 +118,7 @@ class NavigateToPose(OneGoal):
         return self.set_out(x, y)
 
     def set_out(self, x: float, y: float) -> str:
-        """Begin to drive to a place, for whoever asks; why not, if not."""
+        """Begin to drive to a place, for any client that asks; why not, if not."""
         if self.running is not None:
             return f"{self.name} pursues another goal"
         place = self._lattice.nearest(x, y)
@@ -161,7 +161,7 @@ class Cross(OneGoal):
         return self.set_out()
 
     def set_out(self) -> str:
-        """Begin to drive over what the tractor stands before, for whoever asks; why not, if not."""
+        """Begin to drive over the obstacle ahead of the tractor, for any client that asks; why not, if not."""
         if self._judge.crossing is None or self.autonomy.word != "STOPPED" or not self.autonomy.watches:
             return "there is nothing to cross: the tractor has not stopped for an obstacle"
         if self._judge.crossing.outcome == "failed":

@@ -2,7 +2,7 @@
 """The rule-based autonomy stack: drives the alleys one after the other, and hands over when something is in the way.
 
 Rule: it knows the pose and the range to the nearest thing ahead, and nothing else. It does not decide what to do about
-an obstacle; whoever it handed over to does, by `proceed`, `replan` or `cross`.
+an obstacle; the controller that it handed over to does, by `proceed`, `replan` or `cross`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ACCEPTED_BEYOND_M = 2.5
 """What is driven over may lie so far beyond where it was first seen: it has a length, and it rolls."""
 CROSSING_MPS = 1.2
 LOOKS_AGAIN_S = 0.6
-"""Told to drive on, it looks for so long whether the way is still blocked."""
+"""Asked to drive on, it looks for so long whether the way is still blocked."""
 ENTERED_M = 3.0
 
 
@@ -39,7 +39,7 @@ class Autonomy:
     Args:
         lattice: The ways of the orchard.
         attempts: How often an alley is tried before it is given up.
-        handed_over: Told the distance (m) to what is in the way, each time the tractor stops for something.
+        handed_over: Sent the distance (m) to what is in the way, each time the tractor stops for something.
     """
 
     def __init__(self, lattice: Lattice, *, attempts: int, handed_over: Callable[[float], None]) -> None:
@@ -106,7 +106,7 @@ class Autonomy:
         return True
 
     def stop(self) -> None:
-        """Stand still until told otherwise; a way home is given up."""
+        """Stop until commanded otherwise; a way home is given up."""
         self._is_parked = True
         if self._is_homing:
             self._forget_home()
@@ -177,7 +177,7 @@ class Autonomy:
         return self.pose.x - self._lattice.position(move.end)[0]
 
     def _plan_next(self) -> None:
-        """Go on to the nearest alley that is left: first those not tried yet."""
+        """Continue to the nearest alley that is left: first those not tried yet."""
         move = self._follower.move
         leaving = move if move is not None and move.alley not in self._blocked and move.ahead > 0 else None
         starts: Starts = self._starts() if leaving is None else [((), leaving.end)]
@@ -232,7 +232,7 @@ class Autonomy:
         return self._accepted is None or self._hit_m() > self._accepted[2]
 
     def _waits(self) -> bool:
-        """Whether somebody is in the way where nothing should be: on a headland."""
+        """Whether someone is in the way where nothing should be: on a headland."""
         move = self._follower.move
         on_headland = move is not None and move.alley is None and move.ahead > 0
         return on_headland and self.range_m is not None and self.range_m < WAIT_AT_M
@@ -275,7 +275,7 @@ class Autonomy:
         self._is_parked, self.word = True, "FINISHED"
 
     def _forget_home(self) -> None:
-        """What is left of the move under the wheels stays; the rest is planned anew when it is needed."""
+        """What is left of the move under the wheels stays; the rest is planned again when it is needed."""
         rest = self._follower.rest_of_move()
         self._follower.take([rest] if rest is not None else [])
         self._is_homing = False

@@ -37,7 +37,7 @@ class Errors:
     miss: float = 0.0
     """How often an obstacle that is there is not reported, 0 to 1."""
     misclassify: float = 0.0
-    """How often an obstacle is taken for something else, 0 to 1; decided anew each time that one comes into sight."""
+    """How often an obstacle is taken for something else, 0 to 1; decided again each time that one comes into sight."""
     false_alarm: float = 0.0
     """How often something is reported where nothing is, 0 to 1, a look."""
 

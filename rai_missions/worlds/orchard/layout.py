@@ -59,7 +59,7 @@ class Layout:
         return alley if inside and abs(y - self.centre_m(alley)) < self.radius_m else None
 
     def trees(self) -> tuple[tuple[float, float], ...]:
-        """Where the trunks stand."""
+        """Where the trunks are."""
         count = int((self.length_m - 2.0) / TREE_SPACING_M) + 1
         step = (self.length_m - 2.0) / (count - 1)
         rows = (self.centre_m(row) - self.radius_m for row in range(self.alleys + 1))

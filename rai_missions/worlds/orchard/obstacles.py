@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which obstacle lies in which alley, from the seed, and what the living ones do.
 
-Rule: nothing here says what may be driven over; that is found out by driving (`crossing.py`).
+Rule: nothing here reports what may be driven over; that is found out by driving (`crossing.py`).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def place(seed: int, layout: Layout, wanted: Sequence[str | None | Mapping[str, 
     """The obstacles of an orchard, at most one an alley.
 
     Args:
-        seed: What is not said is drawn from it.
+        seed: What is not given is drawn from it.
         layout: The orchard.
         wanted: A kind for each alley in turn (None or `none`: nothing), or a mapping of `Obstacle`'s fields; left
             out, the kinds are drawn, too.

@@ -112,7 +112,7 @@ class Lattice:
         return None
 
     def through(self, alley: int, start: LatticePlace) -> PathSegment:
-        """From one mouth of an alley (or of a lane beside the orchard) to the other, forwards."""
+        """From one mouth of an alley (or of a lane next to the orchard) to the other, forwards."""
         (x, y), end = self.position(start), LatticePlace(7 - start.column, start.row, start.heading)
         points = straight(x, y, self._xs[end.column], y, start.heading * math.pi / 2)
         return PathSegment(points, 1, end, alley if 0 <= alley < self.layout.alleys else None)

@@ -20,7 +20,7 @@ REACH_M = 12.0
 
 
 class Beams:
-    """Sees whatever can be touched, alive or not; it cannot tell what it is.
+    """Sees whatever can be touched, alive or not; it cannot determine what it is.
 
     Args:
         model: The compiled orchard.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The orchard: a tractor, its autonomy and its surroundings, stepped in simulated time.
 
-Rule: what is published comes from sensors, from the battery or from the judge of the physics; nobody is told what the
+Rule: what is published comes from sensors, from the battery or from the judge of the physics; no one learns what the
 autonomy merely believes.
 """
 
@@ -35,7 +35,7 @@ from rai_missions.worlds.publish_queue import Guarded, Outbox
 __all__ = ("Orchard",)
 
 AUDIBLE_M = 15.0
-"""How far the horn is heard."""
+"""How far the horn carries."""
 HOME_M = 1.5
 SEEN_S = 0.6
 """An obstacle detected so lately is seen."""
@@ -49,7 +49,7 @@ class Orchard:
     """A `World`: the simulated orchard with one tractor.
 
     Args:
-        seed: Decides what is not said: the obstacles, what the living do, how the detector errs.
+        seed: Decides what is not given: the obstacles, what the living do, how the detector errs.
         alleys: How many.
         length_m: Of an alley.
         obstacles: A kind for each alley in turn (`branch`, `log`, `crate`, `person`, `animal`, `fallen_tree`, `none`),
@@ -137,7 +137,7 @@ class Orchard:
         }
         for name, answer in services.items():
             self._closes.append(connector.serve(self._outbox.name(name), messages.TRIGGER, self._locked(answer)))
-        # The same two for whoever has the types of Nav2.
+        # The same two for anyone who has the types of Nav2.
         actions = (
             ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
             (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),

@@ -72,7 +72,9 @@ def test_a_goal_that_nobody_knows_is_lost(open_ros: Open, peer: Peer) -> None:
     received.wait(lambda reported: [each.status for each in reported] == ["lost"], "it is lost")
     received = found(open_ros(discovery_s=0.2), "/nobody/serves", uuid.uuid4().hex)
     received.wait(
-        lambda reported: [(each.status, each.why) for each in reported] == [("lost", "nobody serves /nobody/serves")],
+        lambda reported: (
+            [(each.status, each.why) for each in reported] == [("lost", "no server offers /nobody/serves")]
+        ),
         "nobody is there",
     )
 

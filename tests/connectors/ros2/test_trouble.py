@@ -146,8 +146,8 @@ def test_where_discovery_is_blocked_nobody_is_there_and_everyone_is_told(open_ro
     connector, replies, reports = open_ros(discovery_s=0.5), Inbox[Reply](), Inbox[Report]()
     connector.call("/peer/trigger", TRIGGER, {}, on_reply=replies)
     connector.send_goal("/peer/fibonacci", FIBONACCI, {"order": RUN}, goal_id="g", on_report=reports)
-    assert replies.wait(bool, "nobody is found") == [Reply("unavailable", {}, "nobody serves /peer/trigger")]
-    assert reports.wait(bool, "nobody is found") == [Report("g", "rejected", {}, "nobody serves /peer/fibonacci")]
+    assert replies.wait(bool, "nobody is found") == [Reply("unavailable", {}, "no server offers /peer/trigger")]
+    assert reports.wait(bool, "nobody is found") == [Report("g", "rejected", {}, "no server offers /peer/fibonacci")]
 
 
 def test_a_service_of_another_type_is_told_with_its_type(open_ros: Open, peer: Peer) -> None:
