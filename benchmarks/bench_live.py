@@ -76,7 +76,7 @@ class Flood:
         self.prepared = prepare(self.watch.config if self.watch else setting)
         self.thread = threading.Thread(target=self._work)
         self.thread.start()
-        while self.prepared.runner.chart.mode != "running" or (self.page is not None and not self.page.serves):
+        while self.prepared.runner.view.mode != "running" or (self.page is not None and not self.page.serves):
             time.sleep(0.01)
 
     def _see(self, step: Step) -> None:
@@ -90,7 +90,7 @@ class Flood:
             runner.run()
 
     def post(self, name: str) -> None:
-        self.prepared.runner.post(Event(name, self.prepared.runner.clock.now()))
+        self.prepared.runner.post(Event(name, self.prepared.runner.view.now()))
 
     def end(self) -> None:
         self.post("end")

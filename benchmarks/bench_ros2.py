@@ -19,6 +19,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from rai_missions.runtime.run_options import RunObserver
+
 ROUNDS, GAP_S, IDLE_S, MISSIONS = 400, 0.004, 5.0, 100
 STRING, TRIGGER, ACTION = "std_msgs/msg/String", "std_srvs/srv/Trigger", "test_msgs/action/Fibonacci"
 WANTED = "wanted: within 1 ms of the floor at the median and 5 ms at p99; idle 2 % of a core; ready in 1.5 s"
@@ -186,7 +188,7 @@ def missions(kind: str) -> None:
         runner = Runner(
             made, robot=Profile.model_validate({**ROBOT, "events": events, "blackboard": eyes}), connector=connector,
             answerers={"agent": DecisionAgent(HangingModel())},
-            on_step=lambda step: started.release() if step.seq == 1 else None,
+            observer=RunObserver(lambda step: started.release() if step.seq == 1 else None),
         )  # fmt: skip
         threading.Thread(target=runner.run, daemon=True).start()
     for _ in range(count):

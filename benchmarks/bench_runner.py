@@ -94,8 +94,8 @@ def runner_latency(name: str, *, thinks: bool, folder: Path | None) -> None:
     thread.start()
     if thinks:
         model.hangs.wait()
-    told(name, posted(lambda: runner.post(Event("go", runner.clock.now())), called, at))
-    runner.post(Event("end", runner.clock.now()))
+    told(name, posted(lambda: runner.post(Event("go", runner.view.now())), called, at))
+    runner.post(Event("end", runner.view.now()))
     thread.join()
     model.release()
     agent.stop()
@@ -140,7 +140,7 @@ def idle() -> None:
         before = time.process_time()
         time.sleep(3.0)
         print(f"3 s of waiting {name}: {1e3 * (time.process_time() - before):.1f} ms of the processor")
-        runner.post(Event("end", runner.clock.now()))
+        runner.post(Event("end", runner.view.now()))
         thread.join()
 
 

@@ -77,7 +77,7 @@ def loaded(
     )  # fmt: skip
 
     def poke() -> None:
-        runner.post(Event("poke", runner.clock.now()))
+        runner.post(Event("poke", runner.view.now()))
 
     threading.Thread(target=flooded, args=(poke, ended), daemon=True).start()
     return runner, journal

@@ -153,7 +153,7 @@ def test_no_one_widens_what_an_option_takes(who: str) -> None:
     assert rig.run().outcome == "aborted", "the fallback, and on from there"
     assert len([note for step in book.steps for note in step.notes if "refused, the parameters of 'go'" in note]) == 2
     assert dump(given) == written
-    assert rig.runner.chart.view.board["route"].value == ROUTE
+    assert rig.runner.view.board["route"].value == ROUTE
 
 
 def test_a_server_that_changes_its_goal_changes_nothing_else() -> None:
@@ -167,4 +167,4 @@ def test_a_server_that_changes_its_goal_changes_nothing_else() -> None:
     assert rig.run().outcome == "aborted"
     assert rig.move.given[0]["spoilt"]
     assert (dump(given), dump_profile(profile)) == before
-    assert rig.runner.chart.view.board["route"].value == ROUTE
+    assert rig.runner.view.board["route"].value == ROUTE

@@ -53,7 +53,7 @@ class Trip:
         return self.runner.run()
 
     def post(self, name: str) -> None:
-        self.runner.post(Event(name, self.runner.clock.now()))
+        self.runner.post(Event(name, self.runner.view.now()))
 
     @property
     def entered(self) -> list[str]:

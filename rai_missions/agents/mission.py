@@ -33,6 +33,7 @@ from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock, HeardClock, SimulatedClock, WallClock
 from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Result, Runner
 from rai_missions.worlds.world import World, open_world, world_offer
 
@@ -118,16 +119,12 @@ class PreparedRun:
             self.world, connector, clock = self._surroundings()
             self._header = self._head()
             self.answerers = self._answerers(connector, clock)
-            self._clean = Redaction().known
             self.recording = self._record(connector, clock)
             self.journal = self._journal()
-            on_step, on_status = observers(self.recording, setting.on_step, setting.on_status)
             self._runner = Runner(
                 self.mission, robot=self.robot, connector=recorded(connector, self.recording), clock=clock,
-                answerers=self.answerers, journal=self.journal, arguments=self._header.arguments, named=setting.named,
-                on_step=on_step, on_status=on_status,
-                run=self._header.run or None, moved_aside=self.moved_aside,
-                resumed=self._resumption(), clean=self._clean,
+                answerers=self.answerers, journal=self.journal, begin=self._begin(),
+                observer=observers(self.recording, RunObserver(setting.on_step, setting.on_status)),
             )  # fmt: skip
         except BaseException:
             self.close()
@@ -138,9 +135,12 @@ class PreparedRun:
         assert self._runner is not None
         return self._runner
 
-    def _resumption(self) -> Resumption | None:
-        """Where the run stood; a simulated world knows nothing of it."""
-        return None if self._taken is None else self._taken.resumption._replace(anew=self.world is not None)
+    def _begin(self) -> NewRun | Resumption:
+        """What the run begins with, or where it stood; a simulated world knows nothing of it."""
+        if self._taken is not None:
+            return self._taken.resumption._replace(anew=self.world is not None)
+        head = self._header
+        return NewRun(head.arguments, self.setting.named, run=head.run, moved_aside=self.moved_aside)
 
     @property
     def goes_on(self) -> str:
@@ -224,7 +224,7 @@ class PreparedRun:
             from rai_missions.answerers.rules import RulesAnswerer
 
             rules = {state: [(rule.when, rule.answer) for rule in rows] for state, rows in self.robot.rules.items()}
-            who["rules"] = RulesAnswerer(rules, lambda: self.runner.chart.view, keys=self.mission.blackboard)
+            who["rules"] = RulesAnswerer(rules, keys=self.mission.blackboard)
         return who
 
     def _model(self, model: BaseChatModel | str, connector: Connector | None, clock: Clock) -> Answerer:
@@ -271,7 +271,7 @@ class PreparedRun:
             "run": self._header.run,
             "versions": versions() | dict(self._header.versions),
         }
-        words = {"mission": self.mission, "about": about, "now": clock.now, "clean": self._clean}
+        words = {"mission": self.mission, "about": about, "now": clock.now, "clean": Redaction().known}
         of_ros = isinstance(
             connector, SupportsRawMessages
         )  # its messages are kept in CDR, with their ros2msg definitions

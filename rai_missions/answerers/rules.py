@@ -30,22 +30,26 @@ class RulesAnswerer:
 
     Args:
         rules: The state that asks → its rows: a guard, or None for one that always holds, and an option.
-        view_of: What is known now; asked on the thread that asks the question.
         keys: The mission's keys, by which a guard knows what is stale.
+        view: What is known of the run; a runner that is given this answerer sets its own.
     """
 
     def __init__(
         self,
         rules: Mapping[str, Sequence[tuple[Guard | None, str]]],
-        view_of: Callable[[], View],
         *,
         keys: Mapping[str, Key] | None = None,
+        view: View | None = None,
     ) -> None:
-        self._view_of = view_of
+        self._view = view
         self._rows = {
             state: tuple(_compiled(state, index, row, keys or {}) for index, row in enumerate(rows))
             for state, rows in rules.items()
         }
+
+    def read_from(self, view: View) -> None:
+        """Decide by this run from now on."""
+        self._view = view
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Answer before returning."""
@@ -53,8 +57,11 @@ class RulesAnswerer:
         if not rows:
             answer({"absent": f"no rules for '{question.state}'"})
             return
+        if self._view is None:
+            answer({"absent": "the rules were given no run to read"})
+            return
         try:
-            row = _chosen(rows, question, self._view_of())
+            row = _chosen(rows, question, self._view)
         except Exception as error:  # noqa: BLE001 - a predicate of the user's program may raise anything
             answer({"failed": f"a rule for '{question.state}' raised {type(error).__name__}: {cut(error, 200)}"})
             return

@@ -16,13 +16,13 @@ from rich.table import Table
 from rich.text import Text
 
 from rai_missions.cli.progress import Lines, Person, trimmed
-from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.engine.step import Ask, Step
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
+from rai_missions.runtime.view import RunView
 
 __all__ = ("Screen",)
 
@@ -72,7 +72,7 @@ class Screen(Lines):
         super().step(step)
         if self._personal:
             self._hide()
-        elif self._chart is not None:
+        elif self._view is not None:
             self._show(self._foot(step.at))
 
     def _show(self, foot: Group) -> None:
@@ -105,25 +105,25 @@ class Screen(Lines):
         self._console.print(Text(line, style=style), soft_wrap=True)
 
     def _foot(self, at: float) -> Group:
-        chart, status = self._chart, self._status
-        assert chart is not None
+        view, status = self._view, self._status
+        assert view is not None
         head = Text(f"{at:9.2f} s  ", style="bold")
         head.append(f"{status.mode if status else ''}  ", style="bold green")
-        head.append(" › ".join(self._path(chart)), style="bold")
+        head.append(" › ".join(self._path(view)), style="bold")
         head.append(f"   control: {status.control if status else ''}", style="dim")
         if status is not None and status.waits:
             head.append(f"\n{'':13}{status.waits}", style="bold yellow")
         if status is not None and status.open_goals:
             head.append(f"\n{'':13}{trimmed(may_move(status.open_goals), 400)}", style="bold red")
         facts = Table.grid(padding=(0, 2))
-        for key, entry in sorted(chart.view.board.items()):
+        for key, entry in sorted(view.board.items()):
             if self._mission.blackboard[key].source == "robot":
                 said = Text(trimmed(entry.value, 60))  # a string would be read as markup
                 facts.add_row(Text(f"  {key}", style="dim"), said, f"{at - entry.at:.1f} s old")
         return Group(Text(""), head, facts)
 
-    def _path(self, chart: Chart) -> list[str]:
-        return [name for _, name, _ in self._mission.walk() if name in chart.active]
+    def _path(self, view: RunView) -> list[str]:
+        return [name for _, name, _ in self._mission.walk() if name in view.active]
 
 
 class _Borrower:

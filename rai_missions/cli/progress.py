@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol, TextIO
 
-from rai_missions.engine import NOT_STARTED, Chart
+from rai_missions.engine import NOT_STARTED
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer
 from rai_missions.engine.step import (
@@ -27,6 +27,7 @@ from rai_missions.event import Event, Image
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
+from rai_missions.runtime.view import RunView
 
 __all__ = ("Lines", "Person", "trimmed")
 
@@ -85,7 +86,7 @@ class Lines:
         self._shown: tuple[str, ...] = ()
         self._answered: dict[str, int] = {}
         self._reasons = _reasons(mission)
-        self._chart: Chart | None = None
+        self._view: RunView | None = None
         self._is_waiting = False
         self._open_goals: tuple[OpenGoal, ...] = ()
 
@@ -103,9 +104,9 @@ class Lines:
             self._print(goes_on)
         self._print("")
 
-    def watch(self, chart: Chart) -> None:
+    def watch(self, view: RunView) -> None:
         """The run begins; its state may be shown beside the lines."""
-        self._chart = chart
+        self._view = view
 
     def lend(self, person: Person) -> Answerer:
         """Somebody who asks where these lines are printed; sent away when the run is over."""
@@ -150,7 +151,7 @@ class Lines:
 
     def _wait(self, step: Step) -> None:
         """Said once: what the mission must hear before it starts; what else happens until then changes nothing."""
-        unheard = self._chart.unheard if self._chart is not None else ()
+        unheard = self._view.unheard if self._view is not None else ()
         if unheard and not self._is_waiting:
             self._is_waiting = True
             self._print(f"{step.at:9.2f} s  waiting for the robot: {', '.join(unheard)}")

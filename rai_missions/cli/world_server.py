@@ -15,7 +15,8 @@ from typing import Any
 from rai_missions.cli.signals import on_signals
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.runtime.clock import Mailbox, SimulatedClock
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.worlds import open_world
 from rai_missions.worlds.bridge import Front, Stage, company
 from rai_missions.worlds.world import World

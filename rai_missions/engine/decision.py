@@ -7,7 +7,7 @@ Rule: a proposal is a wish. Only `judge`, on what is known at that moment, makes
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 from rai_missions.event import Event, Image
 from rai_missions.guards.guard import Test, Truth, View
@@ -16,8 +16,8 @@ from rai_missions.plain_data import apart
 from rai_missions.redaction import clipped
 
 __all__ = (
-    "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "Verdict", "VerdictKind", "VerdictNote", "judge",
-    "stale_verdict", "with_verdicts",
+    "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "ReadsRun", "Verdict", "VerdictKind", "VerdictNote",
+    "judge", "stale_verdict", "with_verdicts",
 )  # fmt: skip
 
 
@@ -163,6 +163,14 @@ class Answerer(Protocol):
 
     def withdraw(self, number: int) -> None:
         """The question is no longer asked: stop the work on it, answer nothing."""
+
+
+@runtime_checkable
+class ReadsRun(Protocol):
+    """An answerer that decides by what is known of the run."""
+
+    def read_from(self, view: View) -> None:
+        """Decide by this run from now on; it is read on the thread that asks."""
 
 
 def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[str, Test]) -> Verdict:

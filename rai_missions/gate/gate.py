@@ -39,8 +39,9 @@ from rai_missions.gate.state import (
     status_of,
 )
 from rai_missions.redaction import cut, logger
-from rai_missions.runtime.clock import Clock, Mailbox, WallClock
+from rai_missions.runtime.clock import Clock, WallClock
 from rai_missions.runtime.lifecycle import CONTROLLERS
+from rai_missions.runtime.mailbox import Mailbox
 
 __all__ = ("GateAgent",)
 

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
-from rai_missions.guards.guard import Guard, Site, Test, Truth
+from rai_missions.guards.guard import Guard, Site, Test, Truth, View
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Decision, Tree
@@ -52,15 +51,14 @@ class Closed:
         self._mission = mission
         self._tests: dict[str, dict[str, tuple[Test, Guard]]] = {}
 
-    def now(self, questions: Iterable[Question], chart: Chart, at: float) -> dict[int, dict[str, str]]:
+    def now(self, questions: Iterable[Question], view: View, at: float) -> dict[int, dict[str, str]]:
         """Question → option → why it would be refused; from any thread.
 
         Args:
             questions: Those that are open.
-            chart: The run's.
+            view: The run, to be read.
             at: Now, on the run's clock.
         """
-        view = chart.view
         seen = Seen(at, dict(view.board), view.active, dict(view.entered), dict(view.held))
         found: dict[int, dict[str, str]] = {}
         for question in questions:

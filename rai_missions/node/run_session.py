@@ -69,9 +69,8 @@ class RunSession:
         """Why it broke off, if it did."""
         self._lock = threading.Lock()
         self._waiting: dict[str, Waiting] = {}
-        self._others = runner.mailbox.overdue
-        runner.mailbox.overdue = lambda event: self._is_overdue(event) or bool(self._others and self._others(event))
-        self._asked = {each.number: each for each in runner.chart.questions}
+        runner.drop_if(self.is_overdue)
+        self._asked = {each.number: each for each in runner.view.questions}
         self._thread: threading.Thread | None = None
         self._is_news = False
         self.is_over = False
@@ -81,8 +80,8 @@ class RunSession:
         """The run's mode; one that broke off has failed."""
         if self.is_over:
             return self.result.outcome if self.result is not None else "failed"
-        chart = self.runner.chart  # of a run that goes on, which says its status only once it does
-        return self.status.mode if self.status is not None else chart.outcome or chart.mode
+        view = self.runner.view  # of a run that is resumed, whose status is known only then
+        return self.status.mode if self.status is not None else view.outcome or view.mode
 
     @property
     def is_here(self) -> bool:
@@ -97,14 +96,14 @@ class RunSession:
 
     def _now_for(self, question: Question) -> float:
         """Now, or when the time of its state was stopped: by a pause, or by the operator who took control."""
-        since = self.runner.chart.still_since(question.owner.partition("#")[0])
-        return self.runner.clock.now() if since is None else since
+        since = self.runner.view.still_since(question.owner.partition("#")[0])
+        return self.runner.view.now() if since is None else since
 
     def stale(self) -> tuple[str, ...]:
         """The robot's keys that are older than they may be."""
         if self.is_over or self.mode not in ("running", "paused", "canceling"):
             return ()
-        now, board = self.runner.clock.now(), self.runner.chart.view.board
+        now, board = self.runner.view.now(), self.runner.view.board
         keys = [(name, key) for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
         heard = [(name, key, board.get(name)) for name, key in keys]
         return tuple(name for name, key, entry in heard if entry is not None and stale_at(key, entry) <= now)
@@ -112,7 +111,7 @@ class RunSession:
     def sources(self) -> Mapping[str, SourceState]:
         """The robot's keys → what is known of the readings of their sources."""
         keys = [name for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
-        return {} if self.is_over else {name: self.runner.performer.source(name) for name in keys}
+        return {} if self.is_over else {name: self.runner.view.source(name) for name in keys}
 
     # -- after it -------------------------------------------------------------------------------------------------
 
@@ -153,9 +152,9 @@ class RunSession:
         if is_over or is_full:
             told(CommandReply(False, OVER if is_over else "too many orders wait already; ask again", order.id))
         elif order.command == "e_stop":
-            self.runner.mailbox.post_urgent(self._event(order, request))
+            self.runner.post_urgent(self._event(order, request))
         elif order.command == "control":
-            self.runner.soon(lambda: self._hand_over(request))
+            self.runner.call_soon(lambda: self._hand_over(request))
         else:
             self.runner.post(self._event(order, request))
 
@@ -166,7 +165,7 @@ class RunSession:
             why = self.runner.control(waiting.order.to, _controller(waiting.order.by))
             waiting.told(CommandReply(not why, why, waiting.order.id))
 
-    def _is_overdue(self, event: Event) -> bool:
+    def is_overdue(self, event: Event) -> bool:
         """An order that the run takes too late is dropped, and that is told."""
         request = _request(event) if self._waiting else ""
         waiting = self._waiting.get(request)
@@ -176,7 +175,7 @@ class RunSession:
         return True
 
     def _event(self, order: Command, request: str) -> Event:
-        at, said = self.runner.clock.now(), {"by": order.by, "request": request}
+        at, said = self.runner.view.now(), {"by": order.by, "request": request}
         if order.command == "answer":
             answer = {"option": order.option, "parameters": dict(order.parameters)}
             return Event("operator", at, answer | said, "proposal", order.question)
@@ -189,7 +188,7 @@ class RunSession:
         if order.command == "control" and order.to not in CONTROLLERS:
             return f"nobody called '{cut(order.to, 60)}' can hold control{suggestion(order.to, CONTROLLERS)}"
         if order.command == "control":
-            return self.runner.lifecycle.control.refuses(order.to, _controller(order.by))
+            return self.runner.view.refuses_control(order.to, _controller(order.by))
         if order.command == "post":
             events = self._robot.events if self._robot is not None else {}
             posted = [name for name, event in events.items() if event.posted]
@@ -245,7 +244,7 @@ class RunSession:
             return False
         before = tuple(self._asked)
         with self._lock:
-            self._asked = {each.number: each for each in self.runner.chart.questions}
+            self._asked = {each.number: each for each in self.runner.view.questions}
         return before != tuple(self._asked)
 
     def _end(self) -> None:

@@ -1,27 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who looks on at a run: its recording first, then any other observer."""
+"""Who follows a run: its recording first, then another observer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TypeVar
 
-from rai_missions.engine.step import Step
 from rai_missions.recording.recording import Recording
-from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.run_options import RunObserver
 
-__all__ = ("OnStatus", "OnStep", "observers")
+__all__ = ("observers",)
 
 T = TypeVar("T")
-OnStep = Callable[[Step], None] | None
-OnStatus = Callable[[Status], None] | None
 
 
-def observers(recording: Recording | None, on_step: OnStep, on_status: OnStatus) -> tuple[OnStep, OnStatus]:
-    """What a runner is to report of steps and of statuses."""
+def observers(recording: Recording | None, other: RunObserver) -> RunObserver:
+    """An observer that passes each step and each status on to both."""
     if recording is None:
-        return on_step, on_status
-    return _both(recording.step, on_step), _both(recording.status, on_status)
+        return other
+    return RunObserver(_both(recording.step, other.on_step), _both(recording.status, other.on_status))
 
 
 def _both(first: Callable[[T], None], second: Callable[[T], None] | None) -> Callable[[T], None]:

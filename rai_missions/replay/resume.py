@@ -33,6 +33,8 @@ class Resumption(NamedTuple):
     """When the run began, on its own clock."""
     decisions: int
     """Questions asked so far."""
+    run: str
+    """The run's identity."""
     anew: bool = False
     """The surroundings know of nothing that was done: a simulated world that starts again."""
 
@@ -77,4 +79,4 @@ def resumption(
     if chart.outcome is not None and not chart.open_goals and not under.unsure:
         raise UsageError(f"the run of {record.path} has ended, {chart.outcome}: {chart.why}; start a new one")
     rebuilding.go_live()
-    return Resumption(chart, under, last, began, decisions)
+    return Resumption(chart, under, last, began, decisions, record.header.run)

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rai_missions.engine.step import StartBehaviour, StopBehaviour
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
+from rai_missions.runtime.scheduler import Scheduler
 from rai_missions.states.tree import BehaviourLeaf
 
 if TYPE_CHECKING:
@@ -22,20 +23,11 @@ class Behaviours:
 
     Args:
         leaves: Owner → its leaf.
-        post: Where the ends go.
-        later: Has something done at an instant of the run's clock.
-        now: The run's clock.
+        scheduler: When they are ticked, and where their ends go.
     """
 
-    def __init__(
-        self,
-        leaves: Mapping[str, BehaviourLeaf],
-        *,
-        post: Callable[[Event], None],
-        later: Callable[[float, Callable[[], None]], None],
-        now: Callable[[], float],
-    ) -> None:
-        self._leaves, self._post, self._later, self._now = leaves, post, later, now
+    def __init__(self, leaves: Mapping[str, BehaviourLeaf], scheduler: Scheduler) -> None:
+        self._leaves, self._scheduler = leaves, scheduler
         self._live: dict[int, LiveBehaviour] = {}
 
     def start(self, effect: StartBehaviour) -> None:
@@ -67,11 +59,11 @@ class Behaviours:
             return
         status = live.tick()
         if status == "running":
-            self._later(self._now() + tick_s, lambda: self._tick(number, tick_s))
+            self._scheduler.call_at(self._scheduler.now() + tick_s, lambda: self._tick(number, tick_s))
         else:
             self.stop(StopBehaviour(number))
             self._end(number, status)
 
     def _end(self, number: int, status: str, why: str = "") -> None:
         data = {"status": status, **({"why": why} if why else {})}
-        self._post(Event("behaviour", self._now(), data, "behaviour", number))
+        self._scheduler.post(Event("behaviour", self._scheduler.now(), data, "behaviour", number))

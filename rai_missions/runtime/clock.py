@@ -1,141 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where time comes from, and the mailbox that everything arrives in.
+"""Where a run's time comes from: the wall, a simulated world, or a simulation's `/clock`.
 
-Rule: nobody sleeps and nobody polls; a run waits in one place, for an event or for an instant.
+Rule: no code sleeps or polls; a run waits in one place, for an event or for an instant.
 """
 
 from __future__ import annotations
 
 import math
-import queue
 import threading
 import time
-from collections import deque
-from collections.abc import Callable
-from contextlib import suppress
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
-from rai_missions.event import Event, Image
+from rai_missions.runtime.mailbox import Mailbox
 
-__all__ = ("Clock", "ContinuedClock", "HeardClock", "Mailbox", "SimulatedClock", "Steppable", "WallClock")
-
-LONGEST_WAIT_S = 86_400.0
-"""A wait for longer ends early and begins again: threads cannot wait for centuries."""
-MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE = 200, 100_000
-"""So many events may wait before one of the robot's pictures, or another fact, that is taken in in its turn."""
-
-
-class Mailbox:
-    """Events on their way to the runner, from any thread, in the order in which they came; urgent ones overtake.
-
-    Args:
-        clean: Takes out of an event's data what nobody may read later, as it is taken.
-        now: The run's clock. With it each event gets the instant at which it enters here, in the order in which they
-            enter: once the mailbox is seen empty, nothing comes that is older than what the clock said before.
-    """
-
-    def __init__(self, clean: Callable[[Any], Any] | None = None, now: Callable[[], float] | None = None) -> None:
-        self._clean, self._now = clean, now
-        self._entrance = threading.RLock()  # a signal may come on the thread that is posting
-        self._queue: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
-        self._urgent: deque[Event] = deque()
-        self._front: deque[Event] = deque()
-        self._late: dict[str, Event] = {}
-        """Key → the newest of what the robot said of it while far too much waited; taken once nothing else waits."""
-        self.alarm: Callable[[], None] = lambda: None
-        """Told of each urgent event, once it is here, on the thread that brings it."""
-        self.overdue: Callable[[Event], bool] | None = None
-        """Whether an event that comes to be taken has waited too long and is dropped; whoever says so has told why."""
-
-    def post(self, event: Event) -> None:
-        """Put it behind what waits; of what the robot says of a key while far too much does, the newest is kept."""
-        with self._entrance:
-            self._enter(event if self._now is None else event._replace(at=self._now()))
-
-    def _enter(self, event: Event) -> None:
-        if event.kind != "write":
-            self._queue.put(event)
-        elif self._queue.qsize() < _most(event):
-            self._late.pop(event.name, None)
-            self._queue.put(event)
-        else:
-            self._late[event.name] = event
-            if self._queue.empty():
-                self.wake()  # all was taken meanwhile, and whoever waits knows nothing of it
-
-    def post_urgent(self, event: Event) -> None:
-        """It is taken next, whatever waits."""
-        self._urgent.append(event)
-        self._queue.put(None)
-        self.alarm()
-
-    def wake(self) -> None:
-        """End a wait without an event."""
-        self._queue.put(None)
-
-    def take(self) -> Event | None:
-        """The next event; None if there is none now."""
-        event = self._next()
-        while event is not None and self.overdue is not None and self.overdue(event):
-            event = self._next()
-        return event if event is None or self._clean is None else event._replace(data=self._clean(event.data))
-
-    def _next(self) -> Event | None:
-        if self._urgent:
-            return self._urgent.popleft()
-        if self._front:
-            return self._front.popleft()
-        while True:
-            try:
-                event = self._queue.get_nowait()
-            except queue.Empty:
-                return self._next_late()
-            if event is not None:
-                return event
-            if self._urgent:
-                return self._urgent.popleft()
-
-    def _next_late(self) -> Event | None:
-        with suppress(KeyError):  # it was overtaken just now
-            return self._late.pop(next(iter(tuple(self._late)), ""))
-        return None
-
-    @property
-    def urgent(self) -> bool:
-        """What is taken next must not wait."""
-        return bool(self._urgent)
-
-    @property
-    def waiting(self) -> int:
-        """About how many events are to be taken."""
-        return len(self._urgent) + len(self._front) + self._queue.qsize() + len(self._late)
-
-    def put_back(self, events: list[Event]) -> None:
-        """They are taken before all others but the urgent ones, in this order."""
-        self._front.extendleft(reversed(events))
-
-    @property
-    def empty(self) -> bool:
-        return not self._urgent and not self._front and self._queue.empty() and not self._late
-
-    def wait(self, timeout_s: float | None) -> None:
-        """Return when something has come, or after so many seconds of wall time; None waits for ever."""
-        if self._urgent or self._front or self._late:
-            return
-        if timeout_s is not None:
-            timeout_s = min(timeout_s, LONGEST_WAIT_S)
-        try:
-            event = (
-                self._queue.get(timeout=timeout_s) if timeout_s is None or timeout_s > 0 else self._queue.get_nowait()
-            )
-        except queue.Empty:
-            return
-        if event is not None:
-            self._front.append(event)
-
-
-def _most(event: Event) -> int:
-    return MOST_BEFORE_PICTURE if isinstance(event.data.get("value"), Image) else MOST_BEFORE_WRITE
+__all__ = ("Clock", "ContinuedClock", "HeardClock", "SimulatedClock", "Steppable", "WallClock")
 
 
 class Clock(Protocol):

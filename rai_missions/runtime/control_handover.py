@@ -13,6 +13,7 @@ from rai_missions.event import Event
 from rai_missions.profile import Robot, ServiceEntry
 from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import is_operator
+from rai_missions.runtime.scheduler import Scheduler
 
 __all__ = ("Handovers",)
 
@@ -28,19 +29,16 @@ class Handovers:
     Args:
         robot: The profile; without one whoever shall have control has it at once.
         connector: How the robot is reached.
-        post: Where events go.
-        later: Has something done at an instant of the run's clock.
-        now: The run's clock.
-        lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
+        scheduler: When the run reports that it is alive, and where acknowledgements go.
+        on_lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
     """
 
     def __init__(
-        self, robot: Robot | None, connector: Connector | None, *, post: Callable[[Event], None],
-        later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
-        lost: Callable[[str, bool], None] = lambda to, is_refused: None,
+        self, robot: Robot | None, connector: Connector | None, scheduler: Scheduler,
+        on_lost: Callable[[str, bool], None],
     ) -> None:  # fmt: skip
         self._robot, self._connector = robot, connector
-        self._post, self._later, self._now, self._lost = post, later, now, lost
+        self._scheduler, self._lost = scheduler, on_lost
         self._is_open = False
         self.letting_go: bool | None = None
         """True while an emergency stop waits for control to be with nobody; None where it never had to."""
@@ -83,7 +81,7 @@ class Handovers:
 
         self._call(self._connector, entry, "nobody", "mission", over)
         # A connector that breaks its promise, and never says that nobody answered, holds up no stop.
-        self._later(self._now() + 2 * ANSWERED_S, over)
+        self._scheduler.call_at(self._scheduler.now() + 2 * ANSWERED_S, over)
 
     def _call(self, connector: Connector, entry: ServiceEntry, to: str, by: str, done: Callable[[], None]) -> None:
         def answered(reply: Reply) -> None:
@@ -103,7 +101,7 @@ class Handovers:
             done()
 
     def _acknowledged(self, to: str, by: str) -> None:
-        self._post(Event(to, self._now(), {"by": by}, "control"))
+        self._scheduler.post(Event(to, self._scheduler.now(), {"by": by}, "control"))
 
     def _say_alive(self) -> None:
         entry = self._robot.alive if self._robot is not None else None
@@ -113,4 +111,4 @@ class Handovers:
             self._connector.publish(entry.topic, entry.type, {})
         except Exception:
             log.exception("nobody hears that the run goes on")
-        self._later(self._now() + entry.every_s, self._say_alive)
+        self._scheduler.call_at(self._scheduler.now() + entry.every_s, self._say_alive)

@@ -30,17 +30,18 @@ from rai_missions.engine.step import (
 from rai_missions.errors import MissionError, in_words
 from rai_missions.event import Event
 from rai_missions.journal.in_flight import InFlight
-from rai_missions.keys import Key
+from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, plain
 from rai_missions.profile.profile import endpoints
 from rai_missions.redaction import cut, cut_repr, logger
 from rai_missions.runtime.behaviours import Behaviours
 from rai_missions.runtime.control_handover import Handovers
 from rai_missions.runtime.goals import Goals, outcome_of, told
+from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.observers import RobotListener
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.rivalry import Rivalry
-from rai_missions.states.tree import BehaviourLeaf
+from rai_missions.runtime.scheduler import Scheduler
 
 __all__ = ("MISSION_LINE", "EffectExecutor")
 
@@ -56,38 +57,28 @@ class EffectExecutor:
     """The hands of a run.
 
     Args:
+        mission: Whose effects are carried out.
         run: The run's identity; goal ids are derived from it.
         robot: The profile; without one every start and call is rejected.
         connector: How the robot is reached.
         answerers: Who answers questions, by name.
-        post: Where events go.
-        later: Has something done at an instant of the run's clock.
-        now: The run's clock.
-        wake: Has the run look again at what it waits for; from any thread.
-        leaves: The leaves of trees that are written in Python, by owner.
-        allow: Asks that control be handed to somebody for the mission; says why not, or nothing.
-        keys: The mission's.
+        scheduler: Where events go, and what is done when.
+        control: Who holds control.
         note: Has a sentence written into the journal.
-        lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
     """
 
     def __init__(
-        self, *, run: str, robot: Robot | None, connector: Connector | None, answerers: Mapping[str, Answerer],
-        post: Callable[[Event], None], later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
-        allow: Callable[[str], str], wake: Callable[[], None] = lambda: None,
-        leaves: Mapping[str, BehaviourLeaf] | None = None,
-        keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
-        lost: Callable[[str, bool], None] = lambda to, is_refused: None,
+        self, mission: Mission, *, run: str, robot: Robot | None, connector: Connector | None,
+        answerers: Mapping[str, Answerer], scheduler: Scheduler, control: Control, note: Callable[[str], None],
     ) -> None:  # fmt: skip
-        self._robot, self._connector = robot, connector
-        self._answerers, self._post, self._later, self._now = answerers, post, later, now
-        self._allow = allow
-        self.rivalry = Rivalry(robot, connector, wake)
+        self._robot, self._connector, self._answerers = robot, connector, answerers
+        self._scheduler, self._control = scheduler, control
+        self.rivalry = Rivalry(robot, connector, scheduler.wake)
         self._goals = Goals(run, robot, connector, tell=self._event)
         self._open: dict[int, str] = {}
-        self.handovers = Handovers(robot, connector, post=post, later=later, now=now, lost=lost)
-        self._behaviours = Behaviours(leaves or {}, post=post, later=later, now=now)
-        self._senses = RobotListener(robot, connector, post=post, later=later, now=now, keys=keys, note=note)
+        self.handovers = Handovers(robot, connector, scheduler, self._lose_handover)
+        self._behaviours = Behaviours(mission.behaviours(), scheduler)
+        self._senses = RobotListener(robot, connector, scheduler, mission.blackboard, note)
         self._perform: Mapping[type, Callable[[Any], None]] = {
             StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
             PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
@@ -241,7 +232,7 @@ class EffectExecutor:
             self._withdraw(Withdraw(number))
 
     def _event(self, kind: str, name: str, number: int, data: Mapping[str, Any]) -> None:
-        self._post(Event(name, self._now(), dict(data), kind, number))
+        self._scheduler.post(Event(name, self._scheduler.now(), dict(data), kind, number))
 
     # -- goals, calls and messages ------------------------------------------------------------------------------------
 
@@ -311,10 +302,25 @@ class EffectExecutor:
                 log.exception("'%s' failed to give question %d back", asked, effect.number)
 
     def _request_control(self, effect: Handover) -> None:
-        if why := self._allow(effect.to):
+        if why := self._control.request(effect.to, "mission"):
             log.warning("control does not go to %s: %s", effect.to, why)
         else:
             self.handovers.hand_over(effect.to, "mission")
+
+    def _lose_handover(self, to: str, is_refused: bool) -> None:
+        """A handover does not come; where the robot refuses it, the operator keeps control and the mission waits.
+
+        Args:
+            to: Who should have had control.
+            is_refused: The robot's reply was that it does not hand over.
+        """
+
+        def lose() -> None:
+            self._control.give_up(to)
+            if is_refused and to != "operator" and self.holder == self._control.holder == "operator":
+                self._event("control", "operator", 0, {"by": "operator"})
+
+        self._scheduler.call_soon(lose)
 
 
 def _said(data: Any) -> Mapping[str, Any]:

@@ -19,6 +19,7 @@ from rai_missions.keys import Key, fits
 from rai_missions.profile import EventSource, Robot, Source, unread, unsaid
 from rai_missions.redaction import cut_repr, logger
 from rai_missions.runtime.readings import Readings, SourceState, in_words
+from rai_missions.runtime.scheduler import Scheduler
 
 __all__ = ("RobotListener",)
 
@@ -35,20 +36,17 @@ class RobotListener:
     Args:
         robot: The profile; without one nothing is heard.
         connector: How the robot is reached.
-        post: Where events go.
-        later: Has something done at an instant of the run's clock.
-        now: The run's clock.
+        scheduler: When services are asked, and where events go.
         keys: The mission's, to whose types a reading is held before it counts as understood.
         note: Has a sentence written into the journal.
     """
 
     def __init__(
-        self, robot: Robot | None, connector: Connector | None, *, post: Callable[[Event], None],
-        later: Callable[[float, Callable[[], None]], None], now: Callable[[], float],
+        self, robot: Robot | None, connector: Connector | None, scheduler: Scheduler,
         keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
     ) -> None:  # fmt: skip
         self._robot, self._connector, self._keys, self._note = robot, connector, keys or {}, note
-        self._post, self._later, self._now = post, later, now
+        self._scheduler = scheduler
         self._closes: list[Close] = []
         self._open = False
         self._puzzled: set[str] = set()
@@ -124,7 +122,9 @@ class RobotListener:
 
         def answered(reply: Reply) -> None:
             if reply.outcome == "succeeded":
-                message = Message(service, reply.data, self._now() - max(0.0, reply.age_s or 0.0), reply.age_s)
+                message = Message(
+                    service, reply.data, self._scheduler.now() - max(0.0, reply.age_s or 0.0), reply.age_s
+                )
                 for hear in hears:
                     hear(message)
 
@@ -133,13 +133,13 @@ class RobotListener:
             self._connector.call(service, type_name, request, on_reply=answered, timeout_s=every_s)
         except Exception as error:  # noqa: BLE001 - a connector's fault is a robot not heard, never the run's end
             self._puzzle(service, error)
-        self._later(self._now() + every_s, lambda: self._poll(poll, request, hears))
+        self._scheduler.call_at(self._scheduler.now() + every_s, lambda: self._poll(poll, request, hears))
 
     def _write_of(self, key: str, source: Source) -> Hear:
         readings = self._readings[key]
 
         def hear(message: Message) -> None:
-            now = self._now()
+            now = self._scheduler.now()
             try:
                 if readings.receive(message.age_s, kept=message.kept):
                     self._tell_offset(key, readings)
@@ -157,7 +157,7 @@ class RobotListener:
                 readings.misread(why)
             else:
                 readings.understood(now - stamp)
-            self._post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
+            self._scheduler.post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
 
         return hear
 
@@ -181,7 +181,7 @@ class RobotListener:
                     self._miss(name, source, message)
                 self._before[name] = fires
                 if happens:
-                    self._post(Event(name, self._now(), source.payload(message)))
+                    self._scheduler.post(Event(name, self._scheduler.now(), source.payload(message)))
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle(name, error)
 
@@ -198,7 +198,7 @@ class RobotListener:
                 return
             if holder != self.holder:
                 self.holder = holder
-                self._post(Event(holder, self._now(), {"by": "robot"}, "control"))
+                self._scheduler.post(Event(holder, self._scheduler.now(), {"by": "robot"}, "control"))
 
         return hear
 

@@ -41,7 +41,7 @@ class Seen:
 
 def answered(rows: list[tuple[Guard | None, str]], seen: Seen, question: Question = QUESTION) -> Mapping[str, Any]:
     reported = ReplyCollector()
-    RulesAnswerer({"assessing": rows}, lambda: seen, keys=KEYS).ask(question, reported)
+    RulesAnswerer({"assessing": rows}, keys=KEYS, view=seen).ask(question, reported)
     (reply,) = reported.all
     assert not answer_fault(reply)
     return reply
@@ -98,7 +98,7 @@ def test_a_predicate_that_raises_fails_the_answer_alone() -> None:
 
 @pytest.mark.parametrize("rows", [[], [(None, "abort")]])
 def test_rules_keep_the_contract(rows: list[tuple[Guard | None, str]]) -> None:
-    check_answerer(lambda: RulesAnswerer({"assessing": rows}, Seen))
+    check_answerer(lambda: RulesAnswerer({"assessing": rows}, view=Seen()))
 
 
 def test_a_script_is_followed_and_then_absent() -> None:

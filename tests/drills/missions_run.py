@@ -30,6 +30,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Result, Runner
 from tests.drills.hostility import CANARIES, COMMANDS, MOST_CALLS, OWN, HostileModel, plant
 from tests.drills.surroundings import quick_folder
@@ -68,7 +69,7 @@ class Misnumbered:
         if self.runner is not None and self._random.random() < 0.3:
             number = question.number + self._random.choice([-3, -2, -1, 1, 2, 1000, -question.number])
             reported = {"option": self._random.choice(["cross", "finish", "detour"])}
-            self.runner.post(Event("agent", self.runner.clock.now(), reported, "proposal", number))
+            self.runner.post(Event("agent", self.runner.view.now(), reported, "proposal", number))
         self._agent.ask(question, answer)
 
     def withdraw(self, number: int) -> None:
@@ -144,7 +145,7 @@ def _run(seed: str, random: Random, folder: Path, steps: list[Step], mission: Mi
     with Journal.create(folder / "run.journal", Header(dump(mission), WRITTEN, {})) as journal:
         runner = who.runner = Runner(
             mission, robot=ROBOT, connector=connector, clock=SimulatedClock(yard), answerers={"agent": who},
-            journal=journal, on_step=steps.append,
+            journal=journal, observer=RunObserver(steps.append),
         )  # fmt: skip
         result = runner.run()
     wall_s = time.monotonic() - began
@@ -154,7 +155,7 @@ def _run(seed: str, random: Random, folder: Path, steps: list[Step], mission: Mi
     trial = Trial(seed, result, yard, steps, model, wall_s)
     if yard.goals:
         trial.faults.append(f"goals left running: {list(yard.goals.values())}")
-    if runner.chart.open_goals:
+    if runner.view.open_goals:
         trial.faults.append("the engine left goals open")
     connector.stop()
     return trial

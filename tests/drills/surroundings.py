@@ -137,7 +137,7 @@ class Field:
         if self.random.random() < 0.1:
             name = self.random.choice(["anomaly", "halt", "poke", "unheard_of"])
             self.runner.post(Event(name, self.at))
-        goes_round = self.runner.chart.seq > MOST_STEPS
+        goes_round = self.runner.view.seq > MOST_STEPS
         if self.at == self._ends_s or (goes_round and not self._is_stopped):
             self._is_stopped = True
             self.runner.cancel()

@@ -22,7 +22,8 @@ from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.replay import replay
-from rai_missions.runtime.clock import HeardClock, Mailbox, SimulatedClock
+from rai_missions.runtime.clock import HeardClock, SimulatedClock
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.runner import Runner
 from tests.drills.surroundings import AnyAnswers
 from tests.rigs.runs import Rig, mission, robot
@@ -52,7 +53,7 @@ def flood(path: Path, each: int) -> None:
             thread.start()
         runner.run()
         ends.join()
-    assert runner.chart.view.board["count"].value == THREADS * each
+    assert runner.view.board["count"].value == THREADS * each
     received: dict[int, list[int]] = {number: [] for number in range(THREADS)}
     with read(path) as record:  # which verifies the chain
         for step in record.steps():
@@ -63,13 +64,13 @@ def flood(path: Path, each: int) -> None:
 
 def _post(runner: Runner, thread: int, each: int) -> None:
     for number in range(each):
-        runner.post(Event("go", runner.clock.now(), {"thread": thread, "number": number}))
+        runner.post(Event("go", runner.view.now(), {"thread": thread, "number": number}))
 
 
 def _end(runner: Runner, threads: list[threading.Thread]) -> None:
     for thread in threads:
         thread.join()
-    runner.post(Event("stop_now", runner.clock.now()))
+    runner.post(Event("stop_now", runner.view.now()))
 
 
 def test_of_ten_thousand_events_from_eight_threads_none_is_lost_and_none_comes_twice(tmp_path: Path) -> None:
@@ -146,7 +147,7 @@ def test_messages_whose_stamps_leap_back_and_forth_are_as_old_as_they_state_and_
         at = rig.stage.at
         stamp = {0: at, 1: at - 1.5, 2: at + 1e6, 3: -5.0}[rig.stage.steps % 4]
         rig.connector.publish("/battery", "sensor_msgs/msg/BatteryState", {"percentage": 0.9, "stamp": stamp})
-        entry = rig.runner.chart.view.board.get("battery")
+        entry = rig.runner.view.board.get("battery")
         ages.append(0.0 if entry is None else rig.clock.now() - entry.at)
 
     rig.stage.each = on_result

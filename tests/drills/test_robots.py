@@ -24,6 +24,8 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.goals import Goals
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.runner import Runner
 from rai_missions.testing import ChaosConnector, Rates
 from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, Postponing, quick_folder, quick_tempers
@@ -45,8 +47,9 @@ ENDS = {"succeeded", "failed", "aborted", "canceled"}
 def unowned(running: Iterable[str], runner: Runner, steps: Sequence[Step]) -> list[str]:
     """The goals that run on although no one owns them and nothing in the journal states it."""
     notes = [note for step in steps for note in step.notes]
+    ids = Goals(runner.run_id, None, None, tell=lambda *_: None)
     started = {
-        runner.performer._goals.goal_id(effect.number, effect.owner): effect.number
+        ids.goal_id(effect.number, effect.owner): effect.number
         for step in steps for effect in step.effects if isinstance(effect, StartGoal)
     }  # fmt: skip
     report = {
@@ -78,7 +81,7 @@ def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, fo
     return [
         *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
         *([f"it took {result.duration_s} s"] if result.duration_s > ENDS_S + 45 else []),
-        *(["the engine left goals open"] if runner.chart.open_goals else []),
+        *(["the engine left goals open"] if runner.view.open_goals else []),
         *([f"its journal does not replay: {again.difference}"] if not again.holds else []),
         *([f"told {again.outcome}, replayed {result.outcome}"] if again.outcome != result.outcome else []),
         *(f"goal {goal} runs on" for goal in unowned(field.goals, runner, steps)),
@@ -196,7 +199,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
         *(["a false success"] if result.outcome == "succeeded" and not world.counter.alleys else []),
         *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
         *([f"it took {result.duration_s} s"] if result.duration_s > 1800 else []),
-        *(["goals are open"] if prepared.runner.chart.open_goals else []),
+        *(["goals are open"] if prepared.runner.view.open_goals else []),
     ]
 
 
@@ -256,18 +259,20 @@ def test_an_emergency_stop_ends_even_if_no_one_ever_reports_that_control_is_let_
     assert result.duration_s < 30
 
 
-def test_what_is_asked_of_a_run_just_while_it_looks_into_its_mailbox_is_not_forgotten() -> None:
+def test_what_is_asked_of_a_run_just_while_it_looks_into_its_mailbox_is_not_forgotten(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     rig = Rig({"waiting": {"transitions": []}})
-    take, asked = rig.runner.mailbox.take, list[str]()
+    take, asked = Mailbox.take, list[str]()
 
-    def takes() -> Any:
-        event = take()
+    def takes(mailbox: Mailbox) -> Any:
+        event = take(mailbox)
         if event is None and rig.stage.at >= 1.0 and not asked:
             asked.append(rig.runner.control("operator"))
-            return take()
+            return take(mailbox)
         return event
 
-    rig.runner.mailbox.take = takes  # type: ignore[method-assign]
+    monkeypatch.setattr(Mailbox, "take", takes)
     rig.stage.play({1.0: lambda: rig.post("stop_now"), 5.0: rig.runner.kill})
     rig.run()
     (handed,) = [step.at for step in rig.book.steps if step.event.kind == "control"]

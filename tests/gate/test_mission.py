@@ -133,8 +133,8 @@ def test_an_operator_who_takes_at_the_gate_what_the_mission_gave_keeps_it() -> N
         {
             2.0: lambda all_: all_.gate.ask("operator", "agent"),
             3.0: lambda all_: all_.gate.ask("operator", "operator"),
-            4.0: lambda all_: all_.rig.runner.lifecycle.control.acknowledge("operator"),
-            5.0: lambda all_: all_.rig.runner.performer.handovers.hand_over("agent", "mission"),
+            4.0: lambda all_: all_.rig.runner._control.acknowledge("operator"),
+            5.0: lambda all_: all_.rig.runner._handovers.hand_over("agent", "mission"),
             6.0: lambda all_: all_.rig.post("go"),
             600.0: lambda all_: all_.gate.ask("autonomy", "operator"),
             601.0: lambda all_: all_.rig.post("again"),

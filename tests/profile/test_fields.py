@@ -17,7 +17,9 @@ from rai_missions.event import Event
 from rai_missions.mission.files import load
 from rai_missions.profile import Robot, load_profile, misnamed
 from rai_missions.runtime.clock import WallClock
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.observers import RobotListener
+from rai_missions.runtime.scheduler import Scheduler
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 ON_ROS = sorted(MISSIONS.glob("*/robot.ros2*.json"))
@@ -124,9 +126,9 @@ def test_a_message_without_the_field_is_reported_once_and_one_that_leaves_it_ope
             "events": {"said": {"topic": "/s", "type": "s/msg/String", "when": {"key": "dada", "==": "GO"}}},
         }
     )
-    connector, received = LocalConnector(), list[Event]()
+    connector, mailbox, received = LocalConnector(), Mailbox(), list[Event]()
     connector.start()
-    senses = RobotListener(robot, connector, post=received.append, later=lambda _at, _do: None, now=WallClock().now)
+    senses = RobotListener(robot, connector, Scheduler(WallClock(), mailbox))
     senses.open()
     with caplog.at_level(logging.WARNING):
         for _ in range(3):
@@ -134,6 +136,8 @@ def test_a_message_without_the_field_is_reported_once_and_one_that_leaves_it_ope
             connector.publish("/open", "s/msg/Battery", {"level": float("nan")})
             connector.publish("/s", "s/msg/String", {"data": "GO"})
     senses.close()
+    while (event := mailbox.take()) is not None:
+        received.append(event)
     connector.stop()
     assert received == []
     assert [each.getMessage() for each in caplog.records] == [

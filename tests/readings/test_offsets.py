@@ -58,7 +58,7 @@ def test_a_source_that_is_off_and_fresh_all_the_same_is_reported_and_the_mission
                       blackboard=NEEDED))  # fmt: skip
     publishes(rig, behind_s)
     assert rig.run().outcome == "aborted"
-    state = rig.runner.performer.source("battery")
+    state = rig.runner.view.source("battery")
     assert state.offset_s == pytest.approx(behind_s, abs=1e-6)
 
 
@@ -68,7 +68,7 @@ def test_a_source_that_is_right_is_not_reported(caplog: pytest.LogCaptureFixture
     publishes(rig, 0.15)
     with caplog.at_level(logging.INFO):
         rig.run()
-    assert rig.runner.performer.source("battery").offset_s is None and rig.book.notes == []
+    assert rig.runner.view.source("battery").offset_s is None and rig.book.notes == []
     assert not [each for each in caplog.records if each.name.startswith("rai_missions")]
 
 

@@ -129,7 +129,7 @@ class Grove(Farm):
     def __init__(self, seed: int) -> None:
         self._chance = random.Random(seed)
         super().__init__(
-            [Wish(TREE_ENDS_S, lambda runner: runner.cancel(), lambda runner: runner.chart.outcome is not None)],
+            [Wish(TREE_ENDS_S, lambda runner: runner.cancel(), lambda runner: runner.view.outcome is not None)],
             {"drive": self._chance.choice([0.5, 2.0, 5.0])},
             {"drive": self._chance.choice(["succeeded", "failed"])},
         )
@@ -144,7 +144,7 @@ class Grove(Farm):
             if self._chance.random() < 0.3:
                 self.connector.publish(f"/{name}", "std_msgs/msg/Bool", {"data": self._chance.random() < 0.6})
         if self.runner is not None and self._chance.random() < 0.1:
-            self.runner.post(Event("poke", self.runner.clock.now()))
+            self.runner.post(Event("poke", self.runner.view.now()))
 
 
 def by_chance(seed: int) -> ReplyingAnswerer:

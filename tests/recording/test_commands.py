@@ -11,6 +11,7 @@ import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.main import main
+from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Journal
@@ -122,7 +123,7 @@ def test_a_run_that_continues_is_recorded_from_its_beginning(folder: Path) -> No
     slow = {**LAMP, "states": {**LAMP["states"], "on": {"transitions": [{"after_s": 0.5, "to": "off"}]}}}  # type: ignore[dict-item]
     (folder / "slow.json").write_text(json.dumps(slow))
     with prepare(RunConfig("slow.json", journal="b.journal")) as prepared:
-        step = prepared.runner.chart.start(0.0)
+        step = Chart(prepared.mission).start(0.0)
         assert isinstance(prepared.journal, Journal)
         prepared.journal.write(step, since=0.0)
     assert main(["run", "--resume", "b.journal", "--record", "run.mcap"]) == 1

@@ -26,6 +26,7 @@ from rai_missions.recording import Recording, check_name, journal_of
 from rai_missions.recording import queue as rooms
 from rai_missions.recording.queue import BoundedQueue, QueuedItem
 from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 from tests.recording.kept import LAMP, kept
 from tests.rigs.journals import raw_rows_of
@@ -181,7 +182,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
         }
     )
     with Journal.create(tmp_path / "run.journal", Header(dump(mission)), witness=made.row) as journal:
-        runner = Runner(mission, clock=SimulatedClock(), journal=journal, on_step=made.step)
+        runner = Runner(mission, clock=SimulatedClock(), journal=journal, observer=RunObserver(made.step))
         made.received(Message("/battery", {"percentage": 1.0}, 0.0), "")
         until(lambda: "the mission continues" in caplog.text)
         assert runner.run().outcome == "aborted"

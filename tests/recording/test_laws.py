@@ -19,6 +19,7 @@ from rai_missions.mission.files import dump
 from rai_missions.recording import Recording, journal_of
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 from tests.recording.kept import LAMP, kept
 from tests.rigs.journals import blackboard_writes, raw_rows_of, steps
@@ -66,7 +67,7 @@ def test_a_recording_is_replayed_as_its_journal_is(
     made = recording(folder / "run.mcap", mission=mission, now=clock.now)
     with Journal.create(folder / "run.journal", Header(dump(mission)), witness=made.row) as journal:
         runner = Runner(mission, connector=LocalConnector(now=clock.now), clock=clock, journal=journal,
-                        on_step=made.step, on_status=made.status)  # fmt: skip
+                        observer=RunObserver(made.step, made.status))  # fmt: skip
         for name in data.draw(st.lists(st.sampled_from(EVENTS), max_size=6)):
             runner.post(Event(name))
         runner.kill()

@@ -117,7 +117,7 @@ class Inquest(Coroner):
         """Which events that have an id are in the journal."""
 
     def wrote(self, runner: Runner) -> None:
-        self._saved = runner.chart.snapshot()
+        self._saved = runner.view.snapshot()
 
     def found(self, taken: OpenedRun) -> None:
         rows = [digest for *_, digest in taken.record.raw()]
@@ -143,7 +143,7 @@ class Inquest(Coroner):
             self._going_on = False
             for each in self._answerers.values():
                 each.asked.clear()
-            self._asked &= runner.chart.awaited
+            self._asked &= runner.view.awaited
         elif not self._going_on and self._asked:
             asked = frozenset[int]().union(*(each.asked for each in self._answerers.values()))
             assert self._asked <= asked, "the question is asked again"
@@ -151,7 +151,7 @@ class Inquest(Coroner):
 
     def instants(self, runner: Runner, what: str, given: tuple[Any, ...], *, is_done: bool) -> frozenset[str]:
         """At which of the instants a process is that is about to do something, or has just done it."""
-        chart = runner.chart
+        chart = runner.view
         step = given[0] if what == "write" else None
         unaccepted = self._land.unaccepted.keys()
         is_so = {
@@ -159,7 +159,7 @@ class Inquest(Coroner):
                 (step is not None and is_done and needs_confirmation(step)) or (what in CARRIED_OUT and not is_done),
             "done and not confirmed": (what in CARRIED_OUT and is_done) or (what == "confirm" and not is_done),
             "in a transition": step is not None and bool(step.moves),
-            "in a decision": runner.performer.thinking,
+            "in a decision": runner.view.thinking,
             "goal sent and not accepted": bool(unaccepted),
             "goal running": any(goal_id not in unaccepted for goal_id in self._land.running),
             "timer pending": bool(chart.snapshot()["_timers"]),

@@ -19,7 +19,9 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 from rai_missions.replay.open_run import OpenedRun, open_run
-from rai_missions.runtime.clock import Clock, ContinuedClock, Mailbox, SimulatedClock
+from rai_missions.runtime.clock import Clock, ContinuedClock, SimulatedClock
+from rai_missions.runtime.mailbox import Mailbox
+from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Result, Runner
 
 __all__ = ("ONLOOKER", "Coroner", "Dead", "Fate", "Land", "Wish", "live")
@@ -305,10 +307,10 @@ def live(
     connector: Any = Mortal(land.connector, fate)
     try:
         runner = land.runner = Runner(
-            mission, robot=robot, connector=connector, clock=MortalClock(clock, fate), run="run",
+            mission, robot=robot, connector=connector, clock=MortalClock(clock, fate),
             answerers={name: Mortal(each, fate) for name, each in answerers.items()},
-            journal=Mortal(Noted(journal, lambda: coroner.wrote(runner)), fate), named=named, on_step=land.look,
-            resumed=taken.resumption if taken is not None else None,
+            journal=Mortal(Noted(journal, lambda: coroner.wrote(runner)), fate), observer=RunObserver(land.look),
+            begin=taken.resumption if taken is not None else NewRun(named=named, run="run"),
         )  # fmt: skip
         fate.mourn = lambda: coroner.died(runner, fate)
         if land.keeps_time and taken is not None:

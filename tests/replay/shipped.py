@@ -84,11 +84,7 @@ class Shipped(Land):
         self.connector.start()
         self.world.open(self.connector)
         rules = {state: [(rule.when, rule.answer) for rule in rows] for state, rows in self.robot.rules.items()}
-        self.answerers = {"rules": RulesAnswerer(rules, self._view, keys=self.mission.blackboard)}
-
-    def _view(self) -> Any:
-        assert self.runner is not None
-        return self.runner.chart.view
+        self.answerers = {"rules": RulesAnswerer(rules, keys=self.mission.blackboard)}
 
     @property
     def at(self) -> float:

@@ -20,7 +20,8 @@ from rai_missions.mission.files import dump
 from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
 from rai_missions.replay.rebuild import default_ticker
-from rai_missions.runtime.clock import ContinuedClock, Mailbox, SimulatedClock
+from rai_missions.runtime.clock import ContinuedClock, SimulatedClock
+from rai_missions.runtime.mailbox import Mailbox
 from tests.rigs.runs import Rig, ScriptedWorld, mission, robot
 
 Json = dict[str, Any]
@@ -38,7 +39,7 @@ def resumed(path: Path, states: Json, moments: Mapping[float, Callable[[Rig], ob
         journal.write(chart.write("battery", 0.5), since=0.0)
     taken = open_run(path)
     with Journal.open(path) as journal:
-        rig = Rig(killed, journal=journal, resumed=taken.resumption, run="run", **words)
+        rig = Rig(killed, journal=journal, begin=taken.resumption, **words)
         rig.stage.play({at: lambda do=do: do(rig) for at, do in moments.items()})  # type: ignore[misc]
         rig.run()
     taken.record.close()

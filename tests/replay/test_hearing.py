@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the robot reported before a process died counts no more: it is received again first, or not known."""
+"""What the robot said before a process died counts no more: it is heard again first, or not known."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask
@@ -15,6 +17,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.trees import PyTrees
 from tests.replay.farm import FARMER, Farm
 from tests.replay.mortal import Fate, live
@@ -36,7 +39,7 @@ OVER = Mission.model_validate({
 
 
 class Meadow(Farm):
-    """Something lies there; while no one looks, something living takes its place."""
+    """Something lies there; while nobody looks, something living takes its place."""
 
     def __init__(self, *given: Any, **words: Any) -> None:
         super().__init__(*given, **words)
@@ -73,14 +76,14 @@ def ended(path: Path, meadow: Meadow, slow: ReplyingAnswerer) -> Ended:
     return Ended(result.outcome, result.why)
 
 
-def test_no_one_acts_on_what_was_so_before_the_process_died(tmp_path: Path) -> None:
+def test_nobody_acts_on_what_was_so_before_the_process_died(tmp_path: Path) -> None:
     path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     meadow.obstacle = {"living": True}
     assert ended(path, meadow, slow).outcome == "canceled", "what lives now is not driven over"
 
 
-def test_what_no_one_reports_any_more_is_not_known(tmp_path: Path) -> None:
+def test_what_nobody_says_any_more_is_not_known(tmp_path: Path) -> None:
     path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     meadow.obstacle = None
@@ -93,7 +96,7 @@ def test_what_is_as_it_was_is_answered_as_it_was(tmp_path: Path) -> None:
     assert ended(path, meadow, slow).outcome == "failed"
 
 
-def test_a_robot_that_is_received_again_is_never_taken_for_silent_and_one_that_is_not_is(tmp_path: Path) -> None:
+def test_a_robot_that_is_heard_again_is_never_taken_for_silent_and_one_that_is_not_is(tmp_path: Path) -> None:
     for silent, outcome in ((frozenset[str](), "failed"), (frozenset({"/battery"}), "aborted")):
         path, meadow, slow = tmp_path / f"{outcome}.journal", Meadow(), slow_answerer()
         asked_and_killed(path, meadow, slow)
@@ -111,7 +114,9 @@ def test_the_question_is_asked_again_under_its_number_and_counted_once(tmp_path:
         assert sum(isinstance(each, Ask) for step in record.steps() for each in step.effects) == 1
 
 
-def test_what_is_asked_of_a_run_that_waits_to_receive_the_robot_again_is_done_at_once(tmp_path: Path) -> None:
+def test_what_is_asked_of_a_run_that_waits_to_receive_the_robot_again_is_done_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It is asked right before the run looks for what has come, and finds nothing."""
     path, idle = tmp_path / "run.journal", mission({"idle": {}})
     chart, done = Chart(idle), list[float]()
@@ -120,15 +125,15 @@ def test_what_is_asked_of_a_run_that_waits_to_receive_the_robot_again_is_done_at
         journal.write(chart.write("battery", 0.5), since=0.0)
     taken = open_run(path)
     with Journal.open(path) as journal:
-        rig = Rig(idle, journal=journal, resumed=taken.resumption)
-        looks = rig.runner.mailbox.take
+        rig = Rig(idle, journal=journal, begin=taken.resumption)
+        looks = Mailbox.take
 
-        def take() -> Event | None:
+        def take(mailbox: Mailbox) -> Event | None:
             if not done:
-                rig.runner.soon(lambda: done.append(rig.clock.now()))
-            return looks()
+                rig.runner.call_soon(lambda: done.append(rig.clock.now()))
+            return looks(mailbox)
 
-        rig.runner.mailbox.take = take  # type: ignore[method-assign]
+        monkeypatch.setattr(Mailbox, "take", take)
         rig.stage.play({5.0: rig.runner.kill})
         assert rig.run().outcome == "aborted"
     taken.record.close()

@@ -47,9 +47,9 @@ def farm() -> Farm:
         return lambda runner: there._hand_over(to)
 
     there._wishes += [
-        Wish(TAKEN_S, hand("operator"), lambda runner: runner.chart.held_by == "operator"),
-        Wish(2.0, lambda runner: runner.post(Event("go")), lambda runner: bool(runner.chart.snapshot()["_kept"])),
-        Wish(BACK_S, hand("autonomy"), lambda runner: not runner.chart.held_by),
+        Wish(TAKEN_S, hand("operator"), lambda runner: runner.view.held_by == "operator"),
+        Wish(2.0, lambda runner: runner.post(Event("go")), lambda runner: bool(runner.view.snapshot()["_kept"])),
+        Wish(BACK_S, hand("autonomy"), lambda runner: not runner.view.held_by),
     ]
     return there
 

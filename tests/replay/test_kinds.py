@@ -61,15 +61,15 @@ class Kind(NamedTuple):
 
 
 def is_mode(mode: str) -> Callable[[Any], bool]:
-    return lambda runner: runner.chart.mode == mode or runner.chart.outcome is not None
+    return lambda runner: runner.view.mode == mode or runner.view.outcome is not None
 
 
 def is_in(state: str) -> Callable[[Any], bool]:
-    return lambda runner: state in runner.chart.active or runner.chart.outcome is not None
+    return lambda runner: state in runner.view.active or runner.view.outcome is not None
 
 
 def post(name: str) -> Callable[[Any], None]:
-    return lambda runner: runner.post(Event(name, runner.clock.now()))
+    return lambda runner: runner.post(Event(name, runner.view.now()))
 
 
 PAUSED = (Wish(2.0, lambda runner: runner.pause(), is_mode("paused")),
@@ -109,7 +109,7 @@ KINDS = {
             "one": do("move", then="two"), "two": do("turn"), "back": {"history": "deep"}},
             "transitions": [{"on": "poke", "when": {"key": "count", "<": 1}, "to": "aside"}]},
         "aside": {"entry": [{"set": "count", "add": 1}], "transitions": [{"after_s": 2, "to": "back"}]}, **DONE}),
-        (Wish(4.0, post("poke"), lambda runner: runner.chart.view.board["count"].value == 1),)),
+        (Wish(4.0, post("poke"), lambda runner: runner.view.board["count"].value == 1),)),
     "raised_later": Kind(made({
         "first": {"entry": [{"raise": "go", "after_s": 6, "id": "x"}], "transitions": [{"after_s": 2, "to": "second"}]},
         "second": {"transitions": [{"on": "go", "to": "done"}]}, **DONE})),

@@ -87,7 +87,7 @@ class Yard(Steady):
         name = chance.choice(EVENTS)
 
         def on_result(runner: Any) -> None:
-            runner.post(Event(name + self.suffix, runner.clock.now(), {"id": number}))
+            runner.post(Event(name + self.suffix, runner.view.now(), {"id": number}))
 
         return Wish(
             chance.uniform(1, ENDS_AT_S), on_result, lambda _: number in self.reported or number in self.inquest.heard

@@ -12,18 +12,23 @@ from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
+from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.runtime.clock import Clock, Mailbox, SimulatedClock
+from rai_missions.replay.resume import Resumption
+from rai_missions.runtime.clock import Clock, SimulatedClock
+from rai_missions.runtime.mailbox import Mailbox
+from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Result, Runner
 from tests.rigs.journals import MemoryJournal
 
 __all__ = (
     "KEYS", "ROBOT", "ManualClock", "ManualServer", "Plan", "PlannedServer", "ReplyingAnswerer", "Rig", "ScriptedWorld",
-    "mission", "robot",
+    "by_hand", "mission", "robot",
 )  # fmt: skip
 
 Json = dict[str, Any]
@@ -246,13 +251,23 @@ def robot(**words: Any) -> Robot:
     return Robot.model_validate({**ROBOT, **words})
 
 
+def by_hand(chart: Chart, **words: Any) -> Runner:
+    """A runner of a chart that the test steps itself; the runner takes no event.
+
+    Args:
+        chart: The run's.
+        words: What else `Runner` takes.
+    """
+    return Runner(chart.mission, begin=Resumption(chart, InFlight(), None, 0.0, 0, "run"), **words)
+
+
 class Rig:
     """A runner on a small robot, and all that came of it.
 
     Args:
         given: The mission, or its states as JSON has them.
         moments: When, on the simulated clock → what happens then.
-        words: What `Runner` takes.
+        words: What `Runner` and `NewRun` take.
     """
 
     def __init__(
@@ -264,6 +279,7 @@ class Rig:
         self.move, self.turn = ManualServer("accepted"), ManualServer("accepted")
         self.called: list[tuple[float, str]] = []
         self.steps: list[Step] = []
+        self.on_step: Callable[[Step], object] = words.pop("on_step", self.steps.append)
         self.book: Any = words.pop("journal", None) or MemoryJournal()
         self.serve()
         self.runner = Runner(
@@ -272,8 +288,9 @@ class Rig:
             connector=self.connector,
             clock=self.clock,
             journal=self.book,
-            on_step=words.pop("on_step", self.steps.append),
-            **words,
+            answerers=words.pop("answerers", None),
+            observer=RunObserver(lambda step: self.on_step(step), words.pop("on_status", None)),
+            begin=words.pop("begin", None) or NewRun(**words),
         )
 
     def serve(self) -> None:

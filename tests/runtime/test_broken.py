@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine import Chart
 from rai_missions.engine.step import StartGoal
 from rai_missions.errors import DefinitionError
 from rai_missions.journal import Header, Journal, read
@@ -252,7 +253,7 @@ def test_whatever_servers_state_a_goal_is_never_another_goals_and_the_run_ends(
         {0.5: lambda: rig.post("go"), 2.0: lambda: rig.post("again"), 2.5: lambda: rig.post("go"), 9.0: rig.runner.kill}
     )
     result = rig.run()
-    assert result.outcome in ("aborted", "failed") and rig.runner.chart.open_goals == 0
+    assert result.outcome in ("aborted", "failed") and rig.runner.view.open_goals == 0
     ends = [step for step in rig.book.steps if step.event.kind == "result" and not step.why.startswith("stale")]
     assert len({step.event.number for step in ends}) == len(ends), "a goal ends once"
 
@@ -292,7 +293,7 @@ def test_a_message_that_is_not_what_the_profile_reports_is_not_received(message:
     received = type("Heard", (), {"data": message, "at": 0.0, "topic": "/there"})()
     rig.stage.play({1.0: lambda: dict(subscribers)["/there"](received), 2.0: rig.runner.kill})
     assert rig.run().duration_s == 2.0
-    assert "there" not in rig.runner.chart.view.board
+    assert "there" not in rig.runner.view.board
 
 
 def test_an_integer_beyond_all_floating_point_numbers_ends_no_run_anyone_who_reports_it() -> None:
@@ -304,7 +305,7 @@ def test_an_integer_beyond_all_floating_point_numbers_ends_no_run_anyone_who_rep
     rig = Rig(given, answerers={"agent": ChatteringAnswerer([report])})
     rig.stage.play({1.0: lambda: rig.publish("/battery", percentage=10**400)})
     assert rig.run().outcome == "failed" and rig.entered[-1] == "lost", "the fallback"
-    assert "battery" not in rig.runner.chart.view.board
+    assert "battery" not in rig.runner.view.board
 
 
 @pytest.mark.parametrize("observer", ["on_step", "on_status"])
@@ -317,7 +318,7 @@ def test_an_observer_that_raises_does_not_end_the_run_and_is_notified_of(
     assert len([record for record in caplog.records if observer in record.message]) == 1
 
 
-def test_a_fault_of_the_engine_itself_stops_the_robot_and_is_raised() -> None:
+def test_a_fault_of_the_engine_itself_stops_the_robot_and_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig(
         {
             "moving": {"action": "drive", "timeout_s": 50, "transitions": [{"on": "succeeded", "to": "over"}]},
@@ -326,7 +327,7 @@ def test_a_fault_of_the_engine_itself_stops_the_robot_and_is_raised() -> None:
     )
 
     def breaks() -> None:
-        rig.runner.chart.send = fails  # type: ignore[method-assign]
+        monkeypatch.setattr(Chart, "send", fails)
         rig.post("go")
 
     rig.stage.play({3.0: breaks})

@@ -157,7 +157,7 @@ def test_a_kill_overtakes_a_full_mailbox() -> None:
     rig.stage.play({1.0: flood})
     result = rig.run()
     assert (result.outcome, result.why) == ("aborted", "killed by the e-stop")
-    assert rig.runner.chart.view.board["count"].value == 0
+    assert rig.runner.view.board["count"].value == 0
 
 
 def test_a_kill_acts_before_it_is_written_down() -> None:
@@ -175,7 +175,7 @@ def test_a_kill_leaves_control_with_no_one() -> None:
     rig = Rig(MOVING)
     rig.stage.play({1.0: rig.runner.kill})
     rig.run()
-    assert rig.runner.lifecycle.control.holder == "nobody"
+    assert rig.runner.view.holder == "nobody"
     assert (
         rig.runner.control("agent", by="agent")
         == "control is with nobody since the stop; only the operator can lift it"
@@ -189,7 +189,7 @@ def test_a_kill_from_another_thread_ends_a_run_that_waits_for_nothing() -> None:
     )
     waits = threading.Event()
     results: list[Result] = []
-    rig.runner._on_step = lambda step: waits.set()
+    rig.on_step = lambda step: waits.set()
     thread = threading.Thread(target=lambda: results.append(rig.run()))
     thread.start()
     assert waits.wait(5.0)
@@ -202,7 +202,7 @@ def test_a_goal_that_outlives_a_kill_does_not_hang_the_run_on_the_wall_clock() -
     states = {"moving": {**MOVING["moving"], "cancel_s": 0.05}, "over": MOVING["over"], "late": MOVING["late"]}
     rig = Rig(states, clock=WallClock())
     rig.move.on_cancel = ()
-    rig.runner._on_step = lambda step: rig.runner.kill() if step.event.kind == "accepted" else None
+    rig.on_step = lambda step: rig.runner.kill() if step.event.kind == "accepted" else None
     thread = threading.Thread(target=rig.run, daemon=True)
     thread.start()
     thread.join(5.0)
@@ -279,9 +279,9 @@ def test_a_handover_that_is_never_acknowledged_is_a_rejected_start() -> None:
 def test_an_answer_from_outside_counts_like_any_other_and_ends_the_thinking() -> None:
     model = LateAnswerer()
     rig = Rig(ASKING, answerers={"agent": model}, clock=WallClock())
-    rig.runner._on_step = lambda step: rig.runner.answer(step.question.number, "left") if step.question else None
+    rig.on_step = lambda step: rig.runner.answer(step.question.number, "left") if step.question else None
     result = rig.run()
-    assert result.outcome == "aborted" and model.withdrawn == [1] and not rig.runner.performer.thinking
+    assert result.outcome == "aborted" and model.withdrawn == [1] and not rig.runner.view.thinking
 
 
 def test_once_it_is_answered_from_outside_no_one_thinks_any_more() -> None:
@@ -290,9 +290,9 @@ def test_once_it_is_answered_from_outside_no_one_thinks_any_more() -> None:
     thinks: list[bool] = []
     rig.stage.play(
         {
-            0.1: lambda: thinks.append(rig.runner.performer.thinking),
+            0.1: lambda: thinks.append(rig.runner.view.thinking),
             0.2: lambda: rig.runner.answer(1, "left"),
-            1.0: lambda: thinks.append(rig.runner.performer.thinking),
+            1.0: lambda: thinks.append(rig.runner.view.thinking),
         }
     )
     assert rig.run().outcome == "aborted" and thinks == [True, False]
@@ -307,7 +307,7 @@ def test_an_answer_to_a_question_that_no_one_asks_is_stale() -> None:
             rig.runner.answer(step.question.number, "left")
             rig.runner.answer(step.question.number, "right")
 
-    rig.runner._on_step = act
+    rig.on_step = act
     assert rig.run().outcome == "aborted"
     assert [step.event.number for step in rig.stale()] == [8]
 
@@ -372,7 +372,7 @@ def test_whatever_is_commanded_the_run_ends_and_no_goal_outlives_it(script: list
     canceled = {*rig.move.canceled, *rig.turn.canceled}
     reported = {"end", "die"} & {name for _, name in script}
     assert reported or set(ended) == canceled, "every goal was canceled"
-    assert rig.runner.chart.open_goals == 0
+    assert rig.runner.view.open_goals == 0
     assert result.outcome in MODES and seen[-1].mode == result.outcome
     assert [step.seq for step in rig.book.steps] == sorted({step.seq for step in rig.book.steps})
 

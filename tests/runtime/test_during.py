@@ -11,7 +11,10 @@ from pydantic import ValidationError
 
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.profile import Robot
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.observers import RobotListener
+from rai_missions.runtime.scheduler import Scheduler
 
 TYPE = "std_msgs/msg/String"
 STUCK = {"topic": "/state", "type": TYPE, "when": {"key": "data", "==": "STOPPED"}, "during": "drive"}
@@ -21,12 +24,15 @@ DRIVE = {"start": "/go", "cancel": "/stop", "succeeded": {"key": "there", "==": 
 class Ear(NamedTuple):
     senses: RobotListener
     connector: LocalConnector
+    mailbox: Mailbox
     heard: list[str]
 
     def hear(self, *words: str) -> list[str]:
         """What has happened by the time that the robot has reported all this."""
         for word in words:
             self.connector.publish("/state", TYPE, {"data": word})
+        while (event := self.mailbox.take()) is not None:
+            self.heard.append(event.name)
         return self.heard
 
 
@@ -35,11 +41,10 @@ def ear() -> Iterator[Ear]:
     robot = Robot.model_validate({"name": "one", "events": {"stuck": STUCK}, "actions": {"drive": DRIVE}})
     connector, received = LocalConnector(), list[str]()
     connector.start()
-    senses = RobotListener(
-        robot, connector, post=lambda event: received.append(event.name), later=lambda at, do: None, now=lambda: 0.0
-    )
+    mailbox = Mailbox()
+    senses = RobotListener(robot, connector, Scheduler(SimulatedClock(), mailbox))
     senses.open()
-    yield Ear(senses, connector, received)
+    yield Ear(senses, connector, mailbox, received)
     senses.close()
     connector.stop()
 

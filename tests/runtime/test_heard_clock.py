@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.event import Event
-from rai_missions.runtime.clock import HeardClock, Mailbox
+from rai_missions.runtime.clock import HeardClock
+from rai_missions.runtime.mailbox import Mailbox
 
 PATIENT = 1e6
 """Seconds of silence in which time is still: the wall plays no part in the test."""

@@ -46,8 +46,8 @@ def test_the_journal_of_an_interrupted_run_has_the_end_or_the_cancel_of_every_go
     ended = {step.event.number for step in rig.book.steps if step.event.kind == "result"}
     canceled = {effect.number for effect in effects if isinstance(effect, CancelGoal)}
     assert started <= ended | canceled
-    assert rig.runner.chart.outcome in ("canceled", "aborted")
-    assert {goal.number for goal in rig.runner.chart.loose_goals} == started - ended
+    assert rig.runner.view.outcome in ("canceled", "aborted")
+    assert {goal.number for goal in rig.runner.view.loose_goals} == started - ended
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
@@ -59,4 +59,4 @@ def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it()
 
 def test_a_second_interrupt_is_an_emergency_stop() -> None:
     rig = interrupted(1.0, 2.0, winds_down=True)
-    assert (rig.runner.chart.outcome, rig.runner.chart.why) == ("aborted", "killed by operator (interrupt)")
+    assert (rig.runner.view.outcome, rig.runner.view.why) == ("aborted", "killed by operator (interrupt)")

@@ -7,6 +7,7 @@ import io
 
 import pytest
 from rich.console import Console
+from tests.runtime.stages import by_hand
 
 from rai_missions.cli.live_terminal import Screen
 from rai_missions.cli.progress import Lines
@@ -30,7 +31,7 @@ MISSION = Mission.model_validate(
 def lines_before_the_start(kind: type[Lines], *, verbose: bool = False) -> list[str]:
     out, chart = io.StringIO(), Chart(MISSION)
     lines = kind(MISSION, out, verbose=verbose)
-    lines.watch(chart)
+    lines.watch(by_hand(chart).view)
     lines.step(chart.write("heading", 1.0, 0.0))
     for number in range(10):
         lines.step(chart.send(Event("stop_now", 0.5 + number / 10)))
@@ -65,7 +66,7 @@ def test_what_a_robot_reports_is_shown_as_it_was_reported_and_never_as_markup(me
     )  # fmt: skip
     out, chart = io.StringIO(), Chart(mission)
     screen = Screen(mission, out)
-    screen.watch(chart)
+    screen.watch(by_hand(chart).view)
     chart.write("said", message, 0.0)
     foot = Console(file=out, width=200)
     foot.print(screen._foot(0.0))

@@ -11,6 +11,7 @@ import pytest
 from rai_missions.connectors.connector import Message
 from rai_missions.engine.step import CallService, StartGoal
 from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.event import Event
 from tests.rigs.runs import KEYS, Rig, mission, robot
 
 MOVING: dict[str, Any] = {
@@ -272,7 +273,7 @@ def test_a_polled_service_is_an_event_when_its_guard_becomes_true() -> None:
         }
     )
     rig.run()
-    assert rig.runner.chart.view.board["count"].value == 2, "once for each time that it became true"
+    assert rig.runner.view.board["count"].value == 2, "once for each time that it became true"
     assert asked == pytest.approx([0.5 * n for n in range(9)])
 
 
@@ -291,11 +292,12 @@ def test_what_was_so_before_the_start_happens_when_the_mission_starts() -> None:
 
 def test_a_stale_reading_counts_as_unknown() -> None:
     states = {
+        "arriving": {"transitions": [{"when": {"fresh": "battery"}, "to": "watching"}]},
         "watching": {"transitions": [{"when": {"not": {"fresh": "battery"}}, "to": "blind"}]},
         "blind": {"final": "aborted"},
     }
     rig = Rig(states)
-    rig.runner.chart.write("battery", 0.9, 0.0)
+    rig.runner.post(Event("battery", 0.0, {"value": 0.9}, "write"))
     rig.stage.play(
         {
             1.0: lambda: rig.publish("/battery", percentage=0.8, header={"stamp": {"sec": 0, "nanosec": 900_000_000}}),
@@ -414,4 +416,4 @@ def test_a_reading_is_as_old_as_its_connector_dates_it(own: Any, connector: floa
     received = Message("/battery", data, connector)
     rig.stage.play({3.0: lambda: dict(listeners)["/battery"](received), 4.0: lambda: rig.post("go")})
     rig.run()
-    assert rig.runner.chart.view.board["battery"].at == stamp
+    assert rig.runner.view.board["battery"].at == stamp

@@ -15,8 +15,9 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Event, Image
 from rai_missions.journal import Header, Journal, read
 from rai_missions.journal import writer_thread as clerk
-from rai_missions.runtime import clock
-from rai_missions.runtime.clock import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox, WallClock
+from rai_missions.runtime import mailbox as mailboxes
+from rai_missions.runtime.clock import WallClock
+from rai_missions.runtime.mailbox import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox
 from rai_missions.runtime.result import Result
 from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import ReplyingAnswerer, Rig, robot
@@ -182,7 +183,7 @@ def test_what_a_robot_reports_to_a_run_that_takes_nothing_does_not_fill_its_memo
 
 def test_what_a_robot_reports_once_while_far_too_much_waits_is_received(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its key never grows old: the run would believe what was so before, for ever."""
-    monkeypatch.setattr(clock, "MOST_BEFORE_WRITE", 50)
+    monkeypatch.setattr(mailboxes, "MOST_BEFORE_WRITE", 50)
     states = {"moving": {"action": "move", "timeout_s": 500, "transitions": [
                   {"on": "again", "do": [{"set": "count", "add": 1}]},
                   {"when": {"key": "there", "==": True}, "to": "over"}]},
@@ -202,7 +203,7 @@ def test_what_a_robot_reports_once_while_far_too_much_waits_is_received(monkeypa
 
 def test_anyone_who_waits_is_woken_by_what_was_kept_for_later(monkeypatch: pytest.MonkeyPatch) -> None:
     """The last of too much is taken just as another fact finds no room behind it."""
-    monkeypatch.setattr(clock, "MOST_BEFORE_WRITE", 0)
+    monkeypatch.setattr(mailboxes, "MOST_BEFORE_WRITE", 0)
     mailbox, taken = Mailbox(), list[Event | None]()
 
     def wait() -> None:

@@ -17,8 +17,9 @@ from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
-from rai_missions.runtime.clock import Mailbox
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.result import Result
+from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
 from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far
 from tests.rigs.charts import ScriptedRobot
@@ -97,19 +98,19 @@ def traced(seed: int, share: float) -> Trace:
     book.on_write = late.stall
 
     def look(step: Step) -> None:
-        steps.append((step, runner.chart.active))
+        steps.append((step, runner.view.active))
         if step.event.kind != "command" or step.event.name != "start":
             late.stall()
 
     runner = Runner(
-        mission, clock=world, journal=book, named={"is_far": is_far}, on_step=look,
+        mission, clock=world, journal=book, begin=NewRun(named={"is_far": is_far}), observer=RunObserver(look),
         answerers={"agent": late, "rules": late},
     )  # fmt: skip
     world.post = runner.post
     result = runner.run()
     results = [(step.event, active) for step, active in steps if step.event.kind != "tick" and step.outcome is None]
     moves = tuple(move for step, _ in steps for move in step.moves)
-    return Trace(tuple(results), moves, (result.outcome, result.why), dict(runner.chart.view.board))
+    return Trace(tuple(results), moves, (result.outcome, result.why), dict(runner.view.board))
 
 
 def agree(seed: int) -> None:

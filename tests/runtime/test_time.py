@@ -21,7 +21,8 @@ from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from rai_missions.profile import dump_profile
 from rai_missions.replay.replay import replay
-from rai_missions.runtime.clock import Mailbox, SimulatedClock, WallClock
+from rai_missions.runtime.clock import SimulatedClock, WallClock
+from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.runner import Result, Runner
 from tests.rigs.journals import steps_of
 from tests.rigs.runs import ManualServer, ReplyingAnswerer, Rig, ScriptedWorld, mission, robot
@@ -170,8 +171,8 @@ def test_rounds_that_have_no_room_in_a_step_take_no_time() -> None:
         "late": {"final": "failed"},
     }
     rig = Rig(states)
-    assert (rig.run().outcome, rig.runner.chart.at) == ("aborted", 0.0)
-    assert rig.runner.chart.view.board["count"].value == 35_000
+    assert (rig.run().outcome, rig.runner.view.at) == ("aborted", 0.0)
+    assert rig.runner.view.board["count"].value == 35_000
     assert [step.resting for step in rig.steps] == [*[("busy",)] * 3, ()]
 
 
@@ -180,7 +181,7 @@ def test_a_burst_that_came_in_one_instant_is_taken_in_one_instant() -> None:
     states = {"counting": {"transitions": rows}, "over": {"final": "aborted"}}
     rig = Rig(states)
     rig.stage.play({1.0: lambda: [rig.post(name) for name in [*["go"] * 1000, "stop_now"]]})
-    assert rig.run().duration_s == 1.0 and rig.runner.chart.view.board["count"].value == 1000
+    assert rig.run().duration_s == 1.0 and rig.runner.view.board["count"].value == 1000
 
 
 def test_while_someone_thinks_what_leads_round_for_ever_does_not_make_time_fly() -> None:
@@ -202,7 +203,7 @@ def test_an_idle_run_on_the_wall_clock_uses_no_processor() -> None:
     )
     used: list[float] = []
     started = threading.Event()
-    rig.runner._on_step = lambda step: started.set()
+    rig.on_step = lambda step: started.set()
 
     def wait_and_post() -> None:
         started.wait(5.0)

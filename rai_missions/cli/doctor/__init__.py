@@ -3,7 +3,7 @@
 
 Rule: whatever may crash or hang is tried in a process of its own, within seconds.
 
-Imports `agents`, `connectors`, `profile` and `worlds`, and the modules of the root.
+Imports `connectors`, `profile` and `worlds`, and the modules of the root.
 """
 
 from __future__ import annotations

@@ -157,8 +157,8 @@ class RunPage:
         desk = PageDesk(self._course, answers=self._operator, note=runner.note)
         closed = Closed(prepared.mission)
         self._feed = RunFeed(
-            self._look, runner.clock.now, lambda: closed.now(self._asked(), runner.chart, runner.clock.now()),
-            lambda: runner.chart.loose_goals,
+            self._look, runner.view.now, lambda: closed.now(self._asked(), runner.view, runner.view.now()),
+            lambda: runner.view.loose_goals,
         )  # fmt: skip
         path = str(journal.path) if journal is not None else ""
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
@@ -173,12 +173,12 @@ class RunPage:
 
         course = self._course
         assert course is not None
-        chart = course.runner.chart
+        chart = course.runner.view
         seq, mode = chart.seq, course.mode
         questions = self._asked()
-        board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
+        board = {key: (entry.value, entry.at) for key, entry in chart.board.items()}
         scene = RunScene(
-            seq=seq, at=course.runner.clock.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
+            seq=seq, at=chart.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
             questions=questions, outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
         )  # fmt: skip
         if mode == "paused" and chart.paused_at is not None:

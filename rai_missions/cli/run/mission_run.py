@@ -87,7 +87,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[Prepared
                 robot, ", ".join(sorted(prepared.answerers)), str(config.journal), model=options.model,
                 goes_on=prepared.goes_on, moved_aside=prepared.moved_aside or "",
             )  # fmt: skip
-            lines.watch(prepared.runner.chart)
+            lines.watch(prepared.runner.view)
         stack.enter_context(interruptible_run(prepared.runner))
         return prepared, page.run(prepared, node.run) if page else node.run(prepared.runner)
 

@@ -18,6 +18,7 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.runtime.clock import WallClock
+from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 from tests.connectors.ros2.peer_process import FIBONACCI, Peer
 from tests.connectors.ros2.scripted_server import PROGRAM, Script
@@ -94,7 +95,9 @@ class Scene:
              "events": {name: {"posted": True} for name in ("left", "right", "stand", "enough")}}
         )  # fmt: skip
         self._clock = WallClock()
-        self._runner = Runner(mission(), robot=robot, connector=connector, clock=self._clock, on_step=self.steps)
+        self._runner = Runner(
+            mission(), robot=robot, connector=connector, clock=self._clock, observer=RunObserver(self.steps)
+        )
         self._thread = threading.Thread(target=self._runner.run)
         self._thread.start()
         self.steps.wait(lambda steps: steps[-1].event.name == "start", "the run begins")  # what comes before is dropped

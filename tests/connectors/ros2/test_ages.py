@@ -100,7 +100,7 @@ def test_a_pose_counts_from_its_stamp(
             reported = f"its stamps are {stamp_in_s and -stamp_in_s:.1f} s behind"
             with pytest.raises(UsageError, match=reported):
                 runner.run()
-    found = runner.performer.source("pose").offset_s
+    found = runner.view.source("pose").offset_s
     if offset_s is None or found is not None:  # a mission that begins at once has not received three readings
         assert found == (None if offset_s is None else pytest.approx(offset_s, abs=0.5))
 

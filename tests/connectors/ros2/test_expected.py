@@ -13,6 +13,7 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.runtime.clock import WallClock
+from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 from tests.connectors.ros2.peer_process import FIBONACCI, TRIGGER, Peer
 
@@ -36,7 +37,7 @@ def test_a_run_is_known_to_every_server_that_its_profile_names_before_it_asks_on
          "states": {"rest": {"transitions": [{"on": "go", "to": "done"}]}, "done": {"final": "canceled"}}}
     )  # fmt: skip
     connector, other, steps, clock = open_ros(), open_ros(), Inbox[Step](), WallClock()
-    runner = Runner(mission, robot=robot, connector=connector, clock=clock, on_step=steps)
+    runner = Runner(mission, robot=robot, connector=connector, clock=clock, observer=RunObserver(steps))
     thread = threading.Thread(target=runner.run)
     thread.start()
     try:
@@ -70,4 +71,4 @@ def test_what_cannot_be_asked_is_told_when_it_is_expected_and_stops_no_run(open_
     mission = Mission.model_validate(
         {"format": 1, "name": "odd", "initial": "done", "states": {"done": {"final": "canceled"}}}
     )
-    assert Runner(mission, robot=robot, connector=connector, on_step=steps).run().outcome == "canceled"
+    assert Runner(mission, robot=robot, connector=connector, observer=RunObserver(steps)).run().outcome == "canceled"

@@ -19,7 +19,7 @@ def speed_of(node: MissionNode, client: Client) -> float:
     client.activate()
     client.start()
     assert node.course is not None
-    return float(node.course.runner.chart.view.board["speed"].value)
+    return float(node.course.runner.view.board["speed"].value)
 
 
 def test_a_parameter_is_an_argument(open_node: OpenNode, open_client: Callable[[str], Client]) -> None:

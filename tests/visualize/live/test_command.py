@@ -35,7 +35,7 @@ ROOT = Path(__file__).parents[3]
 class Watched:
     """A run of the errand with its page, on a thread of its own."""
 
-    def __init__(self, folder: Path, *, operator: bool = True, terminal: Any = None) -> None:
+    def __init__(self, folder: Path, *, operator: bool = True, terminal: Any = None, **words: Any) -> None:
         import time
 
         begun = time.monotonic()
@@ -44,7 +44,7 @@ class Watched:
         self.robot, self.journal = StandIn(connector), folder / "a.journal"
         self.page = LivePage(PageAddress(port=0))
         setting = RunConfig(
-            mission(), robot({"kind": "local"}), connector=connector, journal=self.journal, operator=terminal
+            mission(), robot({"kind": "local"}), connector=connector, journal=self.journal, operator=terminal, **words
         )
         self._watch = RunPage(self.page, setting, operator=operator)
         self._prepared = prepare(self._watch.config)
@@ -62,14 +62,14 @@ class Watched:
 
     @property
     def mode(self) -> str:
-        return self.runner.chart.mode
+        return self.runner.view.mode
 
     def order(self, **words: Any) -> tuple[int, str]:
         status, _, reported = ask(self.page, "POST", "/orders", json.dumps(words).encode())
         return status, reported["why"]
 
     def post(self, name: str) -> None:
-        self.runner.post(Event(name, self.runner.clock.now()))
+        self.runner.post(Event(name, self.runner.view.now()))
 
     def asked(self, viewer: Viewer) -> dict[str, Any]:
         until(lambda: viewer.seen.get("questions"), "a question is seen")
@@ -110,7 +110,7 @@ def test_every_act_is_an_event_in_the_journal_with_who_did_it(watched: Callable[
         {"command": "control", "to": "operator"}, {"command": "control", "to": "autonomy", "by": "Bert"},
     ):  # fmt: skip
         assert one.order(**words) == (200, ""), words
-    until(lambda: one.runner.chart.holder == "autonomy", "control is handed back")
+    until(lambda: one.runner.view.holder == "autonomy", "control is handed back")
     assert one.order(command="e_stop", by="Anna\n\u202e<script>")[0] == 200
     assert one.end().outcome == "aborted"
     reported = one.told()
@@ -210,11 +210,9 @@ def test_who_joins_after_a_pause_sees_the_time_that_a_question_has_left(watched:
 
 
 def test_a_question_for_somebody_else_is_not_the_page_s_to_answer(watched: Callable[..., Watched]) -> None:
-    one = watched()
+    thinks = type("Thinks", (), {"ask": lambda *_: None, "withdraw": lambda *_: None})()
+    one = watched(answerers={"agent": thinks})
     viewer = Viewer(one.page)
-    one.runner.performer._answerers["agent"] = type(
-        "Thinks", (), {"ask": lambda *_: None, "withdraw": lambda *_: None}
-    )()
     one.post("guess")
     question = one.asked(viewer)
     reported = one.order(command="answer", question=question["number"], option="left")

@@ -10,6 +10,7 @@ import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.run.live_page import RunPage
+from rai_missions.engine import Chart
 from rai_missions.event import Event
 from rai_missions.journal import Journal
 from rai_missions.recording import journal_of
@@ -24,7 +25,7 @@ from visualize.live import LivePage, PageAddress
 def cut_short(journal: Path, *names: tuple[str, str]) -> None:
     """A journal that ends while a question is open."""
     with prepare(RunConfig(mission(), journal=journal)) as prepared:
-        chart = prepared.runner.chart
+        chart = Chart(prepared.mission)
         assert isinstance(prepared.journal, Journal)
         for number, (name, kind) in enumerate((("start", "command"), *names)):
             at = float(number)

@@ -32,7 +32,7 @@ def test_the_page_stops_the_robot_while_the_disk_hangs_over_a_note_of_what_it_wa
     assert hangs.wait(30)
     asks = threading.Thread(target=lambda: one.order(command="e_stop"))
     asks.start()
-    until(lambda: one.runner.mailbox.urgent or one.mode == "ended", "the stop has come, though the disk hangs")
+    until(lambda: one.runner.view.urgent or one.mode == "ended", "the stop has come, though the disk hangs")
     assert not answers.is_set()
     answers.set()
     asks.join(30)

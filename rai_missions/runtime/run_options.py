@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a run begins, and who follows it: values that a `Runner` is given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from rai_missions.engine import Named
+from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.step import Step
+from rai_missions.runtime.lifecycle import Status
+
+__all__ = ("NewRun", "RunObserver")
+
+
+@dataclass(frozen=True)
+class NewRun:
+    """A run that begins with the mission's first state; one that was cut short begins with its `Resumption`."""
+
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    """Values for the mission's argument keys."""
+    named: Named | None = None
+    """The predicates that the mission's guards name."""
+    ticker: Trees | None = None
+    """Ticks the mission's trees; py_trees by default, loaded when the mission has one."""
+    run: str = ""
+    """The run's identity; made up where it is empty."""
+    moved_aside: str | None = None
+    """Where the journal of an earlier run is now, whose name this one's took; for the result."""
+
+
+class RunObserver(NamedTuple):
+    """Follows a run, on the runner's thread; what it raises is logged once and harms nothing."""
+
+    on_step: Callable[[Step], None] | None = None
+    """Called with each step, after its effects."""
+    on_status: Callable[[Status], None] | None = None
+    """Called with each change of mode, control or active states."""

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What others may read of a run while it continues: its chart's public values, its time and its robot's readings.
+
+Rule: from any thread, and nothing of the run can be changed through it; what is mutable is copied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.engine import Chart, Snapshot
+from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine.decision import Question
+from rai_missions.guards.guard import Truth
+from rai_missions.keys import Blackboard
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.effects import EffectExecutor
+from rai_missions.runtime.lifecycle import Control
+from rai_missions.runtime.readings import SourceState
+from rai_missions.runtime.scheduler import Scheduler
+
+__all__ = ("RunView",)
+
+
+class RunView:
+    """A run, to be read; also a guard's `View` of it.
+
+    Args:
+        chart: The run's.
+        scheduler: The run's.
+        control: Who holds control, and may get it.
+        executor: Knows what the robot's sources report.
+    """
+
+    def __init__(self, chart: Chart, scheduler: Scheduler, control: Control, executor: EffectExecutor) -> None:
+        self._chart, self._scheduler, self._control, self._executor = chart, scheduler, control, executor
+
+    def now(self) -> float:
+        """Seconds on the run's clock."""
+        return self._scheduler.now()
+
+    @property
+    def mission(self) -> Mission:
+        return self._chart.mission
+
+    @property
+    def seq(self) -> int:
+        """Steps so far."""
+        return self._chart.seq
+
+    @property
+    def mode(self) -> str:
+        """`ready`, `running`, `paused`, `canceling` or `ended`."""
+        return self._chart.mode
+
+    @property
+    def outcome(self) -> str | None:
+        """How the mission ended; None while it runs."""
+        return self._chart.outcome
+
+    @property
+    def why(self) -> str:
+        """The rule that decided the outcome."""
+        return self._chart.why
+
+    @property
+    def questions(self) -> tuple[Question, ...]:
+        """Those that are open, the oldest first."""
+        return self._chart.questions
+
+    @property
+    def unheard(self) -> tuple[str, ...]:
+        """The robot keys that the start waits for."""
+        return self._chart.unheard
+
+    @property
+    def open_goals(self) -> int:
+        """How many goals have an end that has not been confirmed and that the run waits for."""
+        return self._chart.open_goals
+
+    @property
+    def loose_goals(self) -> tuple[OpenGoal, ...]:
+        """The goals that may still be executing, and that no cancel can be relied on to end."""
+        return self._chart.loose_goals
+
+    @property
+    def awaited(self) -> frozenset[int]:
+        """The numbers of goals, calls, questions and behaviours whose end the run still waits for."""
+        return self._chart.awaited
+
+    @property
+    def thinking(self) -> bool:
+        """A model or a person is asked, and has yet to answer."""
+        return self._executor.thinking
+
+    @property
+    def urgent(self) -> bool:
+        """An emergency stop waits to be taken."""
+        return self._scheduler.mailbox.urgent
+
+    def snapshot(self) -> Snapshot:
+        """All that the chart remembers, as values that later steps do not change; on the run's own thread."""
+        return self._chart.snapshot()
+
+    def source(self, key: str) -> SourceState:
+        """What is known of the readings of a robot key's source."""
+        return self._executor.source(key)
+
+    # -- control and time -----------------------------------------------------------------------------------------
+
+    @property
+    def holder(self) -> str:
+        """Who holds control: `autonomy`, `agent`, `operator` or `nobody`."""
+        return self._chart.holder
+
+    @property
+    def held_by(self) -> str:
+        """Who holds the mission up; empty while it is not held."""
+        return self._chart.held_by
+
+    @property
+    def held_since(self) -> float | None:
+        """Since when, in seconds on the run's clock; None while the mission is not held."""
+        return self._chart.held_since
+
+    def refuses_control(self, to: str, by: str) -> str:
+        """Why a handover may not be asked for; empty if it may."""
+        return self._control.refuses(to, by)
+
+    @property
+    def paused_at(self) -> float | None:
+        """Since when no question loses time; None while the run is not paused."""
+        return self._chart.paused_at
+
+    def still_since(self, state: str) -> float | None:
+        """Since when the time of a state stands still, in seconds on the run's clock; None while it runs."""
+        return self._chart.still_since(state)
+
+    # -- what guards see ------------------------------------------------------------------------------------------
+
+    @property
+    def at(self) -> float:
+        """The instant of the last step, in seconds on the run's clock."""
+        return self._chart.at
+
+    @property
+    def active(self) -> frozenset[str]:
+        """The names of the active states, ancestors included."""
+        return self._chart.active
+
+    @property
+    def board(self) -> Blackboard:
+        """Key → the value that was last received, with its stamp."""
+        return dict(self._chart.view.board)
+
+    @property
+    def entered(self) -> Mapping[str, float]:
+        """State → when it was last entered, for the states whose age a guard asks for."""
+        return dict(self._chart.view.entered)
+
+    @property
+    def held(self) -> Mapping[str, float]:
+        """Held guard → since when its inner guard has been true without a break."""
+        return dict(self._chart.view.held)
+
+    @property
+    def event(self) -> Mapping[str, Any]:
+        """The payload of the event in hand."""
+        return self._chart.view.event
+
+    @property
+    def answer(self) -> Mapping[str, Any]:
+        """The parameters of the option in hand."""
+        return self._chart.view.answer
+
+    def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
+        """The value of a predicate of the user's program; on the run's own thread."""
+        return self._chart.view.named(name, arguments)
