@@ -16,8 +16,8 @@ from rai_missions.plain_data import apart
 from rai_missions.redaction import clipped
 
 __all__ = (
-    "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "ReadsRun", "Verdict", "VerdictKind", "VerdictNote",
-    "judge", "stale_verdict", "with_verdicts",
+    "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "ReadsRun", "Verdict", "VerdictKind",
+    "VerdictNote", "judge", "stale_verdict", "with_verdicts",
 )  # fmt: skip
 
 

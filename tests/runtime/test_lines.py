@@ -7,13 +7,13 @@ import io
 
 import pytest
 from rich.console import Console
-from tests.runtime.stages import by_hand
 
 from rai_missions.cli.live_terminal import Screen
 from rai_missions.cli.progress import Lines
 from rai_missions.engine import Chart
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
+from tests.rigs.runs import by_hand
 
 MISSION = Mission.model_validate(
     {
