@@ -91,7 +91,7 @@ def test_anyone_who_resumes_a_run_that_died_with_its_stop_written_begins_nothing
     path = died(stopped, "kill")
     taken = open_run(path)
     with Journal.open(path) as journal:
-        rig = Performed(journal=journal, resumed=taken.resumption)
+        rig = Performed(journal=journal, begin=taken.resumption)
         assert rig.run().outcome == "aborted"
     taken.record.close()
     assert rig.done == []
@@ -101,7 +101,7 @@ def test_a_run_that_is_stopped_before_it_continues_begins_nothing_again(stopped:
     path = died(stopped, "go")
     taken = open_run(path)
     with Journal.open(path) as journal:
-        rig = Performed(journal=journal, resumed=taken.resumption)
+        rig = Performed(journal=journal, begin=taken.resumption)
         rig.runner.kill()
         result = rig.run()
     taken.record.close()
