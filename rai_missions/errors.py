@@ -75,7 +75,7 @@ def suggestion(given: str, known: Iterable[str]) -> str:
 
 
 def in_words(what: object) -> str:
-    """What an exception says, or whatever somebody gave as a reason; one that cannot be told in words says its type."""
+    """What an exception says, or whatever someone gave as a reason; one that cannot be told in words says its type."""
     try:
         text = str(what)
     except Exception:  # noqa: BLE001 - it may be anybody's, and raise anything
@@ -101,7 +101,7 @@ SORTS = (
 def irregular(path: Path | str) -> str:
     """What there is instead of a regular file, links followed: a folder, a named pipe (FIFO), a socket or a device.
 
-    Empty for a regular file, and where there is nothing or nobody can say. Nothing is opened, so nothing can block.
+    Empty for a regular file, and where there is nothing or no one can say. Nothing is opened, so nothing can block.
     """
     try:
         mode = os.stat(path).st_mode

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What happened outside: the only thing that moves a mission.
 
-Rule: an event is raw. It says what was heard, never what it means; what it means is worked out inside the Step.
+Rule: an event is raw. It says what was received, never what it means; what it means is worked out inside the Step.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ class Event(NamedTuple):
     | `control`    | who holds control now                             | –                 |
     | `behaviour`  | `behaviour`; its end stands in `data["status"]`   | number of start   |
     | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`, `migrate` | –                 |
-    | `doubt`      | `uncertain`: whether it was done (`data["name"]`) nobody can say | – |
+    | `doubt`      | `uncertain`: whether it was done (`data["name"]`) no one can say | – |
 
-    `take_up`: another process goes on with the run. The first reading of each fact that was known is in
+    `take_up`: another process continues with the run. The first reading of each fact that was known is in
     `data["heard"]`, and the instant from which on effects are carried out again in `data["present"]`.
-    `migrate`: a run of another mission goes on in this one; where it stands is in the data.
+    `migrate`: a run of another mission continues in this one; where it stands is in the data.
     """
     number: int = 0
     """The number of the start or question that this answers; a late one is known by it."""
@@ -76,7 +76,7 @@ def is_taken(event: Event, *, holder: str, taken: bool, asked: str) -> bool:
         event: Who holds control from now on, and `by` whom that is.
         holder: Who held it before.
         taken: Whether the operator had taken it before.
-        asked: For whom the mission has asked for control that has not come yet; empty for nobody.
+        asked: For whom the mission has asked for control that has not come yet; empty for no one.
     """
     by = str(event.data.get("by", ""))
     if event.name != "operator" or is_operator(by):
@@ -85,7 +85,7 @@ def is_taken(event: Event, *, holder: str, taken: bool, asked: str) -> bool:
 
 
 class Image:
-    """A picture somebody took, as a reference; its bytes are made when they are first asked for.
+    """A picture someone took, as a reference; its bytes are made when they are first asked for.
 
     Two images are equal when they have the same reference.
 

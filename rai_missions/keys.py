@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the mission knows: typed keys, and values with the time at which they were so.
 
-Rule: a value without its stamp does not exist here; whoever reads it can ask how old it is.
+Rule: a value without its stamp does not exist here; anyone who reads it can ask how old it is.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Stamped(NamedTuple):
 
 
 Blackboard = dict[str, Stamped]
-"""Key → what was last heard of it. A key that is not there was never heard."""
+"""Key → what was last learned of it. A key that is not there was never received."""
 
 
 class Key(MissionModel):

@@ -18,7 +18,7 @@ from rai_missions.redaction import shown
 __all__ = ("faults_of",)
 
 MOST = 1000
-"""How many faults are told one by one; whoever has more reads no further."""
+"""How many faults are told one by one; anyone who has more reads no further."""
 KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
 

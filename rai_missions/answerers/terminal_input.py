@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lines that a person types, read so that the reading can be given up at any moment.
 
-Rule: no byte is read beyond the end of the line asked for, so that what is typed later is there for whoever reads next.
+Rule: no byte is read beyond the end of the line asked for, so that what is typed later is there for anyone who reads
+next.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ class LineReader:
         """The next line without its end; None once it is woken, or at `until` on `time.monotonic`.
 
         Raises:
-            EOFError: Nobody types here any more, or the program is in the background.
+            EOFError: No one types here any more, or the program is in the background.
         """
         typed = bytearray()
         while True:

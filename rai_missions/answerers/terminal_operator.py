@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A person at the terminal as whoever is asked.
+"""A person at the terminal as anyone who is asked.
 
 Rule: a line counts only for the question on the screen when it was typed; a question that is withdrawn frees the
 terminal at once.
@@ -24,7 +24,7 @@ __all__ = ("OperatorAgent",)
 
 
 class GaveUp(Exception):
-    """Nobody waits for this answer any more, or its time is over."""
+    """No one waits for this answer any more, or its time is over."""
 
 
 class OperatorAgent:
@@ -66,7 +66,7 @@ class OperatorAgent:
             self._queue.append(pending)
             if self._thread is None:
                 self._reader = LineReader(fd)
-                # A terminal may hold up whoever writes to it (Ctrl-S); that must not hold up the program's end.
+                # A terminal may hold up anyone who writes to it (Ctrl-S); that must not hold up the program's end.
                 self._thread = threading.Thread(target=self._serve, args=(self._reader,), name="operator", daemon=True)
                 self._thread.start()
 
@@ -164,5 +164,5 @@ class OperatorAgent:
     def _write_last(self, why: str) -> None:
         try:
             self._write(f"\n({why})\n")
-        except Exception:  # noqa: BLE001 - nobody is there to be told
+        except Exception:  # noqa: BLE001 - no one is there to be told
             return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Answerers that break their promises, for whoever must survive them."""
+"""Answerers that break their promises, for anyone who must survive them."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ __all__ = (
 )
 
 Answer = str | AIMessage | BaseException | Callable[[list[BaseMessage]], "str | AIMessage"]
-"""Text, a message, what is raised, or a function of the messages heard."""
+"""Text, a message, what is raised, or a function of the messages received."""
 
 
 def call(name: str, number: str = "1", **arguments: Any) -> dict[str, Any]:
@@ -116,7 +116,7 @@ class HangingModel(DoubleModel):
 
     @property
     def hangs(self) -> threading.Event:
-        """Set once somebody waits for it."""
+        """Set once someone waits for it."""
         return self._hangs
 
     def release(self) -> None:
@@ -163,7 +163,7 @@ class WordyModel(DoubleModel):
 
 
 class BabblingModel(DoubleModel):
-    """Streams the same words for ever; `ended` is set when somebody makes it stop."""
+    """Streams the same words for ever; `ended` is set when someone makes it stop."""
 
     streaming: bool
     word: str = "and then "

@@ -102,7 +102,7 @@ def _resume(program: Program, state: RunState) -> None:
 def resync(program: Program, state: RunState, event: Event) -> None:
     """Another process continues: what the robot reported to the one before is forgotten, if it can grow stale at all.
 
-    It comes before time goes on: nothing is stale that was received again.
+    It comes before time continues: nothing is stale that was received again.
     """
     state.present = float(event.data.get("present", max(event.at, state.at)))
     keys, board, received = program.keys, state.board, event.data.get("heard", {})

@@ -20,13 +20,13 @@ class RobotFacts(NamedTuple):
     uses: Mapping[str, frozenset[str] | None] = {}
     """Action → what it occupies; two that share one conflict. None, and an action that is not here: all there is."""
     keep: frozenset[str] = frozenset()
-    """The actions whose goals go on while the mission is paused."""
+    """The actions whose goals continue while the mission is paused."""
     succeeded: Mapping[str, Guard] = {}
     """Composed action → the guard over the blackboard that says it has succeeded."""
     failed: Mapping[str, Guard] = {}
     """Composed action → the guard over the blackboard that says it has failed."""
     repeat: frozenset[str] = frozenset()
-    """The actions and services that may be started again when nobody knows whether they were."""
+    """The actions and services that may be started again when no one knows whether they were."""
 
     def conflict(self, one: str, other: str) -> bool:
         """Whether two actions occupy something in common."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the rules of a mission leave open, and where a run may be watched: the only hooks of the engine.
 
-Rule: a run of its own has nothing left open and nobody who watches. `prove` gives a program surroundings that can be
+Rule: a run of its own has nothing left open and no one who watches. `prove` gives a program surroundings that can be
 anything.
 """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a key has been heard lately: `{"fresh": "obstacle"}`."""
+"""Whether a key has been received lately: `{"fresh": "obstacle"}`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ("Fresh",)
 
 
 class Fresh(Guard, word="fresh"):
-    """True where the key was heard and is not older than its `max_age_s`; never unknown."""
+    """True where the key was received and is not older than its `max_age_s`; never unknown."""
 
     positional: ClassVar = ("fresh",)
 

@@ -302,7 +302,7 @@ class Operand:
         return math.inf if entry is None or self.max_age_s is None else entry.at + self.max_age_s
 
     def read(self, view: View) -> Any:
-        """The value, or None: never heard, stale, or no such field."""
+        """The value, or None: never received, stale, or no such field."""
         if self.passing:
             value: Any = view.event if self.passing == "event" else view.answer
         else:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ("SCHEMA", "dump", "load")
 
 SCHEMA = "mission.schema.json"
-"""Where an editor looks for the schema: beside the mission. `rai-missions schema` prints it."""
+"""Where an editor looks for the schema: next to the mission. `rai-missions schema` prints it."""
 
 # The models are imported when used, so that the package's front door can offer these functions and stay light.
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Missions written in Python: a file loaded by path, which offers one function, `mission() -> Mission`.
 
-Rule: what goes wrong in the file is the author's to mend and comes with its line; nothing is written beside the file.
+Rule: what goes wrong in the file is the author's to mend and comes with its line; nothing is written next to the file.
 """
 
 from __future__ import annotations

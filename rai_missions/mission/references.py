@@ -56,7 +56,7 @@ class Ref:
         return Ref(f"{self.__path__}.{field}")
 
     def _fields(self) -> Iterable[str] | None:
-        """The fields that there are; None where nobody has said."""
+        """The fields that there are; None where no one has said."""
         key = self.__key__
         if key is None or (key.type == "object" and key.fields is None):
             return None
@@ -97,7 +97,7 @@ class Ref:
 
     @property
     def fresh(self) -> Guard:
-        """True where the key was heard and is not older than its `max_age_s`."""
+        """True where the key was received and is not older than its `max_age_s`."""
         return _guard("fresh", fresh=self.__path__)
 
     @property

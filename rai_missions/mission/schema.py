@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The format as JSON Schema (2020-12), made from the models: for editors, and for whoever writes missions by program.
+"""The format as JSON Schema (2020-12), made from the models: for editors, and for programs that write missions.
 
 Rule: what the models say is not said again here; only what pydantic cannot know of them is added.
 """

@@ -32,7 +32,7 @@ LONGEST = 65_536
 """Characters of an order; longer ones are not read."""
 LONGEST_ID = 128
 GOOD_FOR_S = 5.0
-"""Seconds on the wall within which a run has to take an order: whoever gave it has gone on since."""
+"""Seconds on the wall within which a run has to take an order: anyone who gave it has continued since."""
 LASTING = frozenset({"e_stop", "cancel", "post"})
 """Orders that are carried out however late they are taken."""
 LONGEST_NAME = 64
@@ -47,11 +47,11 @@ class CommandReply(NamedTuple):
     """Why not; empty, or a remark, where it was carried out."""
     id: str = ""
     dropped: bool = False
-    """The run never heard of it."""
+    """The run never learned of it."""
 
 
 class Command(NamedTuple):
-    """One thing that somebody wants of the mission."""
+    """One thing that someone wants of the mission."""
 
     command: str
     """One of `WORDS`."""
@@ -107,7 +107,7 @@ def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
 
 
 def who(given: Any) -> str:
-    """The name under which somebody stands in the journal: one short line, `operator` where nothing is said."""
+    """The name under which someone stands in the journal: one short line, `operator` where nothing is said."""
     text = given if isinstance(given, str) else ""
     line = "".join(letter if letter.isprintable() else " " for letter in redacted(text))
     return cut(line, LONGEST_NAME).strip() or "operator"
@@ -131,7 +131,7 @@ def untaken(order: Command) -> str:
 
 
 def unheard(_receipt: CommandReply) -> None:
-    """Nobody asks what became of an order."""
+    """No one asks what became of an order."""
 
 
 def _fault(given: Mapping[str, Any]) -> str:

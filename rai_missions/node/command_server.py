@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where orders arrive: one run at a time, begun when somebody asks for it and the node is active.
+"""Where orders arrive: one run at a time, begun when someone asks for it and the node is active.
 
 Rule: nothing here widens what a mission allows. What the desk lets through, the engine still judges.
 """
@@ -49,7 +49,7 @@ class CommandServer:
         return course if course is not None and not course.is_over else None
 
     def submit(self, order: Command, told: ReplyCallback) -> None:
-        """Take an order; `told` hears once what became of it, from any thread."""
+        """Take an order; `told` receives once what became of it, from any thread."""
         if order.command == "start":
             told(self._start(order))
             return

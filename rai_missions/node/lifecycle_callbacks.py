@@ -47,7 +47,7 @@ class LifecycleCallbacks:
         finish("")
 
     def activate(self, finish: Finish) -> None:
-        """Take orders. Nothing moves by itself, but a mission that `deactivate` has paused goes on."""
+        """Take orders. Nothing moves by itself, but a mission that `deactivate` has paused continues."""
         self._desk.closed = ""
         course = self._desk.live
         if self._is_to_resume and course is not None and course.mode == "paused":
@@ -85,7 +85,7 @@ class LifecycleCallbacks:
         self._desk.when_idle(end)
 
     def recover(self, finish: Finish) -> None:
-        """Something broke: nothing that was begun goes on."""
+        """Something broke: nothing that was begun continues."""
         self._wind_up("e_stop", "the node, which broke off")
         finish("")
 

@@ -36,16 +36,16 @@ FAREWELL_S = 2.0
 
 
 class MissionNode:
-    """A node that runs a mission when it is told to, again and again; or one beside a run that somebody else begins.
+    """A node that runs a mission when it is told to, again and again; or one next to a run that someone else begins.
 
     Args:
         setting: What a run is made of.
         name: The node's; left out, the profile's or the mission's.
-        managed: Runs are begun by clients. Else by whoever made the node, with `joined` and `attend`.
+        managed: Runs are begun by clients. Else by the one who made the node, with `joined` and `attend`.
         ros_arguments: What follows `--ros-args`.
         carrier: Used instead of what the profile says.
         journals: Names a fresh journal for each run; else there is only the setting's.
-        operator: Clients answer as the operator, where the setting names nobody.
+        operator: Clients answer as the operator, where the setting names no one.
         ended: Told of each run of the node's own that is over.
 
     Raises:
@@ -79,7 +79,7 @@ class MissionNode:
     # -- the agent ------------------------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Open the node; beside a run it is active at once, else unconfigured.
+        """Open the node; next to a run it is active at once, else unconfigured.
 
         Raises:
             UsageError: Another node has its name, or a parameter is no argument of the mission.
@@ -153,7 +153,7 @@ class MissionNode:
     def _shut_down_now(self) -> None:
         self._lifecycle.change("shutdown")
 
-    # -- beside a run ---------------------------------------------------------------------------------------------
+    # -- next to a run ---------------------------------------------------------------------------------------------
 
     def joined(self, setting: RunConfig) -> RunConfig:
         """A setting whose run travels over the node's connector, is told of by it and can be answered through it."""

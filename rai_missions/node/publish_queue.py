@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Publishes what the node says, on a thread of its own, so that whoever has something to say goes on at once.
+"""Publishes what the node says, on a thread of its own, so that anyone who has something to say continues at once.
 
 Rule: what is said leaves in the order in which it was said. A backlog is bounded: its oldest steps are dropped first.
 """

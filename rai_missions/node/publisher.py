@@ -123,7 +123,7 @@ class StatusPublisher:
         self.changed()
 
     def reply(self, receipt: CommandReply) -> None:
-        """Tell whoever has ordered something what became of it."""
+        """Tell anyone who has ordered something what became of it."""
         said = text_of({"id": receipt.id, "success": receipt.success, "why": receipt.why})
         self.outlet.put(lambda: self._publish("reply", STRING, {"data": said}))
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Log lines on `/rosout`, where ROS's own tools look for them: what the mission logs, and what this package does.
 
-Rule: a line leaves without secrets, on the outlet's thread; whoever logs waits for nobody.
+Rule: a line leaves without secrets, on the outlet's thread; anyone who logs waits for no one.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class LogLines(logging.Handler):
         super().close()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Hand over a line; where nobody else takes it, it goes where Python's last resort leads, as without this."""
+        """Hand over a line; where no one else takes it, it goes where Python's last resort leads, as without this."""
         last = logging.lastResort
         if last is not None and record.levelno >= last.level and not self._has_company():
             last.handle(record)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs on a node: over its connector, told of by it, answered through it; begun by an order, or by somebody else."""
+"""Runs on a node: over its connector, told of by it, answered through it; begun by an order, or by someone else."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class RunHost:
     Args:
         setting: What a run is made of.
         journals: Names a fresh journal for each run; else there is only the setting's.
-        operator: Clients answer as the operator, where the setting names nobody.
+        operator: Clients answer as the operator, where the setting names no one.
     """
 
     def __init__(

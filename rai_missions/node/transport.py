@@ -19,7 +19,7 @@ from rai_missions.profile import Robot
 __all__ = ("LATCHED", "LOG_TOPIC", "PACKAGE", "Carrier", "name_of", "open_carrier")
 
 LATCHED = ("status", "mission_status", "control")
-"""The node's own topics whose last message a late reader hears."""
+"""The node's own topics whose last message a late reader receives."""
 LOG_TOPIC = "/rosout"
 LOG = {"durability": "latched", "depth": 1000}
 """As `rcl` publishes it, for readers that ask for no less."""

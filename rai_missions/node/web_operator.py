@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The operator at a page: takes the orders that it sends, and holds questions open for it.
 
-Rule: a page may do what an operator may, and nothing else; what is refused before the run hears of it is noted as well.
+Rule: a page may do what an operator may, and nothing else; what is refused before the run is notified of it is noted
+as well.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ PAGE = "operator (page)"
 
 
 class ReplyCallback(Protocol):
-    """Hears once, from any thread, what became of an order."""
+    """Receives once, from any thread, what became of an order."""
 
     def __call__(self, success: bool, why: str) -> None: ...
 
@@ -69,7 +70,7 @@ class PageDesk:
         return ""
 
     def _tell(self, order: Command, told: ReplyCallback, receipt: CommandReply, *, heard: bool) -> None:
-        """What the engine has heard is in the journal with what it said; the rest is noted here."""
+        """What the engine has received is in the journal with what it said; the rest is noted here."""
         if not receipt.success and not heard:
             what = f"{order.command} {order.to or order.option}".strip()
             try:
@@ -85,24 +86,24 @@ def _is_heard(order: Command, receipt: CommandReply) -> bool:
 
 
 def replace_by(order: Command) -> Command:
-    """Whoever comes by the page is the operator, whatever else is said."""
+    """Anyone who comes by the page is the operator, whatever else is said."""
     is_fine = order.by == "operator" or order.by.startswith("operator ")
     return order._replace(by=PAGE if order.by == "operator" else order.by if is_fine else f"operator {order.by} (page)")
 
 
 class PageOperator:
-    """Holds a question open for the page, and for the terminal too where there is one; whoever answers first counts.
+    """Holds a question open for the page, and for the terminal too where there is one; the first answer counts.
 
     Args:
         terminal: The person there.
-        watched: Whether somebody looks at the page now.
+        watched: Whether someone looks at the page now.
     """
 
     def __init__(self, terminal: Answerer | None, watched: Callable[[], bool]) -> None:
         self._terminal, self._watched = terminal, watched
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
-        """Ask on the terminal too; who passes there leaves it to the page, if somebody is at it."""
+        """Ask on the terminal too; who passes there leaves it to the page, if someone is at it."""
         if self._terminal is None:
             return
 

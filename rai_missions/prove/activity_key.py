@@ -17,7 +17,7 @@ from rai_missions.prove.open_world import NOW
 __all__ = ("SOON", "plain", "rested", "told", "told_timer")
 
 SOON = NOW + 1.0
-"""When whatever runs would be due, if time went on."""
+"""When whatever runs would be due, if time continued."""
 DIGITS = 6
 
 
@@ -26,8 +26,8 @@ def rested(state: Any, machine: Any, longest_s: float, view: View) -> Any:
 
     What a tree remembers to have begun, or to have been true since, is no longer ago than any guard asks for.
 
-    A question that has a deadline is put as if it had just begun to be asked: whoever is asked last can do no more than
-    whoever is asked first, and the deadline does what comes of asking them all.
+    A question that has a deadline is put as if it had just begun to be asked: anyone who is asked last can do no more
+    than anyone who is asked first, and the deadline does what comes of asking them all.
     """
     if isinstance(state, GoalActivity):
         return state._replace(until=SOON) if state.until != math.inf else state

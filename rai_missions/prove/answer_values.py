@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an answer may bring along: the values that an option's schema allows, as far as guards tell them apart.
 
-Rule: a schema asks for more than values can be made for (patterns, formats); what nobody can make is not judged by it
+Rule: a schema asks for more than values can be made for (patterns, formats); what no one can make is not judged by it
 here. That gives more answers, never fewer.
 """
 

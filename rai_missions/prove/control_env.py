@@ -67,7 +67,7 @@ class ControlEnvironment:
 
     @property
     def others(self) -> list[str]:
-        """Those who can have control without a hold: whoever is needed here, and one for all who are not."""
+        """Those who can have control without a hold: anyone who is needed here, and one for all who are not."""
         here = self.here
         return [*sorted(here), *[who for who in OTHERS if who not in here][:1]]
 
@@ -117,7 +117,7 @@ class ControlEnvironment:
                 state.frozen = dict.fromkeys(held_controls(self._chart.program, state), NOW)
 
     def take(self, who: Holder) -> None:
-        """The operator has taken control, or it is with nobody."""
+        """The operator has taken control, or it is with no one."""
         state = self._chart.state
         state.holder, state.taken, self.found = who, who == "operator", control_event(who, "operator")
 
@@ -149,5 +149,5 @@ def kept_words(event: Event) -> tuple[str, str]:
 
 
 def control_event(who: str, by: str) -> Event:
-    """Control is with somebody from now on."""
+    """Control is with someone from now on."""
     return Event(who, NOW, {"by": by}, "control")

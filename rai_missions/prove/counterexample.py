@@ -47,7 +47,7 @@ class TraceStep(NamedTuple):
     facts: Mapping[str, Any]
     """What is known when it happens: robot and argument keys, None for unknown."""
     control: Event | None
-    """Who is found to have control when it happens, and by whom; None where nobody looks or it is known."""
+    """Who is found to have control when it happens, and by whom; None where no one looks or it is known."""
     predicates: Mapping[str, Truth]
     """What the user's predicates say."""
     active: frozenset[str]

@@ -132,7 +132,7 @@ class Environment:
                 yield Stimulus("the operator pauses", "command", self.ordering("pause"))
 
     def _meanwhile(self) -> Iterator[Stimulus]:
-        """What can happen while the mission is paused; what would wait for it to go on can come just as well then."""
+        """What can happen while the mission is paused; what would wait for its continuation can come then, too."""
         yield from self.time.orphans()
         yield from self.inputs.leftovers()
         yield from self._writes()
@@ -153,7 +153,7 @@ class Environment:
         control.is_going_on = False
 
     def begin(self) -> None:
-        """The mission starts, whoever has control."""
+        """The mission starts, no matter who has control."""
         self.control.let_go()
         self.control.leave_open()
         begin_run(self.chart.program, self.chart.state, NOW)
@@ -216,7 +216,7 @@ class Environment:
             yield Stimulus("something is said again", "write", lambda: self.time.time_passes(*trees))
 
     def _others(self, key: str, now: Any) -> Iterator[Any]:
-        """What it can be next; of an object the fields alone that somebody looks at."""
+        """What it can be next; of an object the fields alone that someone looks at."""
         if not self.world.values.shape(key):
             yield from self.world.values.of(key)
             return

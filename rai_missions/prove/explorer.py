@@ -45,7 +45,7 @@ class Space(StateGraph):
         environment: The mission, and all that can happen to it.
         limits: What it may cost; a number is that of states.
         progress: Receives the number of states found and of states done, now and then.
-        wanted: Promises; once each is known to be broken, the search ends. None of these: it goes on.
+        wanted: Promises; once each is known to be broken, the search ends. None of these: it continues.
     """
 
     def __init__(

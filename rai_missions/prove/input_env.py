@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What robot, model, person and other programs can tell a mission in a state.
 
-Rule: whoever is asked can say anything or nothing, and a server ends a goal in any way at any time.
+Rule: anyone who is asked can say anything or nothing, and a server ends a goal in any way at any time.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class InputEnvironment:
         return lambda: self.handle(event)
 
     def events(self) -> Iterator[Stimulus]:
-        """What the mission declares, and what nobody can tell whether it was done, where some row is about it."""
+        """What the mission declares, and what no one can tell whether it was done, where some row is about it."""
         state = self._chart.state
         if state.final is not None:
             return
@@ -87,7 +87,7 @@ class InputEnvironment:
             yield Stimulus("nobody can tell whether it was done", "event", self._bringing("uncertain", "doubt", fields))
 
     def _bringing(self, name: str, kind: str, fields: Sequence[str]) -> Callable[[], None]:
-        """An event whose payload is chosen anew each time it happens."""
+        """An event whose payload is chosen again each time it happens."""
         return lambda: self.handle(Event(name, NOW, Payload(fields, self._field), kind))
 
     def _field(self, field: str) -> Any:
@@ -194,7 +194,7 @@ class InputEnvironment:
     # -- answers --------------------------------------------------------------------------------------------------
 
     def answers(self) -> Iterator[Stimulus]:
-        """Each option, one that there is not, and nobody there; silence is the time that runs out."""
+        """Each option, one that there is not, and no one there; silence is the time that runs out."""
         for name, path, state in list(self.inner()):
             if isinstance(state, DecisionActivity):
                 yield from self._replies(state.question, owned(name, path), is_bounded=state.deadline != math.inf)

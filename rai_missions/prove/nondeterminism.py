@@ -57,7 +57,7 @@ class Choices:
 
 
 class OpenFields(dict[str, Any]):
-    """An object whose fields have any of their values until somebody looks; None stands for unknown.
+    """An object whose fields have any of their values until someone looks; None stands for unknown.
 
     Args:
         fields: The fields that anybody looks at.
@@ -90,7 +90,7 @@ class OpenFields(dict[str, Any]):
 
 
 class Payload(dict[str, Any]):
-    """What an event brings, chosen field by field when somebody looks.
+    """What an event brings, chosen field by field when someone looks.
 
     Args:
         fields: Those that anybody looks at.
@@ -108,7 +108,7 @@ class Payload(dict[str, Any]):
 
 
 class OpenBoard(dict[str, Any]):
-    """A blackboard on which a key has any of its values until somebody looks; None stands for unknown.
+    """A blackboard on which a key has any of its values until someone looks; None stands for unknown.
 
     Args:
         open_keys: The keys that are to be chosen where they do not stand here.
@@ -134,11 +134,11 @@ class OpenBoard(dict[str, Any]):
         return default if found is None else found
 
     def known(self, key: str) -> Any:
-        """Its entry as far as somebody looked; `MISSING` before, None for unknown."""
+        """Its entry as far as someone looked; `MISSING` before, None for unknown."""
         return dict.get(self, key)
 
     def is_known(self, key: str) -> bool:
-        """Whether somebody has looked, or the mission wrote it."""
+        """Whether someone has looked, or the mission wrote it."""
         return dict.__contains__(self, key)
 
     def entries(self) -> Iterable[tuple[str, Any]]:

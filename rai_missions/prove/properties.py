@@ -96,7 +96,7 @@ def _ends(space: Space) -> Iterator[Property]:
 
 
 def _rests(space: Space) -> Iterator[Property]:
-    """By time alone a run comes to an end, or to a state in which it waits for somebody."""
+    """By time alone a run comes to an end, or to a state in which it waits for someone."""
     found = lost(space) or circling(space)
     if found:
         yield Property("comes to rest", "refuted", "while nobody says anything, timers lead round for ever", found[0])

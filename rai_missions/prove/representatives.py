@@ -122,7 +122,7 @@ class Values:
             yield from self._scalars(path, kind)
 
     def _lists(self, path: str) -> Iterator[list[Any]]:
-        """Of no, one or two items; of one that nobody goes over, two for all."""
+        """Of no, one or two items; of one that no one goes over, two for all."""
         learned = self.learned
         most = 2 if any(kin in learned.items for kin in learned.kin.get(path, {path})) else 1
         for many in range(most + 1):

@@ -27,7 +27,7 @@ class Arrival(NamedTuple):
     has_moved: bool
     """A transition was taken, or a round of a tree's loop has ended that took time."""
     ended: tuple[str, str] | None
-    """Outcome and why; None where the mission goes on."""
+    """Outcome and why; None where the mission continues."""
     core: bytes = b""
     state: Saved | None = None
     written: Own | None = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One thing that can happen to a mission, whoever brings it about."""
+"""One thing that can happen to a mission, no matter who brings it about."""
 
 from __future__ import annotations
 

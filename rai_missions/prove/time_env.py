@@ -126,7 +126,7 @@ class TimeEnvironment:
         return happen
 
     def _waver(self, beyond: str) -> dict[str, Any]:
-        """Have every key that can go stale do so at this instant or not, when somebody looks."""
+        """Have every key that can go stale do so at this instant or not, when someone looks."""
         before: dict[str, Any] = {}
         for key, entry in list(self._world.board.entries()):
             if entry is not None and key > beyond and key in self._passing:
@@ -136,7 +136,7 @@ class TimeEnvironment:
         return before
 
     def _readers(self, keys: Iterable[str]) -> list[str]:
-        """The states whose machines want to hear of these."""
+        """The states whose machines want to be notified of these."""
         wanted = {*keys, "*"}
         return [
             name

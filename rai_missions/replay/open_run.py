@@ -23,11 +23,11 @@ from rai_missions.replay.resume import Resumption, resumption
 __all__ = ("OpenedRun", "open_run")
 
 MAY_CHANGE = frozenset({"$schema", "name", "about", "connector", "identity", "rules"})
-"""Of a profile: how the robot is reached and who answers, not what it hears and does."""
+"""Of a profile: how the robot is reached and who answers, not what it receives and does."""
 
 
 class OpenedRun(NamedTuple):
-    """A run that goes on."""
+    """A run that continues."""
 
     record: Record
     mission: Mission
@@ -49,7 +49,7 @@ def open_run(
 
     Raises:
         DefinitionError: The journal is damaged, or the mission or the profile has changed.
-        UsageError: There is no such journal, or its run has ended or goes on elsewhere.
+        UsageError: There is no such journal, or its run has ended or continues elsewhere.
     """
     record = opened(journal)
     try:

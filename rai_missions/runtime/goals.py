@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The goals of a run, each from its start to its confirmed end: with a server, or composed of services and guards.
 
-Rule: a goal's id follows from run, owner and start, so that a run that goes on finds its goals again.
+Rule: a goal's id follows from run, owner and start, so that a run that continues finds its goals again.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ CANCELED_S = 5.0
 """How long other calls wait for the reply of the service that ends a composed action."""
 ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 WATCHED = {"cancel_rejected": "refused", "contested": "contested", "stray": "stray", "over": "over"}
-"""What a connector reports of a goal beside its course → the kind of the event that tells the mission."""
+"""What a connector reports of a goal next to its course → the kind of the event that tells the mission."""
 BAD_REPLIES = ("failed", "timed_out", "unavailable")
 
 
@@ -84,7 +84,7 @@ class Goals:
         self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=report)
 
     def take_up(self, effect: StartGoal, *, accepted: bool) -> bool:
-        """Go on with a goal that an earlier process was to send.
+        """Continue with a goal that an earlier process was to send.
 
         Args:
             effect: Its start.
@@ -92,7 +92,7 @@ class Goals:
                 have been waiting for the server.
 
         Returns:
-            Whether its fate is known or will be told; False where nobody can say, and the robot was told to end it.
+            Whether its fate is known or will be told; False where no one can say, and the robot was told to end it.
         """
         entry = self._entry(effect.action)
         if entry is None or self._connector is None:
@@ -181,7 +181,7 @@ class Goals:
         self._end(number, "rejected", {"why": why})
 
     def cut_off(self) -> tuple[CancelGoal, ...]:
-        """End every goal with a server, heard of or not; returns what ends the composed ones."""
+        """End every goal with a server, whether known to it or not; returns what ends the composed ones."""
         for goal_id in list(self._ids.values()):
             if self._connector is not None:
                 with suppress(Exception):  # the others must be stopped too

@@ -50,7 +50,7 @@ def interruptible(run: Interrupted) -> Iterator[None]:
             run.kill(BY)
             return
         run.cancel(BY)
-        with suppress(OSError):  # the terminal may be gone, which is why somebody interrupts
+        with suppress(OSError):  # the terminal may be gone, which is why someone interrupts
             sys.stderr.write("\ncanceling; once more for an emergency stop\n")
 
     signal.signal(signal.SIGINT, interrupt)

@@ -46,7 +46,7 @@ class Status(NamedTuple):
     outcome: str | None = None
     why: str = ""
     waits: str = ""
-    """Which states wait for somebody to have control, in words; empty where none does."""
+    """Which states wait for someone to have control, in words; empty where none does."""
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals that may still be executing although nothing waits for them: the robot may still move."""
     held_by: str = ""
@@ -63,7 +63,7 @@ def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) 
 
 
 def _waits(waiting: Mapping[str, str], holder: str, held_by: str) -> str:
-    """Nobody asks for control in the mission's name once it was taken away: who moved it had a reason."""
+    """No one asks for control in the mission's name once it was taken away: who moved it had a reason."""
     if held_by:
         each = ", ".join(sorted(waiting))
         return f"held until the operator gives control back; {holder} has it" + (f"; {each} waits" if each else "")
@@ -94,7 +94,7 @@ class Control:
         """Why a handover may not be asked for; empty if it may.
 
         Raises:
-            UsageError: Nobody of that name can hold control.
+            UsageError: No one of that name can hold control.
         """
         if to not in CONTROLLERS:
             raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(CONTROLLERS)}")
@@ -174,7 +174,7 @@ class Lifecycle:
             mode: The chart's: `ready`, `running`, `paused`, `canceling` or `ended`.
             holder: Who holds control.
             active: The active states, in the order in which they are to be shown; a set is sorted by name.
-            waiting: State → who must have control before what it does can go on.
+            waiting: State → who must have control before what it does can continue.
             open_goals: The goals that may still be executing although nothing waits for them.
             taken: The operator holds control and has taken it.
             held_by: Who holds the mission up; empty while it is not held.

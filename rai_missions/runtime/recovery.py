@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a process goes on with a run that another was killed in: what was under way first, then what is so now.
+"""How a process continues with a run that another was killed in: what was under way first, then what is so now.
 
-Rule: nobody is asked, and nothing is decided, on what the robot said before the process died.
+Rule: no one is asked, and nothing is decided, on what the robot said before the process died.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ("ResyncWindow", "resume_effects")
 
 
 def resume_effects(resumed: Resumption, performer: EffectExecutor, scribe: BufferedWriter) -> None:
-    """Go on with what was under way, and write down what was done again; raises what the journal raises."""
+    """Continue with what was under way, and write down what was done again; raises what the journal raises."""
     chart, under = resumed.chart, resumed.under
     performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.anew)
     for seq, effects in under.unsure.items():
@@ -33,12 +33,12 @@ def resume_effects(resumed: Resumption, performer: EffectExecutor, scribe: Buffe
 class ResyncWindow:
     """What a resumed process receives of the robot, until all that was known has been received again.
 
-    The first value of each fact that was known is the one with which the run goes on: it counts from the beginning.
+    The first value of each fact that was known is the one with which the run continues: it counts from the beginning.
     Whatever else arrives waits, each event with the instant of its arrival.
 
     Args:
         chart: Where the run stood.
-        now: The instant on the run's clock from which it goes on.
+        now: The instant on the run's clock from which it continues.
     """
 
     def __init__(self, chart: Chart, now: float) -> None:
@@ -73,7 +73,7 @@ class ResyncWindow:
         self._missing.pop(event.name, None)
 
     def event(self, present: float) -> Event:
-        """The step with which the run goes on, at the instant from which it does: what waits happens after it.
+        """The step with which the run continues, at the instant from which it does: what waits happens after it.
 
         Args:
             present: Now: nothing that the run asks for while it catches up is carried out before.

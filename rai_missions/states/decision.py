@@ -25,7 +25,7 @@ class Option(MissionModel):
     positional: ClassVar = ("about",)
 
     about: Text = ""
-    """What it means, for whoever is asked."""
+    """What it means, for anyone who is asked."""
     when: OneOf[Guard] | None = None
     """Where this is not true the option is not offered, and not taken."""
     parameters: dict[str, Json] | None = None
@@ -61,7 +61,7 @@ class DecisionSpec(MissionModel):
     within_s: Annotated[float, Field(strict=True, gt=0)] | None = None
     """How long each of them has; left out, an equal share of the time left."""
     fallback: Name | None = None
-    """The option taken when nobody gave an answer that counts; it has no `when`."""
+    """The option taken when no one gave an answer that counts; it has no `when`."""
     budget: Budget = Budget()
     tools: Annotated[tuple[Name, ...], BeforeValidator(_listed)] = ()
     """The read-only tools that a model may use while it thinks."""
@@ -97,7 +97,7 @@ class DecisionSpec(MissionModel):
 
 
 class Decision(State, word="decision"):
-    """Asks. In Python the question's words stand beside the state's: `Decision("What now?", options=…, ask=…)`."""
+    """Asks. In Python the question's words stand next to the state's: `Decision("What now?", options=…, ask=…)`."""
 
     decision: DecisionSpec
 

@@ -115,7 +115,7 @@ class Publish(Effect, word="publish"):
 
 
 class Say(Effect, word="say"):
-    """Says a sentence to whoever is near."""
+    """Says a sentence to anyone who is near."""
 
     positional: ClassVar = ("say",)
 

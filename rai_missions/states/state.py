@@ -35,7 +35,7 @@ __all__ = (
 
 ANY_EVENT = "*"
 OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverified", "aborted")
-"""What an activity can report about itself, beside a decision's options."""
+"""What an activity can report about itself, next to a decision's options."""
 
 Controller = Literal["autonomy", "agent", "operator"]
 """Who may command the robot's actuators."""
@@ -163,7 +163,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         return "states"
 
     def outcomes(self) -> frozenset[str]:
-        """What it can report about itself, beside the outcomes of children."""
+        """What it can report about itself, next to the outcomes of children."""
         return frozenset({"timed_out"} if self.timeout_s is not None else ())
 
     def program(self) -> str:

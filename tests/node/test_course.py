@@ -81,7 +81,7 @@ def test_a_run_that_continues_shows_what_was_asked_before_with_the_time_left() -
 
 @pytest.mark.parametrize("reported", [{"id": 1}, [1], None, 7, "another"])
 def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> None:
-    """An order waits; a robot's event comes first, in which something has the name of what distinguishs orders."""
+    """An order waits; a robot's event comes first, in which something has the name of what distinguishes orders."""
     answered_at, receipts = Stood(), list[CommandReply]()
     answered_at.course.submit(Command("pause"), receipts.append)
     event = Event("robot_says", 0.0, {"request": reported})

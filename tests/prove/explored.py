@@ -50,7 +50,7 @@ def seen(chart: Chart) -> Seen:
 
 
 class Forgetless(Environment):
-    """It distinguishs states by all that a run remembers, read later or not."""
+    """It distinguishes states by all that a run remembers, read later or not."""
 
     def __init__(self, mission: Mission, ticker: Trees | None = None) -> None:
         super().__init__(mission, ticker)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A chat model as whoever is asked: it may wish for an option, and that is all.
+"""A chat model as anyone who is asked: it may wish for an option, and that is all.
 
 Rule: whatever the model does – raise, hang, babble, flood – its question is answered once, in time, and the next one
 is taken.

@@ -2,7 +2,7 @@
 """The process that serves one GGUF file on loopback, until its standard input ends.
 
 Rule: this file is run by its path and imports nothing of the project, so whatever native code does to its process, the
-mission's goes on; and when the mission's process ends, however it does, this one ends too.
+mission's continues; and when the mission's process ends, however it does, this one ends too.
 
 The first line on standard output is JSON: `{"url": "http://127.0.0.1:PORT"}`, or `{"fault": "…"}`.
 """

@@ -24,7 +24,7 @@ __all__ = (
 LONGEST = 20_000
 """Characters of an answer that are read; more is refused unread."""
 DEEPEST = 30
-"""How deeply an answer, or what a call is given, may be nested; whoever walks through it later need not count."""
+"""How deeply an answer, or what a call is given, may be nested; anyone who walks through it later need not count."""
 LONGEST_NAME = 200
 LONGEST_FUNCTION = 64
 LONGEST_WHY = 500

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A question in work: its answer is told once, in time, or not at all.
 
-Rule: whoever closes it first wins; whatever comes later is dropped here and goes nowhere.
+Rule: the first to close it wins; whatever comes later is dropped here and goes nowhere.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ GRACE_S = 0.5
 
 
 class Pending:
-    """One question that somebody thinks about.
+    """One question that someone thinks about.
 
     Args:
         question: As it was asked.
@@ -46,7 +46,7 @@ class Pending:
 
     @property
     def open(self) -> bool:
-        """Nobody has answered yet, and somebody still waits for it."""
+        """No one has answered yet, and someone still waits for it."""
         return self._open
 
     @property

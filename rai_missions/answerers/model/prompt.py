@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A question as messages for a chat model: who it is, what is known, which options there are.
 
-Rule: what the robot heard is data. It is quoted line by line inside `<facts>`, which no fact can close.
+Rule: what the robot received is data. It is quoted line by line inside `<facts>`, which no fact can close.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ class Looked(NamedTuple):
 
     message: ToolMessage
     note: Mapping[str, str]
-    """For the journal, beside the answer: `tool`, `arguments` as JSON, and the beginning of what it `said`."""
+    """For the journal, next to the answer: `tool`, `arguments` as JSON, and the beginning of what it `said`."""
     pictures: tuple[Mapping[str, Any], ...] = ()
     """Content blocks."""
 

@@ -52,7 +52,7 @@ class Turn(NamedTuple):
 
 
 class ActivityHost(Protocol):
-    """What lies before a machine: what is known, fresh numbers, and the goals that nobody may forget."""
+    """What lies before a machine: what is known, fresh numbers, and the goals that no one may forget."""
 
     @property
     def view(self) -> View:
@@ -114,7 +114,7 @@ class Machine(Protocol):
         """The next instant at which a `tick` may change something; infinity for none."""
 
     def reads(self, state: Any) -> frozenset[str]:
-        """What it wants to hear of: changes of keys, of states (`presence`), of goals (`GOALS`)."""
+        """What it wants to be notified of: changes of keys, of states (`presence`), of goals (`GOALS`)."""
 
     def awaits(self, state: Any) -> frozenset[int]:
         """The numbers of the starts and questions whose answer it waits for."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The machine of a behaviour written in Python: somebody ticks it beside the mission, and its end comes as an event."""
+"""The machine of a behaviour written in Python: someone ticks it next to the mission, and its end comes as an event."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine of a decision: whom to ask next, what is offered now, and what becomes of an answer.
 
-Rule: options are worked out anew for each attempt, and an answer counts only by `judge`, now.
+Rule: options are worked out again for each attempt, and an answer counts only by `judge`, now.
 """
 
 from __future__ import annotations

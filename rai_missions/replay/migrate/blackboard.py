@@ -16,7 +16,7 @@ __all__ = ("board",)
 
 
 def board(naming: Naming, known: Mapping[str, Stamped], at: float) -> tuple[dict[str, Stamped], list[Fault]]:
-    """The blackboard with which the run goes on.
+    """The blackboard with which the run continues.
 
     Args:
         naming: What everything is called.

@@ -27,14 +27,14 @@ class Map(MissionModel):
     format: Literal[1] = 1
     about: Text = ""
     states: dict[Name, Name | None] = Field(default_factory=dict)
-    """State then → state now; null: it is left, and nothing takes its place. Whoever names a state says that it means
-    what the old one meant, though it may be written otherwise."""
+    """State then → state now; null: it is left, and nothing takes its place. Anyone who names a state says that it
+    means what the old one meant, though it may be written otherwise."""
     keys: dict[Name, Name | None] = Field(default_factory=dict)
     """Key then → key now; null: its value is dropped."""
     events: dict[Name, Name | None] = Field(default_factory=dict)
     """Event then → event now; null: one that is to be raised later, or waits for the end of a pause, is dropped."""
     values: dict[Name, Json] = Field(default_factory=dict)
-    """Key now → the value with which the run goes on, instead of the one that it had."""
+    """Key now → the value with which the run continues, instead of the one that it had."""
 
 
 def load_map(path: str | os.PathLike[str]) -> Map:

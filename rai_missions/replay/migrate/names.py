@@ -30,7 +30,7 @@ class Naming:
 
     Args:
         was: The mission of the run.
-        now: The mission in which it is to go on.
+        now: The mission in which it is to continue.
         map_: What is called otherwise.
     """
 

@@ -39,7 +39,7 @@ def _callable(given: Any) -> Any:
 
 
 class BehaviourLeaf(TreeNode):
-    """Says what a live behaviour says, which is ticked beside the mission every `tick_s` while this runs."""
+    """Says what a live behaviour says, which is ticked next to the mission every `tick_s` while this runs."""
 
     positional: ClassVar = ("factory", "tick_s")
 

@@ -41,7 +41,7 @@ class Sequence(Branch, word="sequence"):
     positional: ClassVar = ("sequence",)
     sequence: Children
     memory: Bool = True
-    """Goes on at the running child; without it, from the first at each tick."""
+    """Continues at the running child; without it, from the first at each tick."""
 
 
 class Selector(Branch, word="selector"):
@@ -50,7 +50,7 @@ class Selector(Branch, word="selector"):
     positional: ClassVar = ("selector",)
     selector: Children
     memory: Bool = False
-    """Goes on at the running child; without it, a higher one that stops failing takes over."""
+    """Continues at the running child; without it, a higher one that stops failing takes over."""
 
 
 class ParallelTree(Branch, word="parallel"):

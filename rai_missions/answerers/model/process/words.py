@@ -28,7 +28,7 @@ NUMBER = 2**53
 
 
 def packed(messages: Iterable[BaseMessage]) -> tuple[list[dict[str, Any]], list[bytes]]:
-    """Messages as JSON, with the pictures in them beside it."""
+    """Messages as JSON, with the pictures in them next to it."""
     blobs: list[bytes] = []
     written = []
     for message in messages:
