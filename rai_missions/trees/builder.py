@@ -19,18 +19,6 @@ from rai_missions.trees.tick import Tick
 
 __all__ = ("BuiltNode", "TreeBuilder")
 
-PLAIN: Mapping[type[tree.TreeNode], type[nodes.Decorator]] = {
-    tree.Inverter: nodes.Inverter,
-    tree.FailureIsSuccess: nodes.FailureIsSuccess,
-    tree.FailureIsRunning: nodes.FailureIsRunning,
-    tree.SuccessIsFailure: nodes.SuccessIsFailure,
-    tree.SuccessIsRunning: nodes.SuccessIsRunning,
-    tree.RunningIsFailure: nodes.RunningIsFailure,
-    tree.RunningIsSuccess: nodes.RunningIsSuccess,
-    tree.PassThrough: nodes.PassThrough,
-}
-"""The decorators whose only field is their child."""
-
 
 class BuiltNode(NamedTuple):
     """What is at a path."""
@@ -134,8 +122,8 @@ class TreeBuilder:
 
     @staticmethod
     def _decorator(node: tree.Decorator, child: Behaviour) -> Behaviour:
-        if type(node) in PLAIN:
-            return PLAIN[type(node)](node.word, child)
+        if type(node) in nodes.PLAIN:
+            return nodes.PLAIN[type(node)](node.word, child)
         if isinstance(node, tree.Retry):
             return nodes.Retry(node.word, child, node.num_failures)
         if isinstance(node, tree.Repeat):

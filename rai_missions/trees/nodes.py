@@ -15,12 +15,13 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from rai_missions.guards.guard import Test
+from rai_missions.states import tree
 from rai_missions.trees.tick import Tick
 
 __all__ = (
-    "LOOPS", "Condition", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "Live", "OneShot",
-    "Parallel", "PassThrough", "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess", "Selector", "Sequence",
-    "StatusToBlackboard", "SuccessIsFailure", "SuccessIsRunning", "Timeout", "word",
+    "LOOPS", "PLAIN", "Condition", "EternalGuard", "Live", "OneShot",
+    "Parallel", "Repeat", "Retry", "Selector", "Sequence",
+    "StatusToBlackboard", "Timeout", "word",
 )  # fmt: skip
 
 INVALID, RUNNING, SUCCESS, FAILURE = Status.INVALID, Status.RUNNING, Status.SUCCESS, Status.FAILURE
@@ -133,36 +134,12 @@ class Decorator(Live, decorators.Decorator if TYPE_CHECKING else object):  # typ
     pass
 
 
-class Inverter(Decorator, decorators.Inverter):
-    pass
-
-
-class FailureIsSuccess(Decorator, decorators.FailureIsSuccess):
-    pass
-
-
-class FailureIsRunning(Decorator, decorators.FailureIsRunning):
-    pass
-
-
-class SuccessIsFailure(Decorator, decorators.SuccessIsFailure):
-    pass
-
-
-class SuccessIsRunning(Decorator, decorators.SuccessIsRunning):
-    pass
-
-
-class RunningIsFailure(Decorator, decorators.RunningIsFailure):
-    pass
-
-
-class RunningIsSuccess(Decorator, decorators.RunningIsSuccess):
-    pass
-
-
-class PassThrough(Decorator, decorators.PassThrough):
-    pass
+PLAIN: dict[type[tree.TreeNode], type[Decorator]] = {
+    kind: type(kind.__name__, (Decorator, getattr(decorators, kind.__name__)), {})
+    for kind in tree.TreeNode.kinds.values()
+    if issubclass(kind, tree.Decorator) and kind.model_fields.keys() == {"name", "child"}
+}
+"""The decorators that take nothing but their child: the format's kind → py_trees' own of the same name, traced."""
 
 
 class Condition(Decorator, decorators.Condition):
@@ -258,5 +235,5 @@ class StatusToBlackboard(Decorator, _Report):
     pass
 
 
-LOOPS = (Retry, Repeat, FailureIsRunning, SuccessIsRunning, Condition)
+LOOPS = (Retry, Repeat, PLAIN[tree.FailureIsRunning], PLAIN[tree.SuccessIsRunning], Condition)
 """Decorators that state they run while their child has ended: at the next tick it begins again."""
