@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the robot said before a process died counts no more: it is heard again first, or not known."""
+"""What the robot reported before a process died counts no more: it is received again first, or not known."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ OVER = Mission.model_validate({
 
 
 class Meadow(Farm):
-    """Something lies there; while nobody looks, something living takes its place."""
+    """Something lies there; while no one looks, something living takes its place."""
 
     def __init__(self, *given: Any, **words: Any) -> None:
         super().__init__(*given, **words)
@@ -76,14 +76,14 @@ def ended(path: Path, meadow: Meadow, slow: ReplyingAnswerer) -> Ended:
     return Ended(result.outcome, result.why)
 
 
-def test_nobody_acts_on_what_was_so_before_the_process_died(tmp_path: Path) -> None:
+def test_no_one_acts_on_what_was_so_before_the_process_died(tmp_path: Path) -> None:
     path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     meadow.obstacle = {"living": True}
     assert ended(path, meadow, slow).outcome == "canceled", "what lives now is not driven over"
 
 
-def test_what_nobody_says_any_more_is_not_known(tmp_path: Path) -> None:
+def test_what_no_one_reports_any_more_is_not_known(tmp_path: Path) -> None:
     path, meadow, slow = tmp_path / "run.journal", Meadow(), slow_answerer()
     asked_and_killed(path, meadow, slow)
     meadow.obstacle = None
@@ -96,7 +96,7 @@ def test_what_is_as_it_was_is_answered_as_it_was(tmp_path: Path) -> None:
     assert ended(path, meadow, slow).outcome == "failed"
 
 
-def test_a_robot_that_is_heard_again_is_never_taken_for_silent_and_one_that_is_not_is(tmp_path: Path) -> None:
+def test_a_robot_that_is_received_again_is_never_taken_for_silent_and_one_that_is_not_is(tmp_path: Path) -> None:
     for silent, outcome in ((frozenset[str](), "failed"), (frozenset({"/battery"}), "aborted")):
         path, meadow, slow = tmp_path / f"{outcome}.journal", Meadow(), slow_answerer()
         asked_and_killed(path, meadow, slow)
