@@ -52,9 +52,9 @@ class Stay:
         return self.name.partition(":")[2]
 
     @property
-    def called(self) -> str:
-        """What others name it."""
-        return self.function.rpartition(".")[2]
+    def called(self) -> frozenset[str]:
+        """What others name it: its class or itself."""
+        return frozenset(self.function.split("."))
 
     @property
     def room(self) -> str:
@@ -135,8 +135,8 @@ def faults(walk: Walk) -> Iterator[str]:
     yield from (f"{walk.title}: there is no {name}" for name in missing)
     for one, other in walk.hops() if not missing else ():
         user, used = (other, one) if other.up else (one, other)
-        if user.module != used.module and used.called not in names(user.module):
-            yield f"{walk.title}: {user.module} does not name {used.called} of {used.module}"
+        if user.module != used.module and used.called.isdisjoint(names(user.module)):
+            yield f"{walk.title}: {user.module} does not name {used.function} of {used.module}"
         if floors()[user.room] < floors()[used.room]:
             yield f"{walk.title}: {user.name} may not know {used.name}, which is on a higher floor"
 
