@@ -16,7 +16,7 @@ from rai_missions.gate import GateAgent, GateWords, gate_words, read_gate
 from rai_missions.gate.bypass_monitor import BypassMonitor
 from rai_missions.gate.config import command_topic, leases_of
 from rai_missions.gate.memory import Memory, usual_path
-from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, Deed, Halt, Pass, Publish, Refuse
+from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, Deed, Halt, Pass, PublishStatus, Refuse
 from rai_missions.runtime.clock import WallClock
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def _observer(log: TextIO | None, *, quiet: bool, clock: WallClock) -> Callable[
 
 def _row(deed: Deed) -> dict[str, Any] | None:
     """A line of the log; a status is none."""
-    if isinstance(deed, Publish):
+    if isinstance(deed, PublishStatus):
         return None
     if isinstance(deed, Pass | Refuse):
         did = {"did": "passed"} if isinstance(deed, Pass) else {"did": "refused", "why": deed.why}

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.nodes import Act, CompiledTransition, Condition, Content, Node
+from rai_missions.engine.nodes import Act, CompiledGuard, CompiledTransition, Content, Node
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.mission.mission import Mission
@@ -123,14 +123,14 @@ class Compiled:
             self._content.effect(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects)
         )
 
-    def condition(self, guard: Guard, place: str, state: str) -> Condition:
+    def condition(self, guard: Guard, place: str, state: str) -> CompiledGuard:
         """A guard compiled for a place; the states whose age it asks for are clocked from now on."""
         site = Site(place, self.mission.blackboard, state)
         test = guard.compile(site)
         self.named |= site.named
         for name in site.clocked:
             (self.nodes[name] if name else self.root).clocked = True
-        return Condition(
+        return CompiledGuard(
             place, guard, test, frozenset(site.reads), site.watched, tuple(site.instants), dict(site.holds)
         )
 

@@ -9,7 +9,7 @@ from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import Outcome
 from rai_missions.engine.blackboard import write_key
 from rai_missions.engine.hold import drop_reports, is_held
-from rai_missions.engine.nodes import Condition, Node
+from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import cancel_goals, leave_activity, outcome_of
 from rai_missions.engine.state import RunState, Trigger
@@ -145,7 +145,7 @@ def settle_nested(program: Program, state: RunState) -> None:
             _finish(state, node.parent, "unverified", complete, why=_falls_short(program, state, node.requires))
 
 
-def _falls_short(program: Program, state: RunState, condition: Condition) -> str:
+def _falls_short(program: Program, state: RunState, condition: CompiledGuard) -> str:
     value = condition.test(state)
     ages = [age for key in sorted(condition.reads) if (age := _age(program, state, key))]
     unknown = f" ({', '.join(ages)})" if ages and value is None else ""

@@ -12,7 +12,7 @@ from rai_missions.states.final import Final
 from rai_missions.states.history import History
 from rai_missions.states.state import State, Transition
 
-__all__ = ("Act", "CompiledTransition", "Condition", "Content", "Memory", "Node")
+__all__ = ("Act", "CompiledGuard", "CompiledTransition", "Content", "Memory", "Node")
 
 Act = Callable[[Any, Any], None]
 """An effect compiled: does its work on the program and the state of the run that it is given."""
@@ -31,7 +31,7 @@ class Content(NamedTuple):
     """Of a final, as it is entered, and the parallel states that have all their regions in a final then."""
 
 
-class Condition(NamedTuple):
+class CompiledGuard(NamedTuple):
     """A guard compiled, with what it depends on."""
 
     place: str
@@ -75,7 +75,7 @@ class Node:
         self.activity = bool(state and state.activity() and not self.is_each)
         self.timed = bool(state and state.timeout_s is not None)
         self.clocked = False
-        self.requires: Condition | None = None
+        self.requires: CompiledGuard | None = None
         self.family = state.word if state else ""
 
     def inside(self, other: Node) -> bool:
@@ -106,7 +106,7 @@ class CompiledTransition:
         self.transition, self.place, self.source = transition, place, source
         self.targets: tuple[Node, ...] = ()
         self.acts: tuple[Act, ...] = ()
-        self.condition: Condition | None = None
+        self.condition: CompiledGuard | None = None
         self.test: Test | None = None
         self.internal = transition.internal
         self.recalls = False

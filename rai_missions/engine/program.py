@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.factory import Bench, machine_of
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.nodes import Condition, Content, Node
+from rai_missions.engine.nodes import CompiledGuard, Content, Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.transitions import Graph
@@ -59,7 +59,7 @@ class Program:
             raise UsageError(f"the mission names predicates that were not given: {', '.join(absent)}; give named={{…}}")
         self.declared = frozenset(mission.events)
         self.machines: dict[str, Machine | None] = {}
-        self.invariants: tuple[tuple[str, Condition], ...] = tuple(self.graph.invariants.items())
+        self.invariants: tuple[tuple[str, CompiledGuard], ...] = tuple(self.graph.invariants.items())
         self.always_held = {memory: test for _, each in self.invariants for memory, test in each.holds.items()}
         if ticker is None and self.has_trees:
             raise UsageError("the mission runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")

@@ -32,7 +32,7 @@ from rai_missions.gate.state import (
     GateEvent,
     Halt,
     Pass,
-    Publish,
+    PublishStatus,
     Refuse,
     Request,
     TimePassed,
@@ -238,7 +238,7 @@ class GateAgent:
                 self._publish_stops()
                 if self._memory is not None and isinstance(deed, ControlChange):
                     self._memory.note(deed.holder)
-            elif isinstance(deed, Publish):
+            elif isinstance(deed, PublishStatus):
                 self._publish(deed.gate)
             if self._observe is not None:
                 self._observe(deed)

@@ -22,7 +22,7 @@ from rai_missions.gate.state import (
     GateEvent,
     GateRules,
     Pass,
-    Publish,
+    PublishStatus,
     Refuse,
     Request,
 )
@@ -48,7 +48,7 @@ def step(terms: GateRules, gate: Gate, happening: GateEvent) -> Turn:
     done = (*lapsed, *done)
     if gate.at >= gate.published + terms.status_s or any(isinstance(each, ControlChange | Answer) for each in done):
         gate = gate._replace(published=gate.at)
-        done = (*done, Publish(gate))
+        done = (*done, PublishStatus(gate))
     return gate, done
 
 

@@ -24,7 +24,7 @@ __all__ = (
     "GateRules",
     "Halt",
     "Pass",
-    "Publish",
+    "PublishStatus",
     "Refuse",
     "Request",
     "TimePassed",
@@ -129,13 +129,13 @@ class Answer(NamedTuple):
     why: str
 
 
-class Publish(NamedTuple):
+class PublishStatus(NamedTuple):
     """The status is published."""
 
     gate: Gate
 
 
-Deed = ControlChange | Halt | Pass | Refuse | Answer | Publish
+Deed = ControlChange | Halt | Pass | Refuse | Answer | PublishStatus
 
 
 # -- what is known -----------------------------------------------------------------------------------------------------

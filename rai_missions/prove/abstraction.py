@@ -18,7 +18,7 @@ from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import limit_of
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.hold import awake, free, is_held
-from rai_missions.engine.nodes import Condition, Node
+from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.engine.state import TABLE, Holds, RunState, Timer
 from rai_missions.engine.timers import next_number
 from rai_missions.guards.guard import View
@@ -26,7 +26,7 @@ from rai_missions.keys import Stamped
 from rai_missions.prove.activity_key import SOON, rested, told_timer
 from rai_missions.prove.control_env import ControlEnvironment
 from rai_missions.prove.instruments import Instruments
-from rai_missions.prove.liveness import Later, Live, LooksAhead
+from rai_missions.prove.liveness import Later, LiveReads, LooksAhead
 from rai_missions.prove.nondeterminism import OpenFields
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
@@ -69,10 +69,10 @@ class Abstraction:
         """The longest that any guard looks back."""
         self.saturating = values.saturating()
         """Counters → the bounds past which no guard tells their values apart."""
-        self._waiting: dict[tuple[int, ...], tuple[Condition, ...]] = {}
+        self._waiting: dict[tuple[int, ...], tuple[CompiledGuard, ...]] = {}
         rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
         self._every = frozenset(mission.blackboard)
-        self.live: LooksAhead = Live(mission, chart.program.graph, facts)
+        self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts)
         self._remainders: dict[tuple[str, tuple[int, ...]], tuple[str, ...]] = {}
         self._hears_of_orphans = any("orphaned" in row.on for row in rows)
         self._hears_of_calls = any("call_failed" in row.on for row in rows)
@@ -126,7 +126,7 @@ class Abstraction:
                 looked |= machine.reads(activity)
         return frozenset(looked) & world.fleeting
 
-    def _watching(self, state: RunState) -> Iterable[Condition]:
+    def _watching(self, state: RunState) -> Iterable[CompiledGuard]:
         """The guards that may do something without an event."""
         program = self._chart.program
         if state.mode == "paused":
@@ -150,7 +150,7 @@ class Abstraction:
             yield requires
         yield from (condition for _, condition in program.invariants)
 
-    def _look(self, state: RunState, condition: Condition) -> None:
+    def _look(self, state: RunState, condition: CompiledGuard) -> None:
         if self._world.predicates:  # they may say something else the next time
             self._world.board.looked |= condition.reads
             return
@@ -299,7 +299,7 @@ def _rest_rounds(rounds: dict[str, tuple[tuple[Any, ...], int]]) -> dict[str, tu
     return {name: (items[index:], 0) for name, (items, index) in rounds.items()}
 
 
-def _waiting(config: Configuration) -> Iterator[Condition]:
+def _waiting(config: Configuration) -> Iterator[CompiledGuard]:
     """The guards of rows that need no event, and those that count for how long they have been true."""
     yield from (row.condition for chain in config.eventless for row in chain if row.condition is not None)
     nodes = sorted(config.nodes, key=lambda node: node.index)
@@ -307,7 +307,7 @@ def _waiting(config: Configuration) -> Iterator[Condition]:
     yield from (condition for condition in conditions if condition is not None and condition.holds)
 
 
-def _waiting_free(state: RunState) -> Iterable[Condition]:
+def _waiting_free(state: RunState) -> Iterable[CompiledGuard]:
     """The same of free states alone."""
     yield from (row.condition for chain in free(state, state.config.eventless) for row in chain if row.condition)
     for node in sorted(state.config.nodes, key=lambda node: node.index):

@@ -21,7 +21,7 @@ from rai_missions.prove.parts import parts
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.tree.leaves import ActionLeaf
 
-__all__ = ("Later", "Live", "LooksAhead")
+__all__ = ("Later", "LiveReads", "LooksAhead")
 
 REMEMBERED = 4096
 """Of so many configurations it is remembered what makes a difference."""
@@ -47,7 +47,7 @@ class LooksAhead(Protocol):
         """What makes a difference from there on."""
 
 
-class Live:
+class LiveReads:
     """What may be read, and which actions may be started, from a configuration on.
 
     Args:

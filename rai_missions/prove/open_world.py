@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from rai_missions.engine import Chart
-from rai_missions.engine.nodes import Condition
+from rai_missions.engine.nodes import CompiledGuard
 from rai_missions.guards.guard import Truth
 from rai_missions.guards.named import Named
 from rai_missions.keys import Stamped
@@ -123,7 +123,7 @@ class OpenWorld:
         looked_at = Comparisons(mission, program.facts).compared
         self._doubted = [each for each in self.assumed.values() if self._can_be_broken(each, looked_at)]
 
-    def _can_be_broken(self, condition: Condition, looked_at: frozenset[str]) -> bool:
+    def _can_be_broken(self, condition: CompiledGuard, looked_at: frozenset[str]) -> bool:
         """Whether it must be asked for in each state; one over a single key narrows down that key's values instead."""
         if condition.reads.isdisjoint(looked_at) and "*" not in condition.reads:
             return False
@@ -134,12 +134,12 @@ class OpenWorld:
         self._chart.state.board = self.board
         return False
 
-    def _allows(self, condition: Condition, key: str, value: Any) -> bool:
+    def _allows(self, condition: CompiledGuard, key: str, value: Any) -> bool:
         state = self._chart.state
         state.board = {} if value is None else {key: Stamped(value, NOW)}
         return condition.test(state) is not False
 
-    def _speaks_of_the_robot_alone(self, condition: Condition) -> bool:
+    def _speaks_of_the_robot_alone(self, condition: CompiledGuard) -> bool:
         of_the_run = any(each.age_s is not None or each.states() for each in condition.guard.walk())
         return not of_the_run and bool(condition.reads) and condition.reads <= self.fleeting | {"*"}
 

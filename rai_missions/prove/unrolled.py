@@ -16,7 +16,7 @@ from rai_missions.prove.loops import Level, Loop
 from rai_missions.prove.state_graph import Edge
 from rai_missions.prove.state_key import Own, Saved
 
-__all__ = ("Rounds", "repeated", "unrolled")
+__all__ = ("RepeatedPart", "repeated", "unrolled")
 
 MOST_SCENES = 50_000
 """A run of more steps than this is not told."""
@@ -24,7 +24,7 @@ MOST_SCENES = 50_000
 Item = TypeVar("Item")
 
 
-class Rounds(NamedTuple):
+class RepeatedPart(NamedTuple):
     """A part of a run that is gone again and again."""
 
     first: int
@@ -35,7 +35,7 @@ class Rounds(NamedTuple):
 
 def unrolled(
     few: Environment, every: Environment, ways: Sequence[Edge], rounds: Mapping[Loop, int]
-) -> list[Rounds] | None:
+) -> list[RepeatedPart] | None:
     """The rounds that are missing in a run; None where none of its own rounds does.
 
     Args:
@@ -45,7 +45,7 @@ def unrolled(
         rounds: How many rounds of each loop there are in the first.
     """
     every.codec.loops = few.codec.loops
-    missing: list[Rounds] = []
+    missing: list[RepeatedPart] = []
     levels: list[Mapping[Loop, Level]] = []
     for way in ways:
         before = every.codec.save(), every.codec.own()
@@ -78,7 +78,7 @@ def _end(environment: Environment) -> tuple[str | None, str, bytes]:
 def _round_before(
     every: Environment, before: tuple[Saved, Own], few: Environment, way: Edge, levels: Sequence[Mapping[Loop, Level]],
     rounds: Mapping[Loop, int],
-) -> Rounds | None:  # fmt: skip
+) -> RepeatedPart | None:  # fmt: skip
     """The round that must be gone more often before a way leads where it should."""
     for loop, many in rounds.items():
         found = _round(loop, levels)
@@ -87,7 +87,7 @@ def _round_before(
         every.load(*before)
         every.codec.go_round(loop, loop.rounds - many)
         if _follows(every, way, few):
-            return Rounds(found[0] + 1, found[1], loop.rounds - many)
+            return RepeatedPart(found[0] + 1, found[1], loop.rounds - many)
     return None
 
 
@@ -118,7 +118,7 @@ def _levels(environment: Environment) -> dict[Loop, Level]:
     return {loop: Level(ended, codec.key(core, own, telling)) for loop, ended, core in codec.levels()}
 
 
-def repeated(items: Sequence[Item], rounds: Sequence[Rounds]) -> list[Item] | None:
+def repeated(items: Sequence[Item], rounds: Sequence[RepeatedPart]) -> list[Item] | None:
     """A run with its missing rounds; None where it would be too long to be told."""
     found: list[Item] = []
     for item in _repeated(items, 0, len(items) - 1, list(rounds)):
@@ -128,7 +128,7 @@ def repeated(items: Sequence[Item], rounds: Sequence[Rounds]) -> list[Item] | No
     return found
 
 
-def _repeated(items: Sequence[Item], first: int, last: int, rounds: list[Rounds]) -> Iterator[Item]:
+def _repeated(items: Sequence[Item], first: int, last: int, rounds: list[RepeatedPart]) -> Iterator[Item]:
     for at in range(first, last + 1):
         yield items[at]
         for each in [each for each in rounds if each.last == at and each.first >= first]:

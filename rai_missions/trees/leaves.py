@@ -18,7 +18,7 @@ from rai_missions.trees.tick import Tick
 __all__ = ("ActivityLeaf", "Ask", "Check", "Publish", "PythonLeaf", "Wait", "Write")
 
 
-class Leaf(Live, Behaviour):
+class TreeLeaf(Live, Behaviour):
     """A behaviour without children. Ticked as py_trees does it, less the sentences that it makes for its log."""
 
     def tick(self) -> Iterator[Behaviour]:
@@ -44,7 +44,7 @@ class Leaf(Live, Behaviour):
         raise NotImplementedError
 
 
-class Check(Leaf):
+class Check(TreeLeaf):
     """Whether a guard is true."""
 
     test: Test
@@ -53,7 +53,7 @@ class Check(Leaf):
         return SUCCESS if self.test(self.round.sight) is True else FAILURE
 
 
-class Wait(Leaf):
+class Wait(TreeLeaf):
     """Runs for so many seconds."""
 
     wait_s: float
@@ -76,7 +76,7 @@ class Wait(Leaf):
         return self.until
 
 
-class Write(Leaf):
+class Write(TreeLeaf):
     """Writes a key; fails where the value is unknown or does not fit."""
 
     key: str
@@ -93,7 +93,7 @@ class Write(Leaf):
         return SUCCESS
 
 
-class Publish(Leaf):
+class Publish(TreeLeaf):
     """Publishes a message."""
 
     topic: str
@@ -104,7 +104,7 @@ class Publish(Leaf):
         return SUCCESS
 
 
-class ActivityLeaf(Leaf):
+class ActivityLeaf(TreeLeaf):
     """An action or a call: the chart runs it, and this waits for what came of it."""
 
     run = 0

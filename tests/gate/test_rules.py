@@ -23,7 +23,7 @@ from rai_missions.gate.state import (
     GateEvent,
     GateRules,
     Pass,
-    Publish,
+    PublishStatus,
     Refuse,
     Request,
     TimePassed,
@@ -49,7 +49,7 @@ def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
             assert deed.former == holder != deed.holder and deed.holder in CONTROLLERS
             assert deed.revision == revision + 1
             holder, revision = deed.holder, deed.revision
-        elif not isinstance(deed, Publish):
+        elif not isinstance(deed, PublishStatus):
             assert deed.revision == revision, "what is done under a grant carries its number"
 
 
@@ -136,7 +136,7 @@ def test_every_change_and_every_answer_is_reported_and_the_status_is_never_older
 ) -> None:
     for moment in live(given_, happened):
         if any(isinstance(each, ControlChange | Answer) for each in moment.done):
-            assert moment.done[-1] == Publish(moment.after)
+            assert moment.done[-1] == PublishStatus(moment.after)
         assert moment.after.at < moment.after.published + given_.status_s
         assert moment.after.wake_at(given_) > moment.after.at
 
@@ -145,7 +145,7 @@ def test_every_change_and_every_answer_is_reported_and_the_status_is_never_older
 def test_reporting_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     ticked = [each for one in happened for each in (TimePassed(one.at), one, TimePassed(one.at))]
     plain, often = (
-        [each for each in deeds(given_, all_) if not isinstance(each, Publish)] for all_ in (happened, ticked)
+        [each for each in deeds(given_, all_) if not isinstance(each, PublishStatus)] for all_ in (happened, ticked)
     )
     assert plain == often
 
@@ -155,7 +155,7 @@ def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None
         AGENT_ALONE,
         [Request(1.0, "agent", "agent"), ActuatorCommand(1.4, "agent", "/c", {}), TimePassed(1.8), TimePassed(1.9)],
     )
-    assert [type(each) for each in done if not isinstance(each, Publish)] == [
+    assert [type(each) for each in done if not isinstance(each, PublishStatus)] == [
         ControlChange,
         Answer,
         Pass,
@@ -218,7 +218,7 @@ def test_a_number_that_is_not_finite_goes_no_further_and_is_counted(number: floa
     holds = Gate(holder="agent")
     data = {"linear": {"x": 0.1}, "points": [{"effort": array("d", [1.0, number])}]}
     after, done = step(AGENT_ALONE, holds, ActuatorCommand(0.1, "agent", "/arm", data))
-    assert [type(each) for each in done if not isinstance(each, Publish)] == [Refuse]
+    assert [type(each) for each in done if not isinstance(each, PublishStatus)] == [Refuse]
     assert after.refused == {"agent": 1} and after.passed == {}
     assert after.last_refusal == f"agent on /arm: 'points.0.effort.1' is {number}, which is no finite number"
     assert after.alive == {"agent": 0.1}, "who commands nonsense is there all the same"

@@ -13,7 +13,7 @@ from langchain_core.callbacks import BaseCallbackHandler
 from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage, BaseMessage
 
-from rai_missions.answerers.model.output_modes import Form, Mode, bound, calls_tools, fills_schemas, takes_images
+from rai_missions.answerers.model.output_modes import AnswerForm, Mode, bound, calls_tools, fills_schemas, takes_images
 from rai_missions.answerers.model.parse_reply import LONGEST, Said, said_of
 from rai_missions.answerers.model.pending import Pending
 
@@ -108,7 +108,7 @@ class Chat(Protocol):
             Spent: The question was closed before it was known.
         """
 
-    def converse(self, mode: Mode, form: Form, pending: Pending) -> Conversation:
+    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
         """Begin to ask it, in a mode in which it can be asked."""
 
     def close(self) -> None:
@@ -134,7 +134,7 @@ class ThreadChat:
     def abilities(self, pending: Pending) -> Abilities:
         return Abilities.of(self._model)
 
-    def converse(self, mode: Mode, form: Form, pending: Pending) -> Conversation:
+    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
         try:
             return Talk(self._model, mode, form, lambda: pending.open)
         except Exception as error:
@@ -154,7 +154,7 @@ class Talk:
         is_open: Whether the answer is still waited for.
     """
 
-    def __init__(self, model: BaseChatModel, mode: Mode, form: Form, is_open: Callable[[], bool]) -> None:
+    def __init__(self, model: BaseChatModel, mode: Mode, form: AnswerForm, is_open: Callable[[], bool]) -> None:
         self._chain = bound(model, mode, form)
         self._is_open = is_open
         self._messages: list[BaseMessage] = []
@@ -162,7 +162,7 @@ class Talk:
     def say(self, messages: Sequence[BaseMessage]) -> Said | None:
         self._messages += messages
         try:
-            answer = self._chain.invoke(list(self._messages), config={"callbacks": [Watch(self._is_open)]})
+            answer = self._chain.invoke(list(self._messages), config={"callbacks": [StreamWatch(self._is_open)]})
         except Spent:
             raise
         except BaseException as error:  # even an exit that a model asks for is only a failed answer
@@ -173,7 +173,7 @@ class Talk:
         return said_of(answer)
 
 
-class Watch(BaseCallbackHandler):
+class StreamWatch(BaseCallbackHandler):
     """Ends a stream that is waited for no longer, or that says too much."""
 
     def __init__(self, is_open: Callable[[], bool]) -> None:

@@ -21,8 +21,17 @@ from rai_missions.engine.decision import Offer, Question
 from rai_missions.plain_data import apart
 
 __all__ = (
-    "Bound", "Form", "Mode", "bound", "calls_tools", "fills_schemas", "form_of", "modes_of", "takes_images",
-    "tool_specifications", "wish_schema",
+    "AnswerForm",
+    "Bound",
+    "Mode",
+    "bound",
+    "calls_tools",
+    "fills_schemas",
+    "form_of",
+    "modes_of",
+    "takes_images",
+    "tool_specifications",
+    "wish_schema",
 )  # fmt: skip
 
 Bound = Runnable[Any, Any]
@@ -32,7 +41,7 @@ WHY = {"type": "string", "maxLength": 120, "description": "The reason, in a few 
 NO_PARAMETERS = {"type": "object", "properties": {}, "additionalProperties": False}
 
 
-class Form(NamedTuple):
+class AnswerForm(NamedTuple):
     """What an answer may be, as data."""
 
     schema: Mapping[str, Any]
@@ -41,7 +50,7 @@ class Form(NamedTuple):
     """The read-only tools and the options, as functions that every provider's package understands."""
 
 
-def form_of(question: Question, tools: Mapping[str, BaseTool]) -> Form:
+def form_of(question: Question, tools: Mapping[str, BaseTool]) -> AnswerForm:
     """What may be answered to a question.
 
     Args:
@@ -49,7 +58,7 @@ def form_of(question: Question, tools: Mapping[str, BaseTool]) -> Form:
         tools: The read-only tools that may be called before the answer.
     """
     looks = map(convert_to_openai_tool, tools.values())
-    return Form(wish_schema(question.options), [*looks, *tool_specifications(question.options)])
+    return AnswerForm(wish_schema(question.options), [*looks, *tool_specifications(question.options)])
 
 
 def modes_of(*, schemas: bool, tools: bool, wanted: str, uses_tools: bool) -> tuple[Mode, ...]:
@@ -92,7 +101,7 @@ def _profile(model: BaseChatModel) -> Mapping[str, Any]:
     return getattr(model, "profile", None) or {}
 
 
-def bound(model: BaseChatModel, mode: Mode, form: Form) -> Bound:
+def bound(model: BaseChatModel, mode: Mode, form: AnswerForm) -> Bound:
     """The model, set up to answer in a mode; its answers are messages, to be read by ourselves."""
     if mode == "json_schema":
         return _unparsed(model.with_structured_output(apart(form.schema), method="json_schema"))

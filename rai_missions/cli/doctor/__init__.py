@@ -10,16 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rai_missions.cli.doctor.finding import Finding
+from rai_missions.cli.doctor.finding import MachineFinding
 from rai_missions.cli.doctor.machine import machine
 from rai_missions.cli.doctor.robot import reach
 from rai_missions.cli.doctor.ros import ros
 from rai_missions.profile import Robot
 
-__all__ = ("Finding", "examine")
+__all__ = ("MachineFinding", "examine")
 
 
-def examine(robot: Robot | None = None) -> Iterator[Finding]:
+def examine(robot: Robot | None = None) -> Iterator[MachineFinding]:
     """Look at everything that this project uses, and at a robot where one is given."""
     yield from machine()
     yield from ros()

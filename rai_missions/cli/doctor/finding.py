@@ -12,12 +12,12 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.redaction import cut
 
-__all__ = ("Finding", "Tried", "tried")
+__all__ = ("MachineFinding", "Tried", "tried")
 
 PROBE = "rai_missions.cli.doctor.probe"
 
 
-class Finding(NamedTuple):
+class MachineFinding(NamedTuple):
     """One thing looked at."""
 
     status: Literal["ok", "absent", "missing"]

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from rai_missions.cli.doctor.finding import Finding
+from rai_missions.cli.doctor.finding import MachineFinding
 
 __all__ = ("installed", "machine")
 
@@ -29,17 +29,17 @@ EXTRAS = (
 NEEDED = ("pydantic", "langchain-core", "py-trees", "transitions", "jsonschema", "graphviz", "rich")
 
 
-def machine() -> Iterator[Finding]:
+def machine() -> Iterator[MachineFinding]:
     """Look at everything that this project uses, ROS left out."""
     here = ".".join(map(str, sys.version_info[:3]))
     enough = sys.version_info >= (3, 11)
-    yield Finding("ok" if enough else "missing", f"Python {here}", "" if enough else "3.11 or newer is needed")
+    yield MachineFinding("ok" if enough else "missing", f"Python {here}", "" if enough else "3.11 or newer is needed")
     for name in NEEDED:
         yield _package(name)
     for extra, modules, what in EXTRAS:
         there = all(_has(module) for module in modules)
         remedy = "" if there else f"pip install '.[{extra}]'"
-        yield Finding("ok" if there else "absent", f"extra {extra} ({what})", remedy)
+        yield MachineFinding("ok" if there else "absent", f"extra {extra} ({what})", remedy)
     yield _drawing()
     yield _rendering()
 
@@ -50,11 +50,11 @@ def _has(module: str) -> bool:
     return importlib.util.find_spec(module) is not None
 
 
-def _package(name: str) -> Finding:
+def _package(name: str) -> MachineFinding:
     try:
-        return Finding("ok", f"{name} {version(name)}")
+        return MachineFinding("ok", f"{name} {version(name)}")
     except PackageNotFoundError:
-        return Finding("missing", name, f"pip install {name}")
+        return MachineFinding("missing", name, f"pip install {name}")
 
 
 def _program(name: str) -> str | None:
@@ -62,16 +62,16 @@ def _program(name: str) -> str | None:
     return str(beside) if beside.exists() else shutil.which(name)
 
 
-def _drawing() -> Finding:
+def _drawing() -> MachineFinding:
     for name in ("dot", "graphviz-pure"):
         if found := _program(name):
-            return Finding("ok", f"pictures are drawn by {found}")
-    return Finding("absent", "nothing draws SVG and PNG", "install Graphviz, or pip install '.[draw]'")
+            return MachineFinding("ok", f"pictures are drawn by {found}")
+    return MachineFinding("absent", "nothing draws SVG and PNG", "install Graphviz, or pip install '.[draw]'")
 
 
-def _rendering() -> Finding:
+def _rendering() -> MachineFinding:
     if importlib.util.find_spec("mujoco") is None:
-        return Finding("absent", "a camera in simulated worlds", "pip install '.[sim]'")
+        return MachineFinding("absent", "a camera in simulated worlds", "pip install '.[sim]'")
     from rai_missions.errors import UsageError
     from rai_missions.worlds.world import open_world
 
@@ -79,8 +79,8 @@ def _rendering() -> Finding:
         world = open_world("orchard", alleys=1, obstacles=["none"])
         world.close()
     except UsageError as error:
-        return Finding("absent", "a camera in simulated worlds", str(error))
-    return Finding("ok", f"simulated worlds, pictures by MUJOCO_GL={os.environ.get('MUJOCO_GL', 'the display')}")
+        return MachineFinding("absent", "a camera in simulated worlds", str(error))
+    return MachineFinding("ok", f"simulated worlds, pictures by MUJOCO_GL={os.environ.get('MUJOCO_GL', 'the display')}")
 
 
 def installed(name: str) -> bool:

@@ -10,7 +10,7 @@ import os
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from rai_missions.cli.doctor.finding import Finding, Tried, tried
+from rai_missions.cli.doctor.finding import MachineFinding, Tried, tried
 from rai_missions.connectors.connector import Mode
 from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.errors import suggestion
@@ -42,7 +42,7 @@ class Wanted(NamedTuple):
         return "listed" if self.is_listener else "offered"
 
 
-def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterator[Finding]:
+def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterator[MachineFinding]:
     """Look for a robot.
 
     Args:
@@ -64,12 +64,12 @@ def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterato
     told = {"connector": robot.connector, "wanted": by_mode, "within_s": WITHIN_S}
     found = tried("graph", told, given, within_s=60)
     if found.fault:
-        yield Finding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
+        yield MachineFinding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
         return
     there: dict[str, dict[str, dict[str, str]]] = found.said
     if not any(each.name in there[each.how].get(each.mode, ()) for each in names):
         remedy = "start the robot or its simulation, and compare the domain and the discovery range of both"
-        yield Finding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
+        yield MachineFinding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
         return
     yield from (_looked_for(each, there[each.how].get(each.mode, {})) for each in names)
 
@@ -104,55 +104,61 @@ def _done(robot: Robot) -> Iterator[Wanted]:
     yield from (Wanted(place, "services", each.service, each.type) for place, each in services.items())
 
 
-def _local(kind: str, robot: Robot) -> Finding:
+def _local(kind: str, robot: Robot) -> MachineFinding:
     world = robot.connector.get("world")
     if kind != "local":
         near = suggestion(kind, ("local", *CONNECTORS))
-        return Finding(
+        return MachineFinding(
             "missing", f"the robot '{robot.name}' has a connector of kind '{kind}', which is not known{near}"
         )
     if world is not None and world_offer(str(world)) is None:
         near = suggestion(str(world), WORLDS)
-        return Finding("missing", f"the robot '{robot.name}' lives in a world '{world}', which is not known{near}")
-    return Finding("ok", f"the robot '{robot.name}' is simulated with the run" if world else f"'{robot.name}' is local")
+        return MachineFinding(
+            "missing", f"the robot '{robot.name}' lives in a world '{world}', which is not known{near}"
+        )
+    return MachineFinding(
+        "ok", f"the robot '{robot.name}' is simulated with the run" if world else f"'{robot.name}' is local"
+    )
 
 
-def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
+def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
     asked = list(typed(None, robot))
     found = tried("types", [[each.type, each.kind] for each in asked], given)
     if found.fault:
-        yield Finding("missing", f"the types that '{robot.name}' names cannot be looked up", found.fault)
+        yield MachineFinding("missing", f"the types that '{robot.name}' names cannot be looked up", found.fault)
         return
     yield from _fields(robot, given)
     absent = [(each, why) for each, why in zip(asked, found.said, strict=True) if why]
-    yield from (Finding("missing", f"{each.place.lstrip('/')}: {each.type}", why) for each, why in absent)
+    yield from (MachineFinding("missing", f"{each.place.lstrip('/')}: {each.type}", why) for each, why in absent)
     if not absent:
-        yield Finding("ok", f"all {len({each.type for each in asked})} types that '{robot.name}' names are here")
+        yield MachineFinding("ok", f"all {len({each.type for each in asked})} types that '{robot.name}' names are here")
 
 
-def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[Finding]:
+def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
     """Fields of which the profile speaks, and the types have not."""
     asked: list[tuple[str, Kind]] = [
         (source.type, "srv" if source.service is not None else "msg") for _, _, source in listened(None, robot)
     ]
     found = tried("fields", asked, given) if asked else Tried([])
     if found.fault:
-        yield Finding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
+        yield MachineFinding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
         return
     there = dict(zip(asked, found.said, strict=True))
     for fault in misnamed(None, robot, lambda name, kind: there[name, kind]):
-        yield Finding("missing", fault.place.lstrip("/"), fault.sentence)
+        yield MachineFinding("missing", fault.place.lstrip("/"), fault.sentence)
 
 
-def _looked_for(each: Wanted, there: Mapping[str, str]) -> Finding:
+def _looked_for(each: Wanted, there: Mapping[str, str]) -> MachineFinding:
     what = f"{each.place}: {each.mode[:-1]} {each.name}"
     if each.name not in there:
         if each.is_listener:
-            return Finding("absent", f"{what} has no listener")
+            return MachineFinding("absent", f"{what} has no listener")
         if each.may_be_silent:
-            return Finding("absent", f"{what} is published by nobody now")
-        return Finding("missing", f"{what} is not there", f"start what offers it{suggestion(each.name, there)}")
+            return MachineFinding("absent", f"{what} is published by nobody now")
+        return MachineFinding("missing", f"{what} is not there", f"start what offers it{suggestion(each.name, there)}")
     types = there[each.name]
     if each.type and types and each.type not in types.split(", "):
-        return Finding("missing", f"{what} is there as {types}", f"the profile says {each.type}; mend one of them")
-    return Finding("ok", what)
+        return MachineFinding(
+            "missing", f"{what} is there as {types}", f"the profile says {each.type}; mend one of them"
+        )
+    return MachineFinding("ok", what)

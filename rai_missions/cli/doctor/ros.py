@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 
-from rai_missions.cli.doctor.finding import Finding, tried
+from rai_missions.cli.doctor.finding import MachineFinding, tried
 from rai_missions.cli.doctor.machine import installed
 from rai_missions.connectors.ros2 import REMEDY
 
@@ -23,7 +23,7 @@ AT_HOME = "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST keeps it on this machine"
 LAST_DOMAIN, LAST_SAFE_DOMAIN = 232, 101
 
 
-def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None = None) -> Iterator[Finding]:
+def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None = None) -> Iterator[MachineFinding]:
     """Look at ROS.
 
     Args:
@@ -34,55 +34,63 @@ def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None
     wheels = installed("ros-rclpy") if has_wheels is None else has_wheels
     sourced = given.get("ROS_DISTRO")
     if not sourced and not wheels:
-        yield Finding("absent", "ROS 2", REMEDY)
+        yield MachineFinding("absent", "ROS 2", REMEDY)
         return
     if sourced and wheels:  # libraries would come from either at random
         remedy = "use one: a shell without the sourced ROS, or an environment without the ros-* wheels"
-        yield Finding("missing", f"ROS {sourced} is sourced and ROS wheels are installed", remedy)
+        yield MachineFinding("missing", f"ROS {sourced} is sourced and ROS wheels are installed", remedy)
         return
     where = f"ROS {sourced}, sourced" if sourced else "ROS 2 from wheels"
     loaded = tried("load", None, given)
     if loaded.fault:
-        yield Finding("missing", f"{where}: rclpy does not load ({loaded.fault})", REMEDY)
+        yield MachineFinding("missing", f"{where}: rclpy does not load ({loaded.fault})", REMEDY)
         return
-    yield Finding("ok", f"{where}: rclpy in {os.path.dirname(loaded.said['file'])}, middleware {loaded.said['rmw']}")
+    yield MachineFinding(
+        "ok", f"{where}: rclpy in {os.path.dirname(loaded.said['file'])}, middleware {loaded.said['rmw']}"
+    )
     yield _range(given)
     yield _domain(given)
     yield _discovery(given)
 
 
-def _range(given: Mapping[str, str]) -> Finding:
+def _range(given: Mapping[str, str]) -> MachineFinding:
     name = "ROS_AUTOMATIC_DISCOVERY_RANGE"
     if given.get("ROS_LOCALHOST_ONLY") == "1":
-        return Finding("ok", f"ROS_LOCALHOST_ONLY=1 (an older word, which goes before {name}): {RANGES['LOCALHOST']}")
+        return MachineFinding(
+            "ok", f"ROS_LOCALHOST_ONLY=1 (an older word, which goes before {name}): {RANGES['LOCALHOST']}"
+        )
     said = given.get(name, "")
     if said and said not in RANGES:
-        return Finding("missing", f"{name}={said} is not known", f"set one of {', '.join(RANGES)}")
+        return MachineFinding("missing", f"{name}={said} is not known", f"set one of {', '.join(RANGES)}")
     peers = f"; and with ROS_STATIC_PEERS={given['ROS_STATIC_PEERS']}" if given.get("ROS_STATIC_PEERS") else ""
     meaning = RANGES[said or "SUBNET"] + peers
     is_open = said in ("", "SUBNET")
     what = f"{name}={said}" if said else f"{name} is not set, which is SUBNET"
-    return Finding("ok", f"{what}: {meaning}", AT_HOME if is_open else "")
+    return MachineFinding("ok", f"{what}: {meaning}", AT_HOME if is_open else "")
 
 
-def _domain(given: Mapping[str, str]) -> Finding:
+def _domain(given: Mapping[str, str]) -> MachineFinding:
     said = given.get("ROS_DOMAIN_ID", "")
     if not said:
-        return Finding("ok", "ROS_DOMAIN_ID is not set, which is 0: shared with everybody who has not set it either")
+        return MachineFinding(
+            "ok", "ROS_DOMAIN_ID is not set, which is 0: shared with everybody who has not set it either"
+        )
     if not said.isdecimal() or int(said) > LAST_DOMAIN:
-        return Finding("missing", f"ROS_DOMAIN_ID={said} is no domain", f"set a number from 0 to {LAST_SAFE_DOMAIN}")
+        return MachineFinding(
+            "missing", f"ROS_DOMAIN_ID={said} is no domain", f"set a number from 0 to {LAST_SAFE_DOMAIN}"
+        )
     if int(said) > LAST_SAFE_DOMAIN:
         why = f"its ports are also given to other programs; better a number from 0 to {LAST_SAFE_DOMAIN}"
-        return Finding("ok", f"ROS_DOMAIN_ID={said}: {why}")
-    return Finding("ok", f"ROS_DOMAIN_ID={said}: nodes of that domain alone meet")
+        return MachineFinding("ok", f"ROS_DOMAIN_ID={said}: {why}")
+    return MachineFinding("ok", f"ROS_DOMAIN_ID={said}: nodes of that domain alone meet")
 
 
-def _discovery(given: Mapping[str, str]) -> Finding:
+def _discovery(given: Mapping[str, str]) -> MachineFinding:
     """Tried on loopback whatever is set, so that looking disturbs nobody."""
     here = {name: value for name, value in given.items() if name not in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY")}
     found = tried("discovery", None, {**here, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, within_s=60)
     if found.said is not None:
-        return Finding("ok", f"two nodes on loopback met after {found.said:.1f} s")
+        return MachineFinding("ok", f"two nodes on loopback met after {found.said:.1f} s")
     why = found.fault or "they did not meet"
     remedy = "look for a firewall on loopback, for a middleware's own profile, and for a full /dev/shm"
-    return Finding("missing", f"two nodes on loopback ({why})", remedy)
+    return MachineFinding("missing", f"two nodes on loopback ({why})", remedy)

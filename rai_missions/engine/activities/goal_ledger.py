@@ -16,8 +16,19 @@ from rai_missions.engine.step import CancelGoal
 from rai_missions.event import Event
 
 __all__ = (
-    "Goal", "Goals", "OpenGoal", "Report", "awaited", "cancel", "loose", "may_move", "next_overdue", "obstruction",
-    "overdue", "report", "stop_all",
+    "Goal",
+    "Goals",
+    "LedgerChange",
+    "OpenGoal",
+    "awaited",
+    "cancel",
+    "loose",
+    "may_move",
+    "next_overdue",
+    "obstruction",
+    "overdue",
+    "report",
+    "stop_all",
 )  # fmt: skip
 
 CANCEL_S = 5.0
@@ -125,7 +136,7 @@ def stop_all(goals: Goals, at: float) -> tuple[CancelGoal, ...]:
     return tuple(CancelGoal(goal.number, goal.action) for goal in goals.values())
 
 
-class Report(NamedTuple):
+class LedgerChange(NamedTuple):
     """What a report makes of the goals."""
 
     cancels: tuple[CancelGoal, ...] = ()
@@ -134,19 +145,19 @@ class Report(NamedTuple):
     """A goal has ended, or no longer bars a start."""
 
 
-def report(goals: Goals, event: Event) -> Report:
+def report(goals: Goals, event: Event) -> LedgerChange:
     """Take note of what was reported of a goal."""
     goal = goals.get(event.number)
     if event.kind == "stray":
-        return Report(_chase(goals, event))
+        return LedgerChange(_chase(goals, event))
     if goal is None:
-        return Report()
+        return LedgerChange()
     if event.kind == "result" and goal.is_lost:
         goals[event.number] = goal._replace(phase="lost", until=math.inf)
-        return Report(is_end=True)
+        return LedgerChange(is_end=True)
     if event.kind in ("result", "over"):
         del goals[event.number]
-        return Report(is_end=True)
+        return LedgerChange(is_end=True)
     if event.kind == "refused":
         goals[event.number] = goal._replace(is_refused=True)
     elif event.kind == "lost":
@@ -157,8 +168,8 @@ def report(goals: Goals, event: Event) -> Report:
         # A cancel that was sent before the acceptance, by an emergency stop, may have reached no goal: once more.
         phase = "orphaned" if goal.phase == "orphaned" else "canceling"
         goals[event.number] = goal._replace(phase=phase)
-        return Report((CancelGoal(goal.number, goal.action),))
-    return Report()
+        return LedgerChange((CancelGoal(goal.number, goal.action),))
+    return LedgerChange()
 
 
 def _chase(goals: Goals, event: Event) -> tuple[CancelGoal, ...]:

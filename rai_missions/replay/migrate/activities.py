@@ -20,7 +20,7 @@ from rai_missions.errors import Fault
 from rai_missions.event import Event
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import BUILT_IN_EVENTS
-from rai_missions.replay.migrate.configuration import Stand
+from rai_missions.replay.migrate.configuration import ReachedStates
 from rai_missions.replay.migrate.names import Naming
 from rai_missions.states.compound import Each
 
@@ -42,7 +42,7 @@ class Carried(NamedTuple):
     faults: tuple[Fault, ...]
 
 
-def carry(naming: Naming, was: Mapping[str, Any], found: Stand, under: InFlight) -> Carried:
+def carry(naming: Naming, was: Mapping[str, Any], found: ReachedStates, under: InFlight) -> Carried:
     """Take over what a run remembers.
 
     Args:
@@ -55,7 +55,7 @@ def carry(naming: Naming, was: Mapping[str, Any], found: Stand, under: InFlight)
 
 
 class _Carrying:
-    def __init__(self, naming: Naming, was: Mapping[str, Any], found: Stand) -> None:
+    def __init__(self, naming: Naming, was: Mapping[str, Any], found: ReachedStates) -> None:
         self.naming, self.was, self.found, self.at = naming, was, found, was["at"]
         self.order = was["_order"]
         self.notes: list[str] = []

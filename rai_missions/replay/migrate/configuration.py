@@ -16,14 +16,14 @@ from rai_missions.states.compound import Each, Parallel
 from rai_missions.states.final import Final
 from rai_missions.states.history import History
 
-__all__ = ("Stand", "stand")
+__all__ = ("ReachedStates", "stand")
 
 
 TOP = 2
 """Slashes in the pointer of a state that is in no other."""
 
 
-class Stand(NamedTuple):
+class ReachedStates(NamedTuple):
     """The active states of the other mission."""
 
     atomic: tuple[str, ...]
@@ -34,7 +34,9 @@ class Stand(NamedTuple):
     """All, outer before inner."""
 
 
-def stand(naming: Naming, was: Mapping[str, Any], active: frozenset[str], chart: Chart) -> tuple[Stand, list[Fault]]:
+def stand(
+    naming: Naming, was: Mapping[str, Any], active: frozenset[str], chart: Chart
+) -> tuple[ReachedStates, list[Fault]]:
     """Find the states in which a run goes on.
 
     Args:
@@ -49,12 +51,12 @@ def stand(naming: Naming, was: Mapping[str, Any], active: frozenset[str], chart:
     if not targets and not faults:
         faults.append(Fault("/states", "none of the active states has a place in the mission now; name one for each"))
     if faults:
-        return Stand((), {}, ()), faults
+        return ReachedStates((), {}, ()), faults
     found, rivals = chart.standing(targets)
     clash = [Fault("/states", f"{pair} would be active together, and cannot be; name one of them") for pair in rivals]
     origins = {new: old for old in naming.states_then if old in active and (new := naming.state(old)) in found.active}
     order = tuple(name for name in naming.states_now if name in found.active)
-    stands = Stand(tuple(node.name for node in found.atomic), origins, order)
+    stands = ReachedStates(tuple(node.name for node in found.atomic), origins, order)
     faults = [*clash, *_unreached(naming, stands, active), *_inside_lists(naming, stands, active)]
     return stands, [*faults, *_completed(naming, origins, stands, active)]
 
@@ -85,7 +87,7 @@ def _unfit(naming: Naming, old: str, new: str) -> Iterator[Fault]:
         yield Fault(place, f"'{new}' goes through a list; name a state inside it")
 
 
-def _unreached(naming: Naming, found: Stand, was_active: frozenset[str]) -> Iterator[Fault]:
+def _unreached(naming: Naming, found: ReachedStates, was_active: frozenset[str]) -> Iterator[Fault]:
     """What the map names and the innermost states do not lead to."""
     for old, new in naming.map.states.items():
         if old in was_active and new in naming.states_now and new not in found.active:
@@ -93,7 +95,7 @@ def _unreached(naming: Naming, found: Stand, was_active: frozenset[str]) -> Iter
             yield Fault(f"/states/{old}", f"{sentence}; name that too, or leave '{old}' out")
 
 
-def _inside_lists(naming: Naming, found: Stand, was_active: frozenset[str]) -> Iterator[Fault]:
+def _inside_lists(naming: Naming, found: ReachedStates, was_active: frozenset[str]) -> Iterator[Fault]:
     """A list of which nothing says how far the run has come."""
     for name in found.active:
         state, old = naming.states_now[name][1], found.origins.get(name)
@@ -108,7 +110,9 @@ def _inside_lists(naming: Naming, found: Stand, was_active: frozenset[str]) -> I
             yield Fault("/states", f"{sentence}; name a state inside it, or one outside")
 
 
-def _completed(naming: Naming, origins: Mapping[str, str], found: Stand, was_active: frozenset[str]) -> Iterator[Fault]:
+def _completed(
+    naming: Naming, origins: Mapping[str, str], found: ReachedStates, was_active: frozenset[str]
+) -> Iterator[Fault]:
     """A parallel state that the map alone would bring to its end."""
     for name in found.active:
         state = naming.states_now[name][1]

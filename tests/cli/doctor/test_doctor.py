@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli.doctor import Finding
+from rai_missions.cli.doctor import MachineFinding
 from rai_missions.cli.doctor.finding import tried
 from rai_missions.cli.doctor.robot import reach, wanted
 from rai_missions.cli.doctor.ros import ros
@@ -54,7 +54,7 @@ def broken(environment: Mapping[str, str], folder: Path, code: str) -> dict[str,
     return {**environment, "PYTHONPATH": os.pathsep.join((str(folder), str(ROOT)))}
 
 
-def statuses(found: list[Finding]) -> set[str]:
+def statuses(found: list[MachineFinding]) -> set[str]:
     return {each.status for each in found}
 
 

@@ -28,7 +28,7 @@ from rai_missions.answerers.model.process.frames import CHUNK, Broken, Inlet, ou
 from rai_missions.answerers.model.process.words import abilities_in, said_in
 from rai_missions.redaction import cut, secrets_held, variables
 
-__all__ = ("Call", "Life")
+__all__ = ("Life", "PendingCall")
 
 GUARD = "rai_missions.answerers.model.process.guard"
 UNASKED = "it sent what was not asked for"
@@ -41,7 +41,7 @@ PATIENCE_S = 1.0
 ROOT = str(Path(__file__).resolve().parents[3])
 
 
-class Call:
+class PendingCall:
     """One thing asked of the process: released by its reply, by the process's end, or since nothing waits for it."""
 
     def __init__(self) -> None:
@@ -76,10 +76,10 @@ class Life:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self._ends = False
-        self._waiting: list[Call] = []
+        self._waiting: list[PendingCall] = []
         self._able: Abilities | None = None
         self._absent = ""
-        self._calls: dict[int, Call] = {}
+        self._calls: dict[int, PendingCall] = {}
         self._dropped: set[int] = set()
         """Questions that were dropped while the model had them; taken out when its thread comes back."""
         self._unheeded: set[int] = set()
@@ -142,7 +142,7 @@ class Life:
             Ended: The process ended.
             Spent: The question was closed.
         """
-        call = Call()
+        call = PendingCall()
         with self._lock:
             if (able := self._able) is not None:
                 return able
@@ -157,9 +157,9 @@ class Life:
         assert able is not None
         return able
 
-    def ask(self, number: int, order: Mapping[str, Any], blobs: Sequence[bytes]) -> Call:
+    def ask(self, number: int, order: Mapping[str, Any], blobs: Sequence[bytes]) -> PendingCall:
         """Send an order; its reply comes to the call."""
-        call = Call()
+        call = PendingCall()
         with self._lock:
             if self.why or self._ends:
                 call.release(Ended(f"the model's process ended: {self.why or 'it was closed'}"))

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from langchain_core.messages import BaseMessage
 
 from rai_missions.answerers.model.chat import Abilities, Absent, Spent
-from rai_missions.answerers.model.output_modes import Form, Mode
+from rai_missions.answerers.model.output_modes import AnswerForm, Mode
 from rai_missions.answerers.model.parse_reply import Said
 from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.model.process.life import PATIENCE_S, Life
@@ -72,7 +72,7 @@ class ModelProcess:
         self._name = able.name
         return able
 
-    def converse(self, mode: Mode, form: Form, pending: Pending) -> Exchange:
+    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Exchange:
         life = self._current()
         if not life.heeds_within(PROMPT_S) or life.lingering >= MOST_LINGERING:
             self._replace(life)
@@ -183,7 +183,9 @@ class ModelProcess:
 class Exchange:
     """A conversation with the model in its process."""
 
-    def __init__(self, model: ModelProcess, life: Life, number: int, mode: Mode, form: Form, pending: Pending) -> None:
+    def __init__(
+        self, model: ModelProcess, life: Life, number: int, mode: Mode, form: AnswerForm, pending: Pending
+    ) -> None:
         self._model, self._life, self._number, self._pending = model, life, number, pending
         self._first = {"do": "begin", "mode": mode, "schema": form.schema, "tools": list(form.tools)}
         pending.when_closed(self._drop)

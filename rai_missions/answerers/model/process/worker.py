@@ -95,13 +95,13 @@ def _answer(
 ) -> None:  # fmt: skip
     """Put one question, or what was looked up for it, to the model."""
     from rai_missions.answerers.model.chat import Talk
-    from rai_missions.answerers.model.output_modes import Form
+    from rai_missions.answerers.model.output_modes import AnswerForm
     from rai_missions.answerers.model.process.words import messages_in, reply_words
 
     number = message["id"]
     try:
         if message["do"] == "begin":
-            form = Form(message["schema"], message["tools"])
+            form = AnswerForm(message["schema"], message["tools"])
             talk = Talk(model, message["mode"], form, lambda: is_open.is_open)
             talks[number] = (talk, is_open)
         else:

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The layout that a reader relies on: tests lie where the code does, and a class name means one thing."""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+OURS = ("rai_missions", "visualize")
+
+ELSEWHERE = {
+    "bad_missions": "missions with faults, each with its message",
+    "browser": "pages in a real browser",
+    "data": "recorded runs and examples that several tests read",
+    "drills": "long runs of many parts",
+    "fuzz": "inputs by chance for everything that opens a file",
+    "hostile": "the whole of a mission against a model that misbehaves",
+    "interfaces": "the ROS packages in `interfaces/`",
+    "laws": "what holds for every mission, whichever package does it",
+    "mutants": "the list of parts that are broken on purpose",
+    "oracles": "other engines that read the same charts",
+    "plugins": "a package from outside that adds kinds",
+    "providers": "a provider's package from outside, for processes of models",
+    "readings": "ages of readings, from the profile over the run to the journal",
+    "recorded": "stored runs, which every version repeats",
+    "rigs": "what tests share",
+    "rosbot": "the shipped mission `missions/rosbot`",
+    "security": "secrets and hostile files, in every package",
+    "tractor": "the shipped mission `missions/tractor`",
+    "typing": "what type checkers see of the public names",
+}
+"""A folder of `tests` that is no package → what it holds."""
+
+INNER = {
+    "answerers/model_process": "`answerers/model/process`, one level up: pytest's paths stay short",
+    "gate/ros": "a gate on a ROS graph",
+    "mission/examples": "missions that the guides explain",
+    "node/ros": "a node on a ROS graph",
+    "visualize/stored": "pictures to compare with",
+}
+"""A folder in a package's tests that is no package → what it holds."""
+
+PY_TREES = "a node of the format, and the behaviour of py_trees that runs it"
+SHARED_NAMES = {
+    **dict.fromkeys(
+        (
+            "Ask", "Condition", "Decorator", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter",
+            "OneShot", "Parallel", "PassThrough", "Publish", "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess",
+            "Selector", "Sequence", "StatusToBlackboard", "SuccessIsFailure", "SuccessIsRunning", "Timeout",
+        ),
+        PY_TREES,
+    ),
+    "Call": "`call` of the format: a state that calls a service, and an effect that does",
+    "CallService": "the effect, and the arguments of the tool of that name",
+    "PublishMessage": "the effect, and the arguments of the tool of that name",
+    "Limits": "public in both packages: of one answer, and of one proof",
+    "NavigateToPose": "the action of nav2_msgs, served by each world",
+    "ReplyCallback": "one protocol; visualize may not import the node, nor the node visualize",
+}  # fmt: skip
+"""A class name that several modules have → why."""
+
+
+def class_names() -> Iterator[tuple[str, str]]:
+    """Each public class at the top of a module: its name, and the module's path."""
+    for folder in OURS:
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            for node in ast.parse(path.read_text(encoding="utf-8")).body:
+                if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                    yield node.name, str(path.relative_to(ROOT))
+
+
+def test_a_class_name_means_one_thing() -> None:
+    places = defaultdict(list)
+    for name, path in class_names():
+        places[name].append(path)
+    assert {name: paths for name, paths in places.items() if len(paths) > 1 and name not in SHARED_NAMES} == {}
+
+
+def test_no_reason_for_a_shared_name_is_left_over() -> None:
+    names = [name for name, _ in class_names()]
+    assert [name for name in SHARED_NAMES if names.count(name) < 2] == []
+
+
+def test_tests_lie_where_the_packages_do() -> None:
+    packages = {path.name for path in (ROOT / "rai_missions").iterdir() if path.is_dir()} | {"visualize"}
+    folders = {path.name for path in (ROOT / "tests").iterdir() if any(path.rglob("*.py"))}
+    assert folders - packages - ELSEWHERE.keys() == set()
+    assert packages & ELSEWHERE.keys() == set()
+
+
+def test_a_folder_inside_is_one_of_its_package() -> None:
+    for folder in (ROOT / "tests").glob("*/*/"):
+        name = str(folder.relative_to(ROOT / "tests"))
+        if not any(folder.rglob("*.py")) or folder.parent.name in ELSEWHERE or name in INNER:
+            continue
+        assert (ROOT / name if name.startswith("visualize") else ROOT / "rai_missions" / name).is_dir(), name
