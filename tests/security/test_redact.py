@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import gc
 import json
+import logging
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.redaction import Redaction
+from rai_missions.redaction import Redaction, logger
 
 letters = st.text("abcdefghijklmnopqrstuvwxyzABCDEFXYZ0123456789", min_size=12, max_size=40)
 KEYS = st.one_of(
@@ -77,3 +79,18 @@ def test_a_password_in_an_address_is_hidden_and_the_address_stays() -> None:
 )
 def test_words_that_are_no_keys_stay(text: str) -> None:
     assert Redaction(["", "abc"]).text(text) == text
+
+
+def test_a_run_s_keys_are_secrets_while_it_lives_and_the_next_run_does_not_share_them() -> None:
+    first = Redaction(["open sesame"])
+    assert Redaction().text("open sesame") == "[hidden]", "whatever prints it may know no model"
+    del first
+    gc.collect()
+    second = Redaction()
+    assert second.text("open sesame") == "open sesame" and second.known(["open sesame"]) == ["open sesame"]
+
+
+def test_no_run_replaces_what_makes_the_records_of_the_log() -> None:
+    before = logging.getLogRecordFactory()
+    logger("rai_missions.tried")
+    assert logging.getLogRecordFactory() is before
