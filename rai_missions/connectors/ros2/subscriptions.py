@@ -38,8 +38,8 @@ class Listener:
     """One who listens to a topic.
 
     Args:
-        receive: Sent each message.
-        hear_raw: Sent its bytes, before.
+        on_message: Sent each message.
+        on_raw: Sent its bytes, before.
     """
 
     def __init__(
