@@ -237,7 +237,7 @@ class Recording:
     def _write_waiting(self) -> None:
         """All who wait, and anyone who comes meanwhile; every second what was written leaves the process.
 
-        Python runs one thread at a time: so this one works in short spells and rests between them, so that no robot waits.
+        Python runs one thread at a time: so this one works in short spells and rests between them, so no robot waits.
         """
         self._flush()
         spell = time.monotonic() + SPELL_S
