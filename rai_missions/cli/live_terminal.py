@@ -15,7 +15,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from rai_missions.cli.progress import Lines, Person, trimmed
+from rai_missions.cli.progress import Lines, Person, Tone, trimmed
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.engine.step import Ask, Step
@@ -26,11 +26,10 @@ from rai_missions.runtime.view import RunView
 
 __all__ = ("Screen",)
 
-STYLES = (
-    ("refused", "bold yellow"), ("fallback", "bold yellow"), ("question ", "cyan"), ("offered:", "cyan"),
-    ("waits until control", "bold yellow"), ("ignored", "dim"),
-    ("succeeded:", "bold green"), ("failed:", "bold red"), ("aborted:", "bold red"), ("canceled:", "bold yellow"),
-)  # fmt: skip
+STYLES: Mapping[Tone, str] = {
+    "plain": "", "question": "cyan", "refused": "bold yellow", "remark": "yellow", "ignored": "dim",
+    "succeeded": "bold green", "failed": "bold red", "aborted": "bold red", "canceled": "bold yellow",
+}  # fmt: skip
 
 
 class Screen(Lines):
@@ -100,9 +99,8 @@ class Screen(Lines):
     def _is_person(ask: Ask) -> bool:
         return ask.question.asked == "operator"
 
-    def _print(self, line: str) -> None:
-        style = next((style for word, style in STYLES if word in line), "")
-        self._console.print(Text(line, style=style), soft_wrap=True)
+    def _print(self, line: str, tone: Tone = "plain") -> None:
+        self._console.print(Text(line, style=STYLES[tone]), soft_wrap=True)
 
     def _foot(self, at: float) -> Group:
         view, status = self._view, self._status

@@ -7,31 +7,24 @@ Rule: it is told of steps and prints; it keeps nothing that anybody else needs.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol, TextIO
+from typing import Any, Literal, Protocol, TextIO
 
-from rai_missions.engine import NOT_STARTED
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer
-from rai_missions.engine.step import (
-    Ask,
-    CallService,
-    CancelGoal,
-    Handover,
-    LogLine,
-    PublishMessage,
-    SayAloud,
-    StartGoal,
-    Step,
-)
+from rai_missions.engine.description import describe, event_words
+from rai_missions.engine.step import Ask, Step
 from rai_missions.event import Event, Image
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
 from rai_missions.runtime.view import RunView
+from rai_missions.states.final import FinalOutcome
 
-__all__ = ("Lines", "Person", "trimmed")
+__all__ = ("Lines", "Person", "Tone", "trimmed")
 
 WIDTH = 150
+Tone = Literal["plain", "question", "refused", "remark", "ignored", FinalOutcome]
+"""What a line is about."""
 
 
 def trimmed(value: Any, width: int = WIDTH) -> str:
@@ -126,23 +119,28 @@ class Lines:
 
     def step(self, step: Step) -> None:
         """One step; those that changed nothing are left out unless all are wanted."""
-        if step.why == NOT_STARTED and not self._verbose:
+        if step.refusal == "not_started" and not self._verbose:
             self._wait(step)
             return
         if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
             return
-        parts = [self._way(step), *self._does(step)]
+        described = describe(step)
+        does = [trimmed(each, 100) for each in described.effects]
+        does += [f"{key} := {trimmed(value, 40)}" for key, value in step.writes if step.event.kind != "write"]
+        parts = [described.way, *does]
         if step.ignored:
             parts = [f"ignored: {step.why}" if step.why else "ignored"]
         if step.event.kind == "proposal" and not step.moves:
             parts = []
-        text = " · ".join(part for part in parts if part)
-        notes = [note for note in step.notes if not note.startswith(("question ", "fallback ", "control: "))]
-        if text or notes:
-            self._print(f"{step.at:9.2f} s  {trimmed(self._event(step.event), 28):<28}  {text or '; '.join(notes)}")
-            for note in (*self._because(step), *notes) if text else ():
-                self._print(f"{'':13}{trimmed(note)}")
-        self._verdict(step)
+        text, remarks = " · ".join(part for part in parts if part), described.remarks
+        if text or remarks:
+            shown = f"{trimmed(self._event(step.event), 28):<28}  {text or '; '.join(remarks)}"
+            self._print(f"{step.at:9.2f} s  {shown}", "ignored" if step.ignored else "plain" if text else "remark")
+            for reason in self._because(step) if text else ():
+                self._print(f"{'':13}{trimmed(reason)}")
+            for remark in remarks if text else ():
+                self._print(f"{'':13}{trimmed(remark)}", "remark")
+        self._verdicts(step, described.verdicts)
         if step.moves:
             self._shown = ()
         for effect in step.effects:
@@ -159,7 +157,7 @@ class Lines:
     def end(self, result: Result, picture: str = "") -> None:
         """How it ended, and where everything is."""
         self._print("")
-        self._print(f"{result.outcome}: {trimmed(result.why, 400)}")
+        self._print(f"{result.outcome}: {trimmed(result.why, 400)}", result.outcome)
         if result.warning:
             self._print(trimmed(result.warning, 400))
         said = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
@@ -174,43 +172,12 @@ class Lines:
             self._print(f"picture: {picture}")
 
     def _event(self, event: Event) -> str:
-        if event.kind == "write":
-            return f"{event.name} = {trimmed(event.data.get('value'), 20)}"
-        if event.kind in ("accepted", "result"):
-            return f"{event.name} ({event.number})"
-        if event.kind == "proposal":
-            return f"{event.name} answers"
-        return {"tick": "time", "control": f"control: {event.name}"}.get(event.kind, event.name)
-
-    def _way(self, step: Step) -> str:
-        if not step.moves:
-            return ""
-        left = [name for name in step.exited if name not in step.entered]
-        entered = list(step.entered)
-        return f"{', '.join(reversed(left))} → {', '.join(entered)}".strip() if entered else ""
+        return f"{event.name} = {trimmed(event.data.get('value'), 20)}" if event.kind == "write" else event_words(event)
 
     def _because(self, step: Step) -> list[str]:
         """What was so that moved the mission without an event or outcome."""
         rows = [row for move in step.moves if not move.trigger for row in move.taken]
         return [f"because {self._reasons[row]}" for row in rows if row in self._reasons]
-
-    def _does(self, step: Step) -> list[str]:
-        said = []
-        for effect in step.effects:
-            if isinstance(effect, StartGoal):
-                said.append(f"start {effect.action} ({effect.number})")
-            elif isinstance(effect, CancelGoal):
-                said.append(f"cancel {effect.action} ({effect.number})")
-            elif isinstance(effect, CallService):
-                said.append(f"call {effect.service} ({effect.number})")
-            elif isinstance(effect, PublishMessage):
-                said.append(f"publish {effect.topic}")
-            elif isinstance(effect, Handover):
-                said.append(f"control to {effect.to}")
-            elif isinstance(effect, SayAloud | LogLine):
-                said.append(f"“{effect.text}”")
-        said += [f"{key} := {trimmed(value, 40)}" for key, value in step.writes if step.event.kind != "write"]
-        return said
 
     def _question(self, ask: Ask) -> None:
         """What is asked; said once for all who are asked the same."""
@@ -220,22 +187,27 @@ class Lines:
         words = (question.owner, offered, *(trimmed(shown.words().rpartition(", ")[0]) for shown in question.evidence))
         if words != self._shown:
             self._shown = words
-            self._print(f"{'':13}question: {trimmed(question.text)}")
+            self._print(f"{'':13}question: {trimmed(question.text)}", "question")
             for shown in question.evidence:
                 self._print(f"{'':15}{trimmed(shown.words())}")
-            self._print(f"{'':15}offered: {offered}")
+            self._print(f"{'':15}offered: {offered}", "question")
         again = f", attempt {question.attempt}" if question.attempt > 1 else ""
-        self._print(f"{'':13}question {question.number} to {question.asked}{again}")
+        self._print(f"{'':13}question {question.number} to {question.asked}{again}", "question")
 
-    def _verdict(self, step: Step) -> None:
-        for note in step.notes:
-            if note.startswith(("question ", "fallback ")):
-                if note.startswith("fallback "):
-                    self._answered["fallback"] = self._answered.get("fallback", 0) + 1
-                elif note.endswith(": accepted"):
-                    self._answered[step.event.name] = self._answered.get(step.event.name, 0) + 1
-                why = step.event.data.get("why") if step.event.kind == "proposal" else ""
-                self._print(f"{'':13}{trimmed(note)}" + (f" (“{trimmed(why, 80)}”)" if why else ""))
+    def _verdicts(self, step: Step, words: tuple[str, ...]) -> None:
+        why = step.event.data.get("why") if step.event.kind == "proposal" else ""
+        for verdict, text in zip((each for each in step.verdicts if each.note is not None), words, strict=True):
+            if verdict.accepted or verdict.kind == "fallback":
+                who = verdict.by or "fallback"
+                self._answered[who] = self._answered.get(who, 0) + 1
+            said = f" (“{trimmed(why, 80)}”)" if why else ""
+            self._print(f"{'':13}{trimmed(text)}{said}", "question" if verdict.accepted else "refused")
 
-    def _print(self, line: str) -> None:
+    def _print(self, line: str, tone: Tone = "plain") -> None:
+        """Print a line.
+
+        Args:
+            line: Its text.
+            tone: What the line is about, for a terminal with colours.
+        """
         print(line, file=self._out, flush=True)

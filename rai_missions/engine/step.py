@@ -13,6 +13,7 @@ from rai_missions.engine.decision import Question, Verdict
 from rai_missions.engine.modes import Mode
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
+from rai_missions.plain_data import listed
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
 
@@ -20,6 +21,10 @@ __all__ = (
     "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage",
     "Refusal", "SayAloud", "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw",
 )  # fmt: skip
+
+
+def _sent(values: Mapping[str, Any]) -> str:
+    return f" ({listed(values)})" if values else ""
 
 
 class StartGoal(NamedTuple):
@@ -31,12 +36,20 @@ class StartGoal(NamedTuple):
     action: str
     goal: Mapping[str, Any]
 
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"start {self.action}{_sent(self.goal)} for {self.owner} (number {self.number})"
+
 
 class CancelGoal(NamedTuple):
     """Ask for the end of a goal that was started under this number."""
 
     number: int
     action: str
+
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"cancel {self.action} (number {self.number})"
 
 
 class CallService(NamedTuple):
@@ -49,6 +62,10 @@ class CallService(NamedTuple):
     request: Mapping[str, Any]
     timeout_s: float | None = None
 
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"call {self.service}{_sent(self.request)} (number {self.number})"
+
 
 class PublishMessage(NamedTuple):
     """Publish a message on a topic of the profile."""
@@ -56,11 +73,19 @@ class PublishMessage(NamedTuple):
     topic: str
     message: Mapping[str, Any]
 
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"publish {self.topic}{_sent(self.message)}"
+
 
 class SayAloud(NamedTuple):
     """Say a sentence to whoever is near."""
 
     text: str
+
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"say “{self.text}”"
 
 
 class LogLine(NamedTuple):
@@ -68,11 +93,19 @@ class LogLine(NamedTuple):
 
     text: str
 
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"log “{self.text}”"
+
 
 class Ask(NamedTuple):
     """Put a question to whoever it is for."""
 
     question: Question
+
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"ask {self.question.asked} (question {self.question.number})"
 
 
 class Withdraw(NamedTuple):
@@ -80,11 +113,19 @@ class Withdraw(NamedTuple):
 
     number: int
 
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"withdraw question {self.number}"
+
 
 class Handover(NamedTuple):
     """Ask for control to be handed to somebody; a `control` event says when it is."""
 
     to: str
+
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"ask for control to go to {self.to}"
 
 
 class StartBehaviour(NamedTuple):
@@ -94,11 +135,19 @@ class StartBehaviour(NamedTuple):
     owner: str
     """`state#path` of its leaf."""
 
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"tick the behaviour of {self.owner} (number {self.number})"
+
 
 class StopBehaviour(NamedTuple):
     """Interrupt a behaviour that was started under this number."""
 
     number: int
+
+    def describe(self) -> str:
+        """The effect in words."""
+        return f"stop the behaviour (number {self.number})"
 
 
 Effect = (

@@ -93,7 +93,11 @@ class Compare(Guard, word="key"):
     def misfits(self, types: Types) -> Iterator[Misfit]:
         kind = types.kind(self.key)
         if kind is not None and (sentence := self._misfit(kind, types)):
-            yield Misfit("/key" if sentence.startswith(f"'{self.key}'") else f"/{self.op}", sentence)
+            yield Misfit("/key", sentence)
+            return
+        other = types.kind(self.other) if kind is not None and self.other is not None and self.op == "in" else None
+        if other not in (None, "list"):
+            yield Misfit("/in", f"'in' takes a list, and '{self.other}' is of type '{other}'; compare with ==")
 
     def _misfit(self, kind: str, types: Types) -> str:
         """Why it cannot be evaluated for a value of a type; empty if it can."""
@@ -105,8 +109,6 @@ class Compare(Guard, word="key"):
             return f"'{path}' is of type '{kind}', which has no order; compare it with == or !="
         if self.other is not None:
             other = types.kind(self.other)
-            if op == "in" and other not in (None, "list"):
-                return f"'in' takes a list, and '{self.other}' is of type '{other}'; compare with =="
             if op != "in" and other is not None and not comparable(kind, other):
                 return f"'{path}' is of type '{kind}' and '{self.other}' of type '{other}'; compare keys of one type"
             return ""

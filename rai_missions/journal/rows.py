@@ -91,6 +91,11 @@ class Note(NamedTuple):
     text: str
     data: Any = None
 
+    @property
+    def successor(self) -> Mapping[str, Any] | None:
+        """Where the run continues in another mission: the `journal` there, and its `seal`; None where it does not."""
+        return self.data if isinstance(self.data, Mapping) and {"journal", "seal"} <= self.data.keys() else None
+
 
 JournalRow = StepRow | Confirmation | Note
 

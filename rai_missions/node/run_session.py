@@ -280,9 +280,13 @@ def _controller(by: str) -> str:
 
 def _receipt(order: Command, step: Step) -> CommandReply:
     if order.command == "answer":
-        note = next((each for each in step.notes if each.startswith(f"question {order.question}:")), "")
-        is_good = note.endswith(": accepted")
-        return CommandReply(is_good, "" if is_good else note or step.why or "its time was over", order.id)
+        if step.kept:
+            return CommandReply(True, "it is judged once the run is resumed, or control is given back", order.id)
+        verdict = step.verdict
+        if verdict is not None and verdict.accepted:
+            return CommandReply(True, "", order.id)
+        words = step.notes[verdict.note] if verdict is not None and verdict.note is not None else ""
+        return CommandReply(False, words or step.why or "its time was over", order.id)
     if step.ignored and step.why:
         return CommandReply(False, step.why, order.id)
     remark = "nothing in the mission reacts to it now" if order.command == "post" and step.ignored else ""

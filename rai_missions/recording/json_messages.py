@@ -12,6 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rai_missions.engine.description import way_words
 from rai_missions.event import Image
 from rai_missions.mission.mission import Mission
 from rai_missions.recording.schemas import COMPRESSED_IMAGE, RAW_IMAGE, Schema
@@ -21,7 +22,6 @@ __all__ = ("image_in", "log_of", "picture_of", "plain", "stamp", "state_of", "st
 
 Json = dict[str, Any]
 INFO, WARNING, ERROR = 2, 3, 4
-VERDICTS = ("question ", "fallback ")
 TRUTHS = {True: "true", False: "false", None: "unknown"}
 SHORT = 200
 
@@ -103,6 +103,7 @@ def state_of(active: Sequence[str], mission: Mission) -> str:
 def step_of(written: Json) -> Json:
     """A step, out of its row in the journal (`journal.codec` reports how it is written there)."""
     event, moves, notes = written.get("event", {}), written.get("moves", []), written.get("notes", [])
+    judged = [each["note"] for each in written.get("verdicts", []) if "note" in each]
     return {
         "seq": written["seq"], "at": written["at"],
         "event": {
@@ -113,8 +114,8 @@ def step_of(written: Json) -> Json:
         "entered": [name for move in moves for name in move.get("entered", [])],
         "taken": [row for move in moves for row in move.get("taken", [])],
         "guards": [{"place": place, "value": TRUTHS[truth]} for place, truth in written.get("guards", [])],
-        "verdicts": [note for note in notes if note.startswith(VERDICTS)],
-        "notes": [note for note in notes if not note.startswith(VERDICTS)],
+        "verdicts": [notes[index] for index in judged],
+        "notes": [note for index, note in enumerate(notes) if index not in judged],
         "effects": [
             {"name": name, "about": short(about)}
             for effect in written.get("effects", [])
@@ -126,10 +127,9 @@ def step_of(written: Json) -> Json:
 
 def log_of(step: Json, mission: str, at_ns: int) -> Json:
     """A step in one line."""
-    left = [name for name in reversed(step["exited"]) if name not in step["entered"]]
-    way = f"{', '.join(left)} → {', '.join(step['entered'])}" if step["entered"] else ""
+    way = way_words(step["exited"], step["entered"])
     ended = f"{step['outcome']}: {step['why']}" if step["outcome"] else step["why"]
-    parts = [way.strip(), *step["verdicts"], *step["notes"], ended]
+    parts = [way, *step["verdicts"], *step["notes"], ended]
     level = INFO
     if step["outcome"] in ("failed", "aborted"):
         level = ERROR

@@ -14,7 +14,7 @@ from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.guards.guard import Truth
-from rai_missions.journal import MIGRATED, Note, Record, StepRow, checked, difference
+from rai_missions.journal import Note, Record, StepRow, checked, difference
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.rebuild import JournalReplayer
@@ -64,9 +64,8 @@ def resumption(
     chart, last, began, decisions = rebuilding.chart, None, 0.0, 0
     for row in checked(record):
         under.follow(row)
-        if isinstance(row, Note) and row.text == MIGRATED:
-            other = row.data.get("journal") if isinstance(row.data, Mapping) else "its journal"
-            beside = record.path.parent / str(other)
+        if isinstance(row, Note) and row.successor is not None:
+            beside = record.path.parent / str(row.successor["journal"])
             raise UsageError(f"the run of {record.path} goes on in another mission: --resume {beside}")
         if not isinstance(row, StepRow):
             continue

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.event import Event
+from rai_missions.states.final import FinalOutcome
 
 __all__ = ("Commands", "Result")
 
@@ -15,7 +16,7 @@ __all__ = ("Commands", "Result")
 class Result(NamedTuple):
     """How a run ended."""
 
-    outcome: str
+    outcome: FinalOutcome
     """`succeeded`, `failed`, `aborted` or `canceled`."""
     why: str
     """The rule that decided it."""

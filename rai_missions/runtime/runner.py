@@ -302,7 +302,7 @@ class Runner(RunCommands):
         if not isinstance(error, UsageError):
             log.critical("%s", sentence)
         try:
-            self._scribe.note(cut(sentence, 1000))
+            self._scribe.note(cut(sentence, 1000), {"broken_off": type(error).__name__})
         except (ConnectorError, UsageError) as silent:
             log.error("nor can that be written down: %s", self._redaction.known(str(silent)))
         except Exception:

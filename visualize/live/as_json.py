@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.decision import Question
+from rai_missions.engine.description import describe
 from rai_missions.engine.step import Step
 from rai_missions.event import Image
 from visualize.page.as_json import Json, plain, without_empty
-from visualize.page.effect_text import effect_words, resting_words
 
 __all__ = ("LONGEST", "bounded", "line", "question_data")
 
@@ -45,13 +45,13 @@ def line(step: Step) -> Json | None:
     if step.ignored and not (step.why and event.kind != "write"):
         return None
     data = {name: item for name, item in event.data.items() if name != "request"}
-    moves = [list(move.taken) for move in step.moves]
+    moves, described = [list(move.taken) for move in step.moves], describe(step)
     return without_empty(
         {
             "kind": event.kind, "name": event.name[:LONGEST], "number": event.number, "data": bounded(data),
             "rows": [row for rows in moves for row in rows], "exited": list(step.exited), "entered": list(step.entered),
-            "does": [bounded(effect_words(effect)) for effect in step.effects],
-            "notes": [bounded(note) for note in (*step.notes, *resting_words(step))],
+            "does": [bounded(each) for each in described.effects],
+            "notes": [bounded(note) for note in described.notes],
             "why": bounded(step.why), "outcome": step.outcome,
         }
     ) | {"seq": step.seq, "at": round(step.at, 3)}  # fmt: skip

@@ -128,27 +128,23 @@ class RunScene:
             self._fields.add("active")
 
     def _command(self, step: Step) -> None:
-        event = step.event
-        if event.kind == "command":
-            if event.name == "start":
-                self._go("running")
-            elif event.name == "cancel" and not step.outcome and not step.why:
-                self._go("canceling")
-        elif event.kind == "control" and f"control: {event.name}" in step.notes:
+        event, holder, mode = step.event, _holder(step), _mode(step)
+        if event.kind == "control" and not step.refusal and holder is not None:
             taken = is_taken(event, holder=self.control, taken=self.held_by == "operator", asked=self._asked_for)
-            self._hold(event.name)
-            self._hold_up("operator" if taken else event.name if event.name == "nobody" else "", step.at)
+            self._hold_up("operator" if taken else holder if holder == "nobody" else "", step.at)
+        if holder is not None and holder != self.control:
+            self._hold(holder)
         for effect in step.effects:
             if isinstance(effect, Handover):
                 self._asked_for = effect.to
-        if "paused" in step.notes:
-            self._go("paused")
+        if mode is None or mode == self.mode or step.outcome:
+            return
+        was = self.mode
+        self._go(mode)
+        if mode == "paused":
             self.paused_at = step.at
-        elif "resumed" in step.notes:
-            self._go("running")
+        elif was == "paused":
             self._shift(step.at)
-        if _killed(step):
-            self._hold("nobody")
 
     def _end(self, step: Step) -> None:
         if not self.outcome:
@@ -184,7 +180,7 @@ class RunScene:
         before = tuple(self.questions)
         if step.event.kind == "proposal":
             self._answered.add(step.event.number)
-        is_kept = self.mode == "paused" or (self.held_by and not (step.moves or step.effects))
+        is_kept = step.kept or self.mode == "paused" or (self.held_by and not (step.moves or step.effects))
         if not is_kept:  # then an answer waits until the run continues
             for number in self._answered:
                 self.questions.pop(number, None)
@@ -253,6 +249,18 @@ class RunScene:
         return sorted(value) if name == "active" else bounded(value) if name in ("closed", "open_goals") else value
 
 
-def _killed(step: Step) -> bool:
-    """It was ended by the emergency stop, or by an invariant."""
-    return step.outcome == "aborted" and step.why.startswith(("killed by ", "invariant '"))
+def _mode(step: Step) -> str | None:
+    """The run's mode after a step; None where a row of an earlier version does not tell."""
+    if step.mode is None and step.event.kind == "command" and not step.why:
+        return {"start": "running", "pause": "paused", "resume": "running", "cancel": "canceling"}.get(step.event.name)
+    return step.mode
+
+
+def _holder(step: Step) -> str | None:
+    """Who holds control after a step; None where a row of an earlier version does not tell."""
+    event = step.event
+    if step.mode is None and event.kind == "control" and not step.why:
+        return event.name
+    if step.mode is None and event.kind == "command" and event.name == "kill" and step.outcome:
+        return "nobody"
+    return step.holder

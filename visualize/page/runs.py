@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.engine.decision import Question
+from rai_missions.engine.description import describe
 from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import DefinitionError
 from rai_missions.event import Image
@@ -21,7 +22,6 @@ from rai_missions.journal import Note, StepRow, verify
 from rai_missions.journal.reader import Record
 from rai_missions.mission.mission import Mission
 from visualize.page.as_json import Json, Pool, plain, without_empty
-from visualize.page.effect_text import effect_words, resting_words
 from visualize.page.images import Gallery
 from visualize.page.rejected_options import Offers
 
@@ -131,9 +131,10 @@ def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gal
             questions[effect.question.number] = _question(effect.question, index, gallery)
     if step.event.kind == "proposal" and step.event.number in questions:
         questions[step.event.number] |= _answer(step, index)
+    described = describe(step)
     more = {
-        "does": [effect_words(effect) for effect in step.effects],
-        "notes": [*step.notes, *resting_words(step)],
+        "does": list(described.effects),
+        "notes": list(described.notes),
         "why": step.why,
         "outcome": step.outcome,
         "asks": [effect.question.number for effect in step.effects if isinstance(effect, Ask)],
@@ -189,9 +190,10 @@ def _question(question: Question, index: int, gallery: Gallery) -> Json:
 
 def _answer(step: Step, index: int) -> Json:
     """What was proposed, and what the rules reported about it."""
-    notes = [note for note in step.notes if note.startswith((f"question {step.event.number}:", "fallback "))]
+    described = describe(step)
+    judged = described.verdicts or ((step.why,) if step.why else described.remarks)
     return {
         "answered": index,
         "proposal": plain(step.event.data),
-        "verdict": notes or [step.why or "it changed nothing"],
+        "verdict": list(judged) or ["it changed nothing"],
     }

@@ -108,8 +108,8 @@ def follow(record: Record) -> None:
     if not name or Path(name).name != name or not origin.is_file():
         return
     with read(origin) as before:
-        went = [note.data for note in before.notes() if note.text == MIGRATED]
-        if went and isinstance(went[-1], Mapping) and went[-1].get("seal") == _birth(record):
+        went = [note.successor for note in before.notes() if note.successor is not None]
+        if went and went[-1]["seal"] == _birth(record):
             return
         if went or before.seal != record.header.migrated["seal"]:
             sentence = f"the run of {origin} went on otherwise after {record.path} was made of it"

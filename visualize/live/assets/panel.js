@@ -101,7 +101,7 @@ class Tail {
 
   item(step) {
     return make("li", { value: String(step.seq), class: step.outcome ? "outcome" : "" }, make("small", {}, `${step.at.toFixed(2)} s `), make("b", {}, happened(step)), ...this.way(step),
-      (step.notes || []).filter((note) => !note.startsWith("control: ")).map((note) => make("div", { class: "note" }, note)),
+      (step.notes || []).map((note) => make("div", { class: "note" }, note)),
       step.why ? make("div", { class: step.outcome ? "" : "fault" }, step.outcome ? `${step.outcome}: ${step.why}` : `refused: ${step.why}`) : "",
       (step.does || []).map((each) => make("div", { class: "muted" }, each)));
   }

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A step in words, for the terminal, the pages, the recording and the node.
+
+Rule: this is the only place that words a step; who shows it chooses, cuts and colours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from rai_missions.engine.step import Step
+from rai_missions.event import Event
+
+__all__ = ("Description", "describe", "event_words", "resting_words", "way_words")
+
+
+class Description(NamedTuple):
+    """What there is to say of a step."""
+
+    event: str
+    """Such as `anomaly`, `drive (3)`, `agent answers`, `time`."""
+    way: str
+    """States left and entered, such as `driving → assessing`; empty where none was entered."""
+    effects: tuple[str, ...]
+    """What is done, in order."""
+    verdicts: tuple[str, ...]
+    """What became of proposals, in order."""
+    remarks: tuple[str, ...]
+    """What else a reader should know, trees that rest included."""
+    why: str
+    """Why the event was refused, or, with the outcome, how the mission ended."""
+    notes: tuple[str, ...]
+    """Verdicts and remarks, in the order in which they came."""
+
+
+def describe(step: Step) -> Description:
+    """A step in words."""
+    resting = resting_words(step)
+    verdicts = tuple(step.notes[each.note] for each in step.verdicts if each.note is not None)
+    return Description(
+        event_words(step.event), way_words(step.exited, step.entered),
+        tuple(effect.describe() for effect in step.effects), verdicts, (*step.remarks, *resting),
+        f"{step.outcome}: {step.why}" if step.outcome else step.why, (*step.notes, *resting),
+    )  # fmt: skip
+
+
+def event_words(event: Event) -> str:
+    """An event by its name, and the number of what it answers."""
+    if event.kind in ("accepted", "result"):
+        return f"{event.name} ({event.number})"
+    if event.kind == "proposal":
+        return f"{event.name} answers"
+    return {"tick": "time", "control": "control"}.get(event.kind, event.name)
+
+
+def way_words(exited: Sequence[str], entered: Sequence[str]) -> str:
+    """States left and entered, outer first; empty where none was entered."""
+    left = [name for name in reversed(exited) if name not in entered]
+    return f"{', '.join(left)} → {', '.join(entered)}".strip() if entered else ""
+
+
+def resting_words(step: Step) -> tuple[str, ...]:
+    """The trees that rest at a limit."""
+    continues = "continues at once" if step.wake_at == step.at else "waits for the next event that concerns it"
+    return tuple(
+        f"the tree of '{name}' has gone round as far as a step allows; it {continues}" for name in step.resting
+    )
