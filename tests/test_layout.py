@@ -47,9 +47,7 @@ PY_TREES = "a node of the format, and the behaviour of py_trees that runs it"
 SHARED_NAMES = {
     **dict.fromkeys(
         (
-            "Ask", "Condition", "Decorator", "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter",
-            "OneShot", "Parallel", "PassThrough", "Publish", "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess",
-            "Selector", "Sequence", "StatusToBlackboard", "SuccessIsFailure", "SuccessIsRunning", "Timeout",
+            "Ask", "Condition", "Decorator", "EternalGuard",             "OneShot", "Parallel", "Publish", "Repeat", "Retry",             "Selector", "Sequence", "StatusToBlackboard", "Timeout",
         ),
         PY_TREES,
     ),
