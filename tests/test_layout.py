@@ -47,7 +47,8 @@ PY_TREES = "a node of the format, and the behaviour of py_trees that runs it"
 SHARED_NAMES = {
     **dict.fromkeys(
         (
-            "Ask", "Condition", "Decorator", "EternalGuard",             "OneShot", "Parallel", "Publish", "Repeat", "Retry",             "Selector", "Sequence", "StatusToBlackboard", "Timeout",
+            "Ask", "Condition", "Decorator", "EternalGuard", "OneShot", "Parallel", "Publish", "Repeat", "Retry",
+            "Selector", "Sequence", "StatusToBlackboard", "Timeout",
         ),
         PY_TREES,
     ),
