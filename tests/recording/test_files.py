@@ -68,7 +68,7 @@ def test_a_recording_is_called_what_it_is(name: str, better: str) -> None:
 
 def test_without_the_library_one_sentence_states_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mcap", None)
-    with pytest.raises(UsageError, match=r"needs the package mcap .*: pip install 'rai_missions\[record\]'"):
+    with pytest.raises(UsageError, match=r"needs the package mcap .*: pip install '\.\[record\]'"):
         check_name(Path("run.mcap"))
 
 
