@@ -2,7 +2,8 @@
 """The command line: parsers, output for people and programs, exit statuses.
 
 Imports `agents`, `answerers`, `check`, `connectors`, `engine`, `gate`, `journal`, `mission`, `node`, `profile`,
-`prove`, `recording`, `replay`, `runtime`, `visualize` and `worlds`, and the modules of the root. Nothing imports it.
+`prove`, `recording`, `replay`, `runtime`, `states`, `visualize` and `worlds`, and the modules of the root. Nothing
+imports it.
 """
 
 __all__ = ()
