@@ -39,18 +39,12 @@ class Handovers:
     ) -> None:  # fmt: skip
         self._robot, self._connector = robot, connector
         self._scheduler, self._lost = scheduler, on_lost
-        self._is_open = False
         self.letting_go: bool | None = None
         """True while an emergency stop waits for control to be with nobody; None where it never had to."""
 
     def open(self) -> None:
-        """Say that the run goes on, from now on."""
-        self._is_open = True
+        """Say that the run goes on, from now on; it ends with the clock's `later`."""
         self._say_alive()
-
-    def close(self) -> None:
-        """Say nothing more."""
-        self._is_open = False
 
     def hand_over(self, to: str, by: str) -> None:
         """Have control handed over; the acknowledgement comes back as an event."""
@@ -105,7 +99,7 @@ class Handovers:
 
     def _say_alive(self) -> None:
         entry = self._robot.alive if self._robot is not None else None
-        if entry is None or self._connector is None or not self._is_open:
+        if entry is None or self._connector is None:
             return
         try:
             self._connector.publish(entry.topic, entry.type, {})

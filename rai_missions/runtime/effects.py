@@ -117,7 +117,6 @@ class EffectExecutor:
         """Stop listening, and take back every question."""
         self._senses.close()
         self._goals.close()
-        self.handovers.close()
         self._behaviours.close()
         for number in list(self._open):
             self._withdraw(Withdraw(number))

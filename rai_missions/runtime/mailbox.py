@@ -11,7 +11,6 @@ import queue
 import threading
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from rai_missions.event import Event, Image
@@ -104,9 +103,7 @@ class Mailbox:
                 return self._urgent.popleft()
 
     def _next_late(self) -> Event | None:
-        with suppress(KeyError):  # it was overtaken just now
-            return self._late.pop(next(iter(tuple(self._late)), ""))
-        return None
+        return self._late.pop(next(iter(tuple(self._late)), ""), None)  # it may have been overtaken just now
 
     @property
     def urgent(self) -> bool:

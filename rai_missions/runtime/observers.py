@@ -105,7 +105,6 @@ class RobotListener:
                 self._closes.pop()()
             except Exception:
                 log.exception("a subscription could not be closed")
-        self._polls.clear()
 
     def _listen(self, source: Source | EventSource, hear: Hear) -> None:
         assert self._connector is not None

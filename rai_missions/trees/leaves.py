@@ -57,7 +57,7 @@ class Wait(TreeLeaf):
     """Runs for so many seconds."""
 
     wait_s: float
-    until = 0.0
+    until: float
 
     def initialise(self) -> None:
         super().initialise()

@@ -51,14 +51,13 @@ class Tick:
     Live behaviours hold one `Tick` for good; `begin` makes it that of the next tick.
     """
 
-    def __init__(self) -> None:
-        self.sight: TickView
-        self.outcomes: dict[str, str] = {}
-        self.started: dict[str, None] = {}
-        self.ended: dict[str, None] = {}
-        self.writes: list[tuple[str, Any]] = []
-        self.published: list[tuple[str, Mapping[str, Any]]] = []
-        self.trace: list[tuple[str, str, Status]] = []
+    sight: TickView
+    outcomes: dict[str, str]
+    started: dict[str, None]
+    ended: dict[str, None]
+    writes: list[tuple[str, Any]]
+    published: list[tuple[str, Mapping[str, Any]]]
+    trace: list[tuple[str, str, Status]]
 
     def begin(self, sight: TickView, outcomes: Mapping[str, str]) -> None:
         self.sight, self.outcomes = sight, dict(outcomes)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
-from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity
+from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity, questions_in
 from rai_missions.engine.decision import Question
 from rai_missions.engine.hold import OUTCOME
 from rai_missions.engine.state import TABLE, Holds, Timer
@@ -137,7 +137,7 @@ class _Carrying:
     def _under_way(self, under: InFlight) -> list[Effect]:
         """What the process that goes on must see to, as if this run had begun it."""
         questions = {
-            question.number: question for state in self.running.values() for question in _questions(state)
+            question.number: question for state in self.running.values() for question in questions_in(state)
         }  # fmt: skip
         found: list[Effect] = []
         for number, effect in under.open.items():
@@ -286,12 +286,6 @@ def _numbers(state: Any) -> list[int]:
     if isinstance(state, TreeActivity):
         return [number for tended in state.leaves.values() for number in _numbers(tended.state)]
     return [getattr(state, "number", 0)]
-
-
-def _questions(state: Any) -> list[Question]:
-    if isinstance(state, TreeActivity):
-        return [question for tended in state.leaves.values() for question in _questions(tended.state)]
-    return [state.question] if isinstance(state, DecisionActivity) else []
 
 
 def _parents(place: str) -> tuple[str, ...]:
