@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a journal's reader gives and refuses: bytes that it lacks, a closed file, words that look like a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rai_missions.engine.step import StartGoal, Step
+from rai_missions.errors import MissionError, UsageError
+from rai_missions.event import Event
+from rai_missions.journal import Header, Journal, StepRow, read, verify
+from rai_missions.journal.in_flight import underway
+
+
+def written(path: Path, *steps: Step) -> Path:
+    with Journal.create(path, Header('{"format": 1}')) as journal:
+        for step in steps:
+            journal.write(step, since=0.0)
+    return path
+
+
+def test_bytes_that_were_never_kept_are_refused_as_such(tmp_path: Path) -> None:
+    path, digest = written(tmp_path / "run.journal"), "0" * 64
+    with read(path) as record, pytest.raises(UsageError, match=f"holds no bytes with the hash '{digest}'"):
+        record.blob(digest)
+
+
+def test_a_record_that_was_closed_gives_nothing_more(tmp_path: Path) -> None:
+    record = read(written(tmp_path / "run.journal", Step(1, 0.0, Event("go"))))
+    assert record.last() is not None
+    record.close()
+    with pytest.raises(MissionError):
+        record.last()
+
+
+def test_an_event_that_holds_a_hash_shows_no_picture(tmp_path: Path) -> None:
+    """Its words are those by which a picture is written; only what has all of them is one that was kept."""
+    data = {"sha256": "0" * 64, "encoding": "png", "width": 1, "height": 1}
+    assert verify(written(tmp_path / "run.journal", Step(1, 0.0, Event("go", 0.0, data)))) == ()
+
+
+def test_what_a_server_had_accepted_before_a_migration_is_accepted_after_it() -> None:
+    migrated = Event("migrate", 3.0, {"accepted": [4]}, "command")
+    goals = tuple(StartGoal(number, "moving", "move", {}) for number in (4, 5))
+    assert underway([StepRow(1, Step(1, 3.0, migrated, effects=goals), 0.0)]).accepted == {4}
