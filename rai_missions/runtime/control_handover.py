@@ -43,7 +43,7 @@ class Handovers:
         """True while an emergency stop waits for control to be with nobody; None where it never had to."""
 
     def open(self) -> None:
-        """Say that the run goes on, from now on; it ends with the clock's `later`."""
+        """Say that the run goes on, for as long as its scheduler is run."""
         self._say_alive()
 
     def hand_over(self, to: str, by: str) -> None:

@@ -86,7 +86,7 @@ def test_another_action_changes_nothing(ear: Ear) -> None:
 
 
 def test_an_action_that_is_not_there_is_a_fault() -> None:
-    with pytest.raises(ValidationError, match="'stuck' is heard during 'drive', which is no action here"):
+    with pytest.raises(ValidationError, match="'stuck' is received during 'drive', which is no action here"):
         Robot.model_validate({"name": "one", "events": {"stuck": STUCK}})
     with pytest.raises(ValidationError, match="drop 'during'"):
         Robot.model_validate({"name": "one", "events": {"stuck": {"posted": True, "during": "drive"}}})

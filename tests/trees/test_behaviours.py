@@ -9,9 +9,11 @@ import py_trees
 import pytest
 from py_trees.common import Status
 
-from rai_missions import Mission, dump
+from rai_missions import Mission, On, dump
+from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.event import Event
 from rai_missions.states.final import Final
 from rai_missions.states.tree import BehaviourLeaf, CheckLeaf, EternalGuard, Tree
 from rai_missions.trees import PyTrees
@@ -113,3 +115,13 @@ def test_a_behaviour_that_raises_or_reports_nothing_has_failed(states: Any) -> N
 def test_a_factory_that_makes_something_else_is_refused() -> None:
     with pytest.raises(UsageError, match=r"made 3; it must make a py_trees\.behaviour\.Behaviour"):
         LiveBehaviour(BehaviourLeaf(lambda: 3))
+
+
+def test_the_end_of_another_behaviour_ends_none() -> None:
+    working = Tree(make, tick_s=0.5, timeout_s=60.0, transitions=[On("succeeded", to="over")])
+    made = Chart(Mission("m", initial="working", states={"working": working, "over": Final("canceled")}), PyTrees())
+    made.start(0.0)
+    (number,) = made.awaited
+    assert made.send(Event("w", 1.0, {"status": "success"}, "behaviour", number + 1)).ignored
+    assert made.send(Event("w", 1.0, {"status": "success"}, "result", number)).ignored
+    assert made.send(Event("w", 1.0, {"status": "success"}, "behaviour", number)).outcome == "canceled"
