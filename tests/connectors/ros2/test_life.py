@@ -50,7 +50,7 @@ def program(text: str) -> subprocess.CompletedProcess[str]:
         ({"domain_id": 900}, "connector/domain_id: 900 is no ROS domain; one goes from 0 to 232"),
         ({"discovery_s": 0}, "connector/discovery_s: 0 is no time to be found in; give seconds above 0"),
         ({"arguments": "-r"}, "connector/arguments: '-r' is no list of texts, such as [\"-r\", \"/a:=/b\"]"),
-        ({"qos": []}, "connector/qos: [] stands where an object belongs"),
+        ({"qos": []}, "connector/qos: [] is given where an object belongs"),
         ({"qos": {"/t": {"depth": 0}}},
          "connector/qos//t/depth: 0 is no number of messages; give 1 (the newest wins) to 10000"),
         ({"qos": {"/t": {"durability": "latch"}}},

@@ -66,7 +66,7 @@ class RobotServer(PlannedServer):
         self._timers[-1].start()
 
 
-class Stand:
+class Rig:
     """An action's name, and the servers that come to serve it."""
 
     def __init__(self, open_ros: Open) -> None:
@@ -107,8 +107,8 @@ class Stand:
 
 
 @pytest.fixture
-def stand(open_ros: Open) -> Iterator[Stand]:
-    made = Stand(open_ros)
+def rig(open_ros: Open) -> Iterator[Rig]:
+    made = Rig(open_ros)
     yield made
     made.close()
 
@@ -121,7 +121,7 @@ def until_said(reports: Inbox[Report], *words: str) -> list[Report]:
     return reports.wait(lambda all_: any(each.status in words for each in all_), f"one of {words}")
 
 
-def test_a_goal_for_two_servers_is_rejected_and_reaches_neither(open_ros: Open, rig: Stand) -> None:
+def test_a_goal_for_two_servers_is_rejected_and_reaches_neither(open_ros: Open, rig: Rig) -> None:
     servers, connector = [rig.serve(Plan()), rig.serve(Plan())], open_ros()
     rig.wait_for(connector, 2)
     _, reports = rig.send(connector)
@@ -132,7 +132,7 @@ def test_a_goal_for_two_servers_is_rejected_and_reaches_neither(open_ros: Open, 
 
 
 def test_a_server_that_is_on_the_graph_and_does_not_answer_is_no_second_one_and_ends_the_goal_once_it_does(
-    open_ros: Open, rig: Stand
+    open_ros: Open, rig: Rig
 ) -> None:
     connector, script = open_ros(), Script(end="runs on")
     with Peer(rig.name[1:], PROGRAM) as frozen, Peer(rig.name[1:], PROGRAM) as living:
@@ -149,7 +149,7 @@ def test_a_server_that_is_on_the_graph_and_does_not_answer_is_no_second_one_and_
 
 
 def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal_at_both(
-    open_ros: Open, rig: Stand
+    open_ros: Open, rig: Rig
 ) -> None:
     first, connector = rig.serve(Plan()), open_ros()
     rig.wait_for(connector, 1)
@@ -165,7 +165,7 @@ def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal
 
 @pytest.mark.parametrize("what", ["service", "goal"])
 def test_a_second_server_of_which_half_is_known_yet_takes_nobody_s_server_away(
-    open_ros: Open, rig: Stand, what: str, monkeypatch: pytest.MonkeyPatch
+    open_ros: Open, rig: Rig, what: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """While another server is on the graph and not matched yet, ROS says that none of its name is ready."""
     first, connector = rig.serve(Plan(ends=1.5)), open_ros()
@@ -203,7 +203,7 @@ def test_a_second_server_of_which_half_is_known_yet_takes_nobody_s_server_away(
     ],
 )
 def test_a_goal_that_two_servers_have_ends_when_neither_is_executing_it(
-    open_ros: Open, rig: Stand, plans: tuple[Plan, Plan], end: str, monkeypatch: pytest.MonkeyPatch
+    open_ros: Open, rig: Rig, plans: tuple[Plan, Plan], end: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The second was not yet on the graph when the goal was sent."""
     monkeypatch.setattr(
@@ -236,12 +236,12 @@ def mission() -> Mission:
     )  # fmt: skip
 
 
-def run(rig: Stand, connector: Any) -> Result:
+def run(rig: Rig, connector: Any) -> Result:
     robot = Robot.model_validate({"name": "rivals", "actions": {"move": {"action": rig.name, "type": FIBONACCI}}})
     return Runner(mission(), robot=robot, connector=connector).run()
 
 
-def test_a_run_is_refused_while_two_servers_live(open_ros: Open, rig: Stand) -> None:
+def test_a_run_is_refused_while_two_servers_live(open_ros: Open, rig: Rig) -> None:
     servers, connector = [rig.serve(Plan()), rig.serve(Plan(rejects=True))], open_ros()
     with pytest.raises(UsageError, match=f"more than one server answers for {rig.name}"):
         run(rig, connector)
@@ -258,7 +258,7 @@ def test_a_run_is_refused_while_two_servers_live(open_ros: Open, rig: Stand) -> 
         (Plan(dies=0.3), ["lost"]),
     ],
 )
-def test_a_run_names_what_may_still_be_executing(open_ros: Open, rig: Stand, plan: Plan, reasons: list[str]) -> None:
+def test_a_run_names_what_may_still_be_executing(open_ros: Open, rig: Rig, plan: Plan, reasons: list[str]) -> None:
     rig.serve(plan)
     result = run(rig, open_ros())
     assert [goal.reason for goal in result.open_goals] == reasons
@@ -283,7 +283,7 @@ def hold(open_ros: Open, first: Plan, second: Plan | None, after_s: float) -> No
 
     A second server that comes when the goal was sent does not have it, unless it was on its way already.
     """
-    rig, connector = Stand(open_ros), open_ros()
+    rig, connector = Rig(open_ros), open_ros()
     try:
         rig.serve(first)
         rig.wait_for(connector, 1)

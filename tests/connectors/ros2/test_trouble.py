@@ -46,7 +46,7 @@ def test_a_topic_of_another_type_is_not_heard_and_one_sentence_says_so(open_ros:
         open_ros().subscribe("/peer/hasty", NUMBER, received)
         warned.lines.wait(
             lambda reported: (
-                "/peer/hasty is published as std_msgs/msg/String, and so not heard as the std_msgs/msg/Float64 that "
+                "/peer/hasty is published as std_msgs/msg/String, and so not received as the std_msgs/msg/Float64 that "
                 "is asked for; mend the type" in reported
             ),
             "the types differ",
