@@ -269,10 +269,10 @@ def test_a_model_that_hangs_holds_up_neither_the_next_question_nor_the_end(hangi
 def test_a_model_that_hangs_does_not_keep_the_program_from_ending() -> None:
     code = (
         "from rai_missions.answerers import DecisionAgent\n"
-        "from rai_missions.testing import QUESTION, HangingModel, ReplyCallback\n"
+        "from rai_missions.testing import QUESTION, HangingModel, ReplyCollector\n"
         "model = HangingModel()\n"
         "agent = DecisionAgent(model)\n"
-        "agent.ask(QUESTION, ReplyCallback())\n"
+        "agent.ask(QUESTION, ReplyCollector())\n"
         "model.hangs.wait()\n"
         "agent.stop(within_s=0.01)\n"
     )

@@ -156,5 +156,5 @@ def test_a_journal_that_may_only_be_read_is_not_continued_with(killed: Path, tmp
         path.chmod(0o644)
     with Journal.open(path, seal=seal) as journal:
         journal.note("another process went on")
-    with pytest.raises(UsageError, match="another process has gone on with the run"):
+    with pytest.raises(UsageError, match="another process has continued with the run"):
         Journal.open(path, seal=seal)

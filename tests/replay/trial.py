@@ -81,7 +81,7 @@ class Yard(Steady):
             wanted += [Wish(at, lambda runner: runner.pause(), is_mode("paused")),
                        Wish(at + 3, lambda runner: runner.resume(), is_mode("running"))]  # fmt: skip
         wanted.sort(key=lambda wish: wish.at)
-        return [*wanted, Wish(ENDS_AT_S, lambda runner: runner.cancel(), lambda r: r.chart.outcome is not None)]
+        return [*wanted, Wish(ENDS_AT_S, lambda runner: runner.cancel(), lambda r: r.view.outcome is not None)]
 
     def _once(self, number: int, chance: random.Random) -> Wish:
         name = chance.choice(EVENTS)
