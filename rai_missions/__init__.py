@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.event import Event
 
-# `event` and `load` are names of modules of ours too: taken at once, they are these, whoever imports the modules later.
-from rai_missions.mission.files import dump, load
+# `event` is a module's name too: imported at once, it is this one, whatever is imported later.
 from rai_missions.mission.references import answer, event
 
 if TYPE_CHECKING:
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from rai_missions.guards import Elapsed, Guard, Held, In, Named
     from rai_missions.keys import Key
     from rai_missions.mission.builder import After, Keys, On, Ref, When
+    from rai_missions.mission.files import dump, load
     from rai_missions.mission.mission import EventSpec, Mission
     from rai_missions.runtime.runner import Result, Runner
     from rai_missions.states.effects import Call as CallEffect
@@ -72,6 +72,7 @@ ROOMS = {
     "errors": ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError"),
     "event": ("Image", "Tick"),
     "guards": ("Elapsed", "Guard", "Held", "In", "Named"),
+    "mission.files": ("dump", "load"),
     "mission.mission": ("EventSpec", "Mission"),
     "runtime.runner": ("Result", "Runner"),
     "engine.step": ("Step",),

@@ -6,7 +6,6 @@ Rule: a refused proposal, an ignored event and a failed action are values, never
 
 from __future__ import annotations
 
-import difflib
 import os
 import stat
 from collections.abc import Iterable
@@ -67,6 +66,8 @@ class ConnectorError(MissionError):
 def suggestion(given: str, known: Iterable[str]) -> str:
     """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
     known = sorted(set(known))
+    import difflib  # heavy, and needed for a fault alone
+
     close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
     if close:
         return f"; did you mean '{close[0]}'?"

@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from rai_missions.errors import suggestion
-from rai_missions.redaction import shown
 
 if TYPE_CHECKING:
     from rai_missions.guards.guard import Guard
@@ -51,6 +50,8 @@ class Ref:
     def __getitem__(self, field: str) -> Ref:
         known = self._fields()
         if known is not None and field not in known:
+            from rai_missions.redaction import shown  # heavy, and needed for this sentence alone
+
             what = f"'{self.__path__}' has no field {shown(field)}"
             raise AttributeError(what + (suggestion(field, known) if known else "; it is no object"))
         return Ref(f"{self.__path__}.{field}")
