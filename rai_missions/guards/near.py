@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Misfit, Operand, Site, Sources, Test, Truth, Types, View
@@ -16,16 +16,12 @@ from rai_missions.model import Path, Seconds
 __all__ = ("Near",)
 
 
-def _pair(given: Any) -> Any:
-    return tuple(given) if isinstance(given, list) else given
-
-
 class Near(Guard, word="near"):
     """True where two poses of one frame lie within a distance, in the three axes; the heading does not count."""
 
     positional: ClassVar = ("near", "within_m")
 
-    near: Annotated[tuple[Path, Path], BeforeValidator(_pair)]
+    near: tuple[Path, Path]
     within_m: Annotated[Seconds, Field(description="Metres.")]
 
     def compile(self, site: Site) -> Test:

@@ -33,8 +33,13 @@ GUARDED = robot(
 def test_only_the_stop_of_the_run_has_control_let_go(end: str, calls: int) -> None:
     """A robot that is with nobody by itself is left so: what becomes of it is not this run's to say."""
     asked: list[str] = []
+
+    def let_go(_: object) -> dict[str, object]:
+        asked.append("nobody")
+        return {"success": True}
+
     rig = Rig(WAITING, robot=GUARDED)
-    rig.connector.serve("/let_go", "std_srvs/srv/Trigger", lambda _: asked.append("let go") or {"success": True})
+    rig.connector.serve("/let_go", "std_srvs/srv/Trigger", let_go)
     rig.stage.play({
         1.0: lambda: rig.connector.publish("/holder", STRING, {"data": "nobody"}),
         2.0: rig.runner.pause,
