@@ -145,7 +145,7 @@ def mission() -> Mission:
                 transitions=[When(k.alleys_driven >= k.alleys, to="done"), After(3, to="going_on")],
             ),
             "going_on": State(
-                about="what is so reports how",
+                about="what is so shows how",
                 control="agent",
                 transitions=[
                     When(
@@ -161,7 +161,7 @@ def mission() -> Mission:
             ),
             "signalling": Tree(
                 Sequence([CallLeaf("horn", timeout_s=2), WaitLeaf(5)]),
-                about="what lives may walk away; that it is reported gone counts only while the camera is received",
+                about="what lives may walk away; its silence counts only while the camera is received",
                 timeout_s=10,
                 control="agent",
                 entry=[Set(k.signals, add=1)],

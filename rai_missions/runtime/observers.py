@@ -191,7 +191,7 @@ class RobotListener:
             try:
                 holder = source.value(message.data)
                 if not isinstance(holder, str):
-                    raise ConnectorError(f"{cut_repr(holder, 60)} stands where the name of who holds control belongs")
+                    raise ConnectorError(f"{cut_repr(holder, 60)} is given where the name of who holds control belongs")
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
                 self._puzzle("holder", error)
                 return

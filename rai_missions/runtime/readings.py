@@ -97,7 +97,9 @@ def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s:
         ready_s: How long it has waited.
     """
     silent = [name for name, state in missed.items() if not state.received]
-    sentences = [f"the robot has not said within {ready_s:g} s: {', '.join(silent)}; is it running?"] if silent else []
+    sentences = (
+        [f"the robot has not reported within {ready_s:g} s: {', '.join(silent)}; is it running?"] if silent else []
+    )
     for name, state in missed.items():
         off = f"; {in_words(state.offset_s)}" if state.offset_s is not None else ""
         if state.misread:

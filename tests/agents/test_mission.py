@@ -134,7 +134,7 @@ def test_an_agent_whose_run_breaks_off_reports_why(caplog: pytest.LogCaptureFixt
     assert agent._thread is not None
     agent._thread.join(5.0)
     agent.stop()
-    assert agent.result is None and "the robot has not said within 0.05 s: battery" in str(agent.error)
+    assert agent.result is None and "the robot has not reported within 0.05 s: battery" in str(agent.error)
 
 
 def test_an_event_can_be_posted_to_a_run_that_was_prepared() -> None:

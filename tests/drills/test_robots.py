@@ -76,7 +76,7 @@ def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, fo
         try:
             result = runner.run()
         except UsageError as refused:
-            return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
+            return [] if "the robot has not reported" in str(refused) else [f"refused: {refused}"]
     again, steps = replay(path), steps_of(path)
     return [
         *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
@@ -130,7 +130,7 @@ def in_the_yard(seed: int, incoming: Rates, outgoing: Rates, folder: Path, count
         try:
             result = runner.run()
         except UsageError as refused:
-            return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
+            return [] if "the robot has not reported" in str(refused) else [f"refused: {refused}"]
     counts[result.outcome] = counts.get(result.outcome, 0) + 1
     again, steps = replay(path), steps_of(path)
     notes = [note for step in steps for note in step.notes]
@@ -191,7 +191,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
         with prepare(setting) as prepared:
             result = prepared.runner.run()
     except UsageError as refused:
-        return [] if "the robot has not said" in str(refused) else [f"refused: {refused}"]
+        return [] if "the robot has not reported" in str(refused) else [f"refused: {refused}"]
     finally:
         world.close()
     return [

@@ -80,7 +80,7 @@ def test_an_activity_starts_when_the_gate_reports_that_its_holder_has_control() 
 
 
 def test_a_run_begins_once_it_has_received_who_holds_control() -> None:
-    with pytest.raises(UsageError, match="the robot has not said within 10 s: who holds control; is it running"):
+    with pytest.raises(UsageError, match="the robot has not reported within 10 s: who holds control; is it running"):
         Shared({}, gate=False).run()
 
 

@@ -81,7 +81,7 @@ def test_what_was_received_and_not_understood_is_named_with_its_value() -> None:
         rig.run()
     assert "battery was received and not understood: percentage is nan" in str(refused.value)
     assert "there was received and not understood: 'perhaps' is not of type 'boolean'" in str(refused.value)
-    assert "has not said" not in str(refused.value), "it is running"
+    assert "has not reported" not in str(refused.value), "it is running"
 
 
 def test_a_reading_that_is_understood_counts_although_one_before_was_not() -> None:
@@ -98,7 +98,7 @@ def test_a_key_of_which_nothing_came_is_first_among_the_reasons() -> None:
     with pytest.raises(UsageError) as refused:
         rig.run()
     assert str(refused.value) == (
-        "the robot has not said within 2 s: there; is it running? "
+        "the robot has not reported within 2 s: there; is it running? "
         "battery was received and not understood: percentage is inf."
     )
 

@@ -206,7 +206,7 @@ def test_a_robot_key_never_received_refuses_the_start_and_nothing_is_performed()
     }
     rig = Rig(mission(states, blackboard=keys, ready_s=2))
     rig.stage.play({0.5: lambda: rig.publish("/there", data=True)})
-    with pytest.raises(UsageError, match=r"the robot has not said within 2 s: battery; is it running\?"):
+    with pytest.raises(UsageError, match=r"the robot has not reported within 2 s: battery; is it running\?"):
         rig.run()
     assert rig.move.goals == [] and rig.stage.at == pytest.approx(2.0, abs=0.11)
     assert "battery" in rig.book.notes[0], "the journal says why there was no run"

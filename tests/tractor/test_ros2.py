@@ -145,5 +145,5 @@ class TestOnRos:
         mission = graph.run()
         assert mission.ends() == 2
         last = mission.lines.all[-1]
-        assert last.startswith("rai-missions run: the robot has not said within 10 s: alleys_driven, at_home, ")
+        assert last.startswith("rai-missions run: the robot has not reported within 10 s: alleys_driven, at_home, ")
         assert "rai-missions world orchard --ros" in last

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How Fast DDS carries what a node reports, where the user has not reported it.
+"""How Fast DDS carries what a node reports, where the user brings no profile of their own.
 
 Rule: anyone who brings a profile of their own for Fast DDS keeps it whole, and no process that is started meanwhile or
 later inherits ours.
