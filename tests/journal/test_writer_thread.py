@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The thread on which a journal is written: nobody waits for one whose disk hangs."""
+"""The thread on which a journal is written: a hanging disk holds no run up."""
 
 from __future__ import annotations
 

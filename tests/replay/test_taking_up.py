@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What whoever takes up a run leaves behind: what became of what was unsure, its questions, and no open file."""
+"""What the resumption of a run leaves behind: what became of what was unsure, its questions, and no open file."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_what_is_done_again_in_a_world_that_starts_again_was_performed(tmp_path:
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="the system does not list a process's open files")
-def test_a_run_that_is_not_taken_up_leaves_its_journal_closed(tmp_path: Path) -> None:
+def test_a_run_that_is_not_resumed_leaves_its_journal_closed(tmp_path: Path) -> None:
     path = died(tmp_path / "run.journal", LIT)
     with pytest.raises(DefinitionError, match="the mission has changed") as refused:
         open_run(path, mission=LIT.model_copy(update={"about": "changed"}))

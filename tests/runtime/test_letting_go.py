@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run asks of the robot once, and what it asks of nobody: to let go, to cancel, to end what never began."""
+"""What a run asks of the robot once, and what it never asks: to let go, to cancel, to end what never began."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ GUARDED = robot(
 
 @pytest.mark.parametrize(("end", "calls"), [("cancel", 0), ("kill", 1)])
 def test_only_the_stop_of_the_run_has_control_let_go(end: str, calls: int) -> None:
-    """A robot that is with nobody by itself is left so: what becomes of it is not this run's to say."""
+    """A robot that no one controls by its own decision is left so: the run does not change that."""
     asked: list[str] = []
 
     def let_go(_: object) -> dict[str, object]:
@@ -92,7 +92,7 @@ def test_a_goal_that_may_have_arrived_is_canceled_and_one_that_cannot_have_is_no
     assert reported == [(1, "rejected"), (2, "rejected")]
 
 
-def test_a_call_that_nobody_serves_ends_once() -> None:
+def test_a_call_without_a_server_ends_once() -> None:
     book = MemoryJournal()
     states = {
         "calling": {"call": "horn", "timeout_s": 5, "transitions": [{"on": "rejected", "to": "waiting"}]},
