@@ -203,7 +203,7 @@ def test_a_dot_of_the_user_comes_first(tmp_path: Path, monkeypatch: pytest.Monke
 def test_without_graphviz_the_error_states_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    with pytest.raises(UsageError, match=r"neither `dot` nor `graphviz-pure`.*pip install 'rai-missions\[draw\]'"):
+    with pytest.raises(UsageError, match=r"neither `dot` nor `graphviz-pure`.*pip install '\.\[draw\]'"):
         render(picture(tractor()), "svg")
 
 
