@@ -99,7 +99,7 @@ def unreachable_states(survey: MissionIndex) -> Found:
 
 
 def _own_fault(survey: MissionIndex, spot: StateRef) -> bool:
-    """Whether nothing else is notified of it that explains why it is not reached."""
+    """Whether no other finding explains why it is not reached."""
     homeless = spot.parent is None or isinstance(spot.parent.state, Parallel)
     return survey.by_name[spot.name] is spot and not (homeless and isinstance(spot.state, History))
 

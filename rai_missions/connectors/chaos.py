@@ -36,7 +36,7 @@ class Rates:
     garble: float = 0.05
     """A field of a message on a topic is NaN, infinite, missing, or of another type."""
     silence: float = 0.0
-    """A topic has nothing more to state from this message on."""
+    """The last message of a topic has come."""
     longest_s: float = 1.0
 
 

@@ -123,7 +123,7 @@ class GateAgent:
             self.close()
 
     def open(self) -> None:
-        """Stop the actuators, state who holds control, and listen.
+        """Stop the actuators, publish who holds control, and listen.
 
         Raises:
             ConnectorError: A type is not there, or a stop is no message of its topic's type.

@@ -74,7 +74,7 @@ OneService = Annotated[
     PlainSerializer(_short, return_type=Any),
     _OrItsName(),
 ]
-"""A service; its name alone in JSON where there is no more to state."""
+"""A service; in JSON its name alone where it has no other field."""
 
 
 class ActionEntry(MissionModel):

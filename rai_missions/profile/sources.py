@@ -62,7 +62,7 @@ class Source(MissionModel):
     json_: Bool = Field(default=False, alias="json")
     """The field, or `data` where none is named, is JSON text; what it reports is the value."""
     read: Read | None = Field(default=None, alias="as")
-    """`pose` or `image`; left out, the type of the message states it."""
+    """`pose` or `image`; left out, it follows from the type of the message."""
 
     @model_validator(mode="after")
     def _has_a_source(self) -> Self:

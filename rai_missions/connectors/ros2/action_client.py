@@ -61,7 +61,7 @@ class ClientGoal:
         self._is_unwanted = self._is_sent = self._is_asking = self._is_overdue = False
         self._may_run = True
         self.is_over = self.is_settled = False
-        """`is_settled`: its end is known, or its server has reported what it thinks of a cancel."""
+        """`is_settled`: its end is known, or its server has reported whether it cancels."""
         self.peers: Peers = NO_PEERS
         self.sightings = Sightings()
         self.is_contested = False
@@ -133,7 +133,7 @@ class ClientGoal:
         early.cancel_goal_async().add_done_callback(lambda _future: leave())
 
     def cancel_blindly(self) -> None:
-        """Ask for its end whether or not it was accepted, and although no one is notified of it."""
+        """Ask for its end whether or not it was accepted, and although no one waits for it."""
         if self._is_sent:
             self._ask(self._handle or ClientGoalHandle(self._client.client, self._uuid, None), lambda: None)
 

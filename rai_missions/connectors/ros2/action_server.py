@@ -86,7 +86,7 @@ class Served:
             self._on_report(goal, Report(goal.goal_id, "rejected", {}, f"{type(fault).__name__}: {fault}"))
 
     def accepted(self, handle: Any) -> None:
-        """rclpy has sent the client that its goal was accepted."""
+        """rclpy has answered the client: its goal is accepted."""
         goal = self._goals[goal_id_from_bytes(bytes(handle.goal_id.uuid))]
         goal.handle = handle
         handle.execute()
@@ -108,7 +108,7 @@ class Served:
 
     def _on_report(self, goal: _Goal, report: Report) -> None:
         if report.status == "cancel_rejected":
-            goal.is_refused = True  # counts while the server is being asked; later it is too late for ROS to state it
+            goal.is_refused = True  # counts while the server is being asked; ROS cannot report it later
         elif report.goal_id == goal.goal_id:
             self._runtime.post(lambda: self._report(goal, report))
 
@@ -134,7 +134,7 @@ class Served:
         self._entity.decide(goal.request, decision)
 
     def _finish(self, goal: _Goal, report: Report) -> None:
-        if goal.handle is None or self._entity is None:  # its client went away before it could be notified
+        if goal.handle is None or self._entity is None:  # its client went away before
             self._forget(goal)
             return
 

@@ -45,7 +45,7 @@ class Options:
     sim_time: bool = False
     """Time is what `/clock` reports."""
     discovery_s: float = 3.0
-    """Seconds in which anyone who is there is found; who is not found then is not there."""
+    """Seconds in which every peer that exists is found; one that is not found by then does not exist."""
     pictures: bool = False
     """This process publishes pictures; then Fast DDS is given the shared memory that they take."""
     qos: Mapping[str, QosProfile] = field(default_factory=lambda: MappingProxyType({}))

@@ -203,7 +203,7 @@ class Ros2Connector:
         session = self._session
         try:
             cls = self._type("action", action, type_name) if session is not None else None
-        except ConnectorError:  # its first use states it
+        except ConnectorError:  # its first use raises it
             cls = None
         if session is None or cls is None:
             on_result("")

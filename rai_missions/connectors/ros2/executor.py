@@ -36,7 +36,7 @@ CLOCK = "/clock"
 """Is received last: time shall not continue before what was reported until then is received, however long no one
 listened."""
 A_TURN = 10
-"""How many messages one turn may bring, as many as wait in a queue where no one reports otherwise."""
+"""How many messages one turn may bring, as many as a queue holds by default."""
 EVENTS_S = 0.1
 """How soon someone is notified that a publisher does not fit: each subscription has such an event, and none is
 urgent."""

@@ -75,7 +75,7 @@ class GoalClient:
         self.patience_s = 0.0
 
     def observe(self, topic: str, cls: Any, quality: Any, on_message: Callable[[Any], None]) -> Work:
-        """Listen to what the server reports everybody: its `status` or `feedback`; returns what ends it."""
+        """Listen to what the server publishes: its `status` or `feedback`; returns what ends it."""
         node, name = self.runtime.node, f"{self.action}/_action/{topic}"
         ear = node.create_subscription(cls, name, on_message, quality, callback_group=self.runtime.group)
         self.runtime.keep(ear, lambda: node.destroy_subscription(ear))

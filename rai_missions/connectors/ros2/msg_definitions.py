@@ -74,7 +74,7 @@ def _text(package: str, name: str) -> str:
 
 
 def _prefixes(package: str) -> Iterator[Path]:
-    """Where packages of ROS are installed: a sourced ROS states it, wheels have it next to Python's own."""
+    """Where packages of ROS are installed: a sourced ROS names the folder, wheels have it next to Python's own."""
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         if prefix:
             yield Path(prefix)

@@ -23,7 +23,7 @@ from rai_missions.redaction import logger
 __all__ = ("AT_ONCE", "MANY", "Client", "InFlightLimit", "Service")
 
 AT_ONCE = 10
-"""The depth of a ROS service's queue where no one reports otherwise."""
+"""The default depth of a ROS service's queue."""
 Leave = Callable[[], None]
 
 

@@ -34,7 +34,7 @@ log = logger(__name__)
 NAMESAKE_S = 1.5
 """After so long anyone who is there is known."""
 FAREWELL_S = 3.0
-"""How long a stop waits for a server of its goals to state that it has learned of it, from one answer to the next."""
+"""How long a stop waits for a server of its goals to acknowledge it, from one answer to the next."""
 
 
 class Session:
