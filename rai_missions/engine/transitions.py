@@ -197,9 +197,7 @@ class Graph(Compiled):
             return
         entered.add(node)
         if node.is_parallel:
-            for child in node.children:
-                if not any(each is child or each.inside(child) for each in entered):
-                    self._descend(child, entered, memory)
+            self._regions(node, entered, memory)
         elif node.is_compound and not node.is_each:
             self._into(node.initial, node, entered, memory)
 
@@ -210,9 +208,13 @@ class Graph(Compiled):
                 break
             entered.add(ancestor)
             if ancestor.is_parallel:
-                for child in ancestor.children:
-                    if not any(each is child or each.inside(child) for each in entered):
-                        self._descend(child, entered, memory)
+                self._regions(ancestor, entered, memory)
+
+    def _regions(self, parallel: Node, entered: set[Node], memory: Memory) -> None:
+        """The regions of a parallel state in which nothing is entered yet, by default."""
+        for child in parallel.children:
+            if not any(each is child or each.inside(child) for each in entered):
+                self._descend(child, entered, memory)
 
 
 def _is_done(node: Node, nodes: set[Node]) -> bool:

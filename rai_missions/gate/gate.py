@@ -40,7 +40,7 @@ from rai_missions.gate.state import (
 )
 from rai_missions.redaction import cut, logger
 from rai_missions.runtime.clock import Clock, WallClock
-from rai_missions.runtime.lifecycle import CONTROLLERS
+from rai_missions.runtime.lifecycle import HOLDERS
 from rai_missions.runtime.mailbox import Mailbox
 
 __all__ = ("GateAgent",)
@@ -138,7 +138,7 @@ class GateAgent:
                 self._subscribe(f"{below}{topic.topic}", topic.type, partial(self._command, who, topic.topic))
             self._subscribe(f"{below}/alive", EMPTY, partial(self._live, who))
             self._subscribe(f"{below}/request", STRING, partial(self._ask_by_message, who))
-            for to in CONTROLLERS:
+            for to in HOLDERS:
                 service = f"{below}/hand_to_{to}"
                 self._closes.append(self._connector.serve(service, TRIGGER, partial(self._serve, to, who)))
         self._subscribe(f"{name}/status", STRING, self._look_at_gate)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rai_missions.errors import irregular
 from rai_missions.redaction import logger
-from rai_missions.runtime.lifecycle import CONTROLLERS
+from rai_missions.runtime.lifecycle import HOLDERS
 
 __all__ = ("Memory", "usual_path")
 
@@ -42,7 +42,7 @@ class Memory:
         except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             log.warning("who held control last is not known, so no one has it: %s: %s", self.path, error)
             return "nobody"
-        return safe if last in CONTROLLERS and last not in ("operator", "nobody") else "nobody"
+        return safe if last in HOLDERS and last not in ("operator", "nobody") else "nobody"
 
     def note(self, holder: str) -> None:
         """Control is with another holder from now on; a file that cannot be written is logged."""

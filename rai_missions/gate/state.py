@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.runtime.lifecycle import CONTROLLERS
+from rai_missions.runtime.lifecycle import HOLDERS
 
 __all__ = (
     "COMMANDERS",
@@ -31,7 +31,7 @@ __all__ = (
     "status_of",
 )  # fmt: skip
 
-COMMANDERS: tuple[str, ...] = tuple(each for each in CONTROLLERS if each != "nobody")
+COMMANDERS: tuple[str, ...] = tuple(each for each in HOLDERS if each != "nobody")
 """Who can command the actuators while they hold control."""
 NOTHING: Mapping[str, Any] = {}
 

@@ -22,7 +22,7 @@ from rai_missions.node.command import GOOD_FOR_S, Command, CommandReply, ReplyCa
 from rai_missions.node.status_message import OpenQuestion
 from rai_missions.profile import Robot
 from rai_missions.redaction import Redaction, cut, logger
-from rai_missions.runtime.lifecycle import CONTROLLERS, Status, is_operator
+from rai_missions.runtime.lifecycle import HOLDERS, Status, is_operator
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.runner import Result, Runner
 
@@ -185,8 +185,8 @@ class RunSession:
 
     def _refuses(self, order: Command) -> str:
         """Why an order is not put to the engine at all."""
-        if order.command == "control" and order.to not in CONTROLLERS:
-            return f"nobody called '{cut(order.to, 60)}' can hold control{suggestion(order.to, CONTROLLERS)}"
+        if order.command == "control" and order.to not in HOLDERS:
+            return f"nobody called '{cut(order.to, 60)}' can hold control{suggestion(order.to, HOLDERS)}"
         if order.command == "control":
             return self.runner.view.refuses_control(order.to, _controller(order.by))
         if order.command == "post":
@@ -275,7 +275,7 @@ def _request(event: Event) -> str:
 
 def _controller(by: str) -> str:
     """As whom somebody asks for control: one of those who can hold it, else as the operator."""
-    return by if by in CONTROLLERS or is_operator(by) else f"operator ({by})"
+    return by if by in HOLDERS or is_operator(by) else f"operator ({by})"
 
 
 def _receipt(order: Command, step: Step) -> CommandReply:

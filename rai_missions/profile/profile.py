@@ -7,7 +7,7 @@ Rule: a profile states where things are received and done, never what they mean 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
@@ -17,12 +17,10 @@ from rai_missions.guards.guard import Guard
 from rai_missions.model import Json, MissionModel, Name, OneOf, Text, fault
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
-from rai_missions.states.state import Controller
+from rai_missions.states.state import HOLDERS
 
 __all__ = ("Endpoint", "Robot", "Rule", "ToolPolicy", "endpoints", "terms")
 
-
-CONTROLLERS: tuple[str, ...] = (*get_args(Controller), "nobody")
 HANDS_OVER = ("agent", "operator")
 """By whom control may be handed over; each has services of its own where the name reports `{by}`."""
 
@@ -103,8 +101,8 @@ class Robot(MissionModel):
     @field_validator("control")
     @classmethod
     def _knows_its_controllers(cls, control: dict[str, ServiceEntry]) -> dict[str, ServiceEntry]:
-        for holder in control.keys() - set(CONTROLLERS):
-            raise fault("control", f"no one called '{holder}' can hold control{suggestion(holder, CONTROLLERS)}")
+        for holder in control.keys() - set(HOLDERS):
+            raise fault("control", f"no one called '{holder}' can hold control{suggestion(holder, HOLDERS)}")
         return control
 
     @model_validator(mode="after")

@@ -32,8 +32,10 @@ from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
 from rai_missions.states.compound import Each
 
-__all__ = ("PURSUED", "Abstraction")
+__all__ = ("INDIFFERENT", "MANY", "PURSUED", "Abstraction")
 
+INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
+"""What of a run makes no difference to what can happen next."""
 REMEMBERED = 4096
 """Of so many configurations it is remembered what they wait for."""
 MANY = 2

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, StepDraft, copied
-from rai_missions.prove.abstraction import PURSUED, Abstraction
+from rai_missions.prove.abstraction import INDIFFERENT, PURSUED, Abstraction
 from rai_missions.prove.activity_key import plain, told, told_timer
 from rai_missions.prove.branches import Groups
 from rai_missions.prove.control_env import kept_words
@@ -35,8 +35,6 @@ NO_DRAFT = StepDraft()
 """Saved states have gathered nothing."""
 A_LITTLE_S = 1e-3
 """A state is older than a guard asks for by so much, so that a sum of floats does not fall short."""
-INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
-"""What of a run makes no difference to what can happen next."""
 
 
 class Saved(NamedTuple):

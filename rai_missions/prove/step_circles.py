@@ -16,7 +16,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.state import TABLE, Holds, RunState
-from rai_missions.prove.abstraction import MANY, Abstraction
+from rai_missions.prove.abstraction import INDIFFERENT, MANY, Abstraction
 from rai_missions.prove.activity_key import plain, told, told_timer
 from rai_missions.prove.open_world import OpenWorld
 
@@ -26,7 +26,6 @@ PATIENCE = 32
 """Microsteps after which it looks whether the step goes round."""
 MARGIN = 2
 """Where one limit comes by no more circles before another, the run goes there by itself."""
-INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
 
 
 class Visit(NamedTuple):

@@ -18,11 +18,11 @@ from rai_missions.engine.modes import MODE_TABLE, MODES, next_mode
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import is_operator
+from rai_missions.states.state import HOLDERS
 
-__all__ = ("CONTROLLERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
+__all__ = ("HOLDERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
-CONTROLLERS = ("autonomy", "agent", "operator", "nobody")
 
 CONTROL_ROWS: list[dict[str, Any]] = [
     {"trigger": "hand_to_autonomy", "source": ["autonomy", "agent", "operator"], "dest": "autonomy"},
@@ -40,7 +40,7 @@ class Status(NamedTuple):
     mode: str
     """One of `MODES`."""
     control: str
-    """One of `CONTROLLERS`."""
+    """One of `HOLDERS`."""
     active: tuple[str, ...]
     """The active states in the order of the hierarchy: outer before inner, in document order."""
     outcome: str | None = None
@@ -77,7 +77,7 @@ class Control:
     """Who holds control. It is handed over by request and acknowledgement; a command of anybody else is refused."""
 
     def __init__(self, holder: str = "autonomy") -> None:
-        self._machine = _machine(CONTROL_ROWS, CONTROLLERS, holder)
+        self._machine = _machine(CONTROL_ROWS, HOLDERS, holder)
         self.requested: str | None = None
         """Whom it was asked for and has not reached yet."""
         self.kept = False
@@ -96,8 +96,8 @@ class Control:
         Raises:
             UsageError: No one of that name can hold control.
         """
-        if to not in CONTROLLERS:
-            raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(CONTROLLERS)}")
+        if to not in HOLDERS:
+            raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(HOLDERS)}")
         if self.holder == "nobody" and not is_operator(by):
             return "control is with nobody since the stop; only the operator can lift it"
         if self.kept and not is_operator(by) and to != "nobody":

@@ -21,7 +21,7 @@ from rai_missions.gate.state import (
     Request,
     TimePassed,
 )
-from rai_missions.runtime.lifecycle import CONTROLLERS
+from rai_missions.runtime.lifecycle import HOLDERS
 
 __all__ = ("Lived", "happenings", "live", "terms")
 
@@ -49,7 +49,7 @@ def _one(at: float) -> st.SearchStrategy[GateEvent]:
     return st.one_of(
         _command(at),
         _command(at),
-        st.builds(Request, st.just(at), st.sampled_from([*CONTROLLERS, "bob"]), st.sampled_from([*COMMANDERS, "eve"])),
+        st.builds(Request, st.just(at), st.sampled_from([*HOLDERS, "bob"]), st.sampled_from([*COMMANDERS, "eve"])),
         st.builds(Alive, st.just(at), WHO),
         st.builds(TimePassed, st.just(at)),
     )

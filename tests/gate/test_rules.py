@@ -29,7 +29,7 @@ from rai_missions.gate.state import (
     TimePassed,
     status_of,
 )
-from rai_missions.runtime.lifecycle import CONTROLLERS, Control
+from rai_missions.runtime.lifecycle import HOLDERS, Control
 from tests.gate.happenings import happenings, live, terms
 
 AGENT_ALONE = GateRules(leases={"agent": 0.5})
@@ -46,7 +46,7 @@ def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
     holder, revision = given_.safe, 0
     for deed in deeds(given_, happened):
         if isinstance(deed, ControlChange):
-            assert deed.former == holder != deed.holder and deed.holder in CONTROLLERS
+            assert deed.former == holder != deed.holder and deed.holder in HOLDERS
             assert deed.revision == revision + 1
             holder, revision = deed.holder, deed.revision
         elif not isinstance(deed, PublishStatus):
@@ -109,7 +109,7 @@ def test_control_changes_by_a_granted_request_or_by_silence_alone(
 @given(terms, happenings)
 def test_requests_are_judged_as_the_lifecycle_judges_them(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     for before, what, after, done in live(given_, happened):
-        if isinstance(what, Request) and what.by in COMMANDERS and what.to in CONTROLLERS:
+        if isinstance(what, Request) and what.by in COMMANDERS and what.to in HOLDERS:
             control = Control(before.holder)
             control.kept = before.kept
             if after.at >= before.lapses_at(given_):
