@@ -22,7 +22,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -227,9 +227,8 @@ class Covered:
 
     def every(self) -> list[str]:
         """The tests of all lines."""
-        contexts = {each for lines in self._lines.values() for line in lines.values() for each in line if each}
-        names = {context.rpartition("|")[0] for context in contexts}
-        return sorted(name for name in names if _junit_name(name) in self._seconds)
+        contexts = (each for lines in self._lines.values() for line in lines.values() for each in line)
+        return [name for _, name in self._timed(contexts)]
 
     def tests(self, mutant: Mutant) -> list[tuple[float, str]]:
         """The tests that pass and run the line of a mutant with their seconds, the quickest first.
@@ -240,6 +239,10 @@ class Covered:
         contexts = [each for each in lines.get(mutant.line, []) if each] or [
             each for line in lines.values() for each in line
         ]
+        return self._timed(contexts)
+
+    def _timed(self, contexts: Iterable[str]) -> list[tuple[float, str]]:
+        """The tests of contexts that pass, with their seconds; a context is a test and its phase, `a.py::b|run`."""
         names = {context.rpartition("|")[0] for context in contexts if context}
         timed = ((self._seconds.get(_junit_name(name)), name) for name in names)
         return sorted((seconds, name) for seconds, name in timed if seconds is not None)

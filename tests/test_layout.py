@@ -37,7 +37,7 @@ ELSEWHERE = {
 INNER = {
     "answerers/model_process": "`answerers/model/process`, one level up: pytest's paths stay short",
     "gate/ros": "a gate on a ROS graph",
-    "mission/examples": "missions that the guides explain",
+    "mission/examples": "the profile of the mission that the guides explain",
     "node/ros": "a node on a ROS graph",
     "visualize/stored": "pictures to compare with",
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The examples by which the format is explained, completed: they pass the check, run, and are drawn.
 
-`examples/` holds the orchard's mission in JSON and in Python, and a profile of the simulated tractor.
+The mission is `data/tractor_design`, in JSON and in Python; `examples/` holds a profile of the simulated tractor.
 """
 
 from __future__ import annotations
@@ -18,18 +18,19 @@ from rai_missions.profile import load_profile, missing
 from rai_missions.trees import PyTrees
 
 EXAMPLES = Path(__file__).parent / "examples"
+DATA = Path(__file__).parents[1] / "data"
 BRANCH = {"kind": "branch", "distance_m": 3.0, "height_m": 0.1, "living": False}
 PERSON = {"kind": "person", "distance_m": 3.0, "height_m": 1.7, "living": True}
 
 
-@pytest.fixture(params=["orchard.json", "orchard.py"])
+@pytest.fixture(params=["tractor_design.json", "tractor_design.py"])
 def example(request: pytest.FixtureRequest) -> Path:
-    return EXAMPLES / str(request.param)
+    return DATA / str(request.param)
 
 
 def test_the_twins_are_one_mission(tmp_path: Path) -> None:
-    mission = load(EXAMPLES / "orchard.json")
-    assert load(EXAMPLES / "orchard.py") == mission
+    mission = load(DATA / "tractor_design.json")
+    assert load(DATA / "tractor_design.py") == mission
     dump(mission, tmp_path / "again.json")
     assert load(tmp_path / "again.json") == mission
 
@@ -79,7 +80,7 @@ def test_a_snapshot_continues_as_the_chart_itself(example: Path) -> None:
 
 
 def test_it_runs_in_the_simulated_orchard_and_is_drawn(tmp_path: Path) -> None:
-    mission, path = load(EXAMPLES / "orchard.json"), tmp_path / "run.journal"
+    mission, path = load(DATA / "tractor_design.json"), tmp_path / "run.journal"
     result = run(mission, EXAMPLES / "robot.json", arguments={"alleys": 1}, journal=path)
     assert result.outcome == "succeeded", result.why
     with journal.read(path) as record:

@@ -28,7 +28,7 @@ from tests.rigs.journals import MemoryJournal
 
 __all__ = (
     "KEYS", "ROBOT", "ManualClock", "ManualServer", "Plan", "PlannedServer", "ReplyingAnswerer", "Rig", "ScriptedWorld",
-    "by_hand", "mission", "robot",
+    "asking", "by_hand", "mission", "robot",
 )  # fmt: skip
 
 Json = dict[str, Any]
@@ -239,6 +239,20 @@ class ManualClock:
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
         """It is set by hand."""
+
+
+def asking(**words: Any) -> Json:
+    """The states of a mission that asks the agent for left or right; the words are those of its decision."""
+    options = {"left": {}, "right": {}}
+    decision = {"question": "Which?", "options": options, "ask": ["agent"], "fallback": "right", **words}
+    return {
+        "asking": {
+            "decision": decision,
+            "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
+        },
+        "over": {"final": "aborted"},
+        "lost": {"final": "failed"},
+    }
 
 
 def mission(states: Json, **words: Any) -> Mission:

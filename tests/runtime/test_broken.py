@@ -23,7 +23,7 @@ from rai_missions.journal import Header, Journal, read
 from rai_missions.replay.rebuild import mission_of
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer
 from tests.rigs.journals import MemoryJournal
-from tests.rigs.runs import KEYS, Rig, mission, robot
+from tests.rigs.runs import KEYS, Rig, asking, mission, robot
 
 MOVING: dict[str, Any] = {
     "idle": {"transitions": [{"on": "go", "to": "moving"}]},
@@ -50,21 +50,7 @@ CALLING: dict[str, Any] = {
     "nobody": {"final": "failed"},
     "late": {"final": "failed"},
 }
-ASKING: dict[str, Any] = {
-    "asking": {
-        "decision": {
-            "question": "Which?",
-            "options": {"left": {}, "right": {}},
-            "ask": ["agent"],
-            "attempts": 3,
-            "deadline_s": 30,
-            "fallback": "right",
-        },
-        "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
-    },
-    "over": {"final": "aborted"},
-    "lost": {"final": "failed"},
-}
+ASKING = asking(attempts=3, deadline_s=30)
 
 
 @pytest.fixture(autouse=True)

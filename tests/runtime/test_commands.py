@@ -19,7 +19,7 @@ from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import MODES, Lifecycle, Status
 from rai_missions.runtime.runner import Result
 from rai_missions.testing import LateAnswerer
-from tests.rigs.runs import Rig, mission
+from tests.rigs.runs import Rig, asking, mission
 
 MOVING: dict[str, Any] = {
     "moving": {
@@ -49,20 +49,7 @@ DRIVING: dict[str, Any] = {
     },
     "over": {"final": "aborted"},
 }
-ASKING: dict[str, Any] = {
-    "asking": {
-        "decision": {
-            "question": "Which?",
-            "options": {"left": {}, "right": {}},
-            "ask": ["agent"],
-            "deadline_s": 30,
-            "fallback": "right",
-        },
-        "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
-    },
-    "over": {"final": "aborted"},
-    "lost": {"final": "failed"},
-}
+ASKING = asking(deadline_s=30)
 
 
 def test_a_pause_cancels_the_goal_keeps_the_time_left_and_resume_starts_it_again() -> None:

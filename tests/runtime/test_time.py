@@ -25,26 +25,13 @@ from rai_missions.runtime.clock import SimulatedClock, WallClock
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.runner import Result, Runner
 from tests.rigs.journals import steps_of
-from tests.rigs.runs import ManualServer, ReplyingAnswerer, Rig, ScriptedWorld, mission, robot
+from tests.rigs.runs import ManualServer, ReplyingAnswerer, Rig, ScriptedWorld, asking, mission, robot
 
 CALLING: dict[str, Any] = {
     "calling": {"call": "horn", "timeout_s": 5, "transitions": [{"on": "succeeded", "to": "over"}]},
     "over": {"final": "aborted"},
 }
-ASKING: dict[str, Any] = {
-    "asking": {
-        "decision": {
-            "question": "Which?",
-            "options": {"left": {}, "right": {}},
-            "ask": ["agent"],
-            "deadline_s": 20,
-            "fallback": "right",
-        },
-        "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "lost"}],
-    },
-    "over": {"final": "aborted"},
-    "lost": {"final": "failed"},
-}
+ASKING = asking(deadline_s=20)
 
 
 def test_ten_hours_go_by_in_seconds_and_every_minute_is_kept() -> None:
