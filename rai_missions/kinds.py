@@ -22,12 +22,15 @@ if TYPE_CHECKING:
     from importlib.metadata import Distribution
 
 __all__ = (
-    "EVENT", "HELD", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse", "Offer",
-    "Reference", "Refers", "escaped", "fields_of", "found", "inside", "lacking", "named", "offered", "offers",
-    "rewritten",
+    "EVENT", "HELD", "INTERFACES", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse",
+    "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "escaped", "fields_of", "found", "inside",
+    "lacking", "named", "offered", "offers", "rewritten",
 )  # fmt: skip
 
-Sort = Literal["state", "key", "event", "timer", "trigger", "path", "template", "operand", "predicate"]
+Interface = Literal["action", "service", "topic"]
+"""What a robot's profile names."""
+Sort = Literal["state", "key", "event", "timer", "trigger", "path", "template", "operand", "predicate", Interface]
+INTERFACES: tuple[Interface, ...] = get_args(Interface)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,10 @@ class Refers:
     `operand`: a value, or another key as `{"key": path}`; `trigger`: events, outcomes and options."""
     written: str = ""
     """For a key that is written here, by what: `result`, `each`, `set` or `status`; empty where it is read."""
+
+
+class OneOrMany:
+    """In a field's annotation: a list of one may be written as its item, and has its place."""
 
 
 STATE, KEY, EVENT, TIMER = Refers("state"), Refers("key"), Refers("event"), Refers("timer")
@@ -56,6 +63,18 @@ class Reference(NamedTuple):
     """The JSON pointer of the name."""
 
 
+class KeyValue(NamedTuple):
+    """A key of the mission that a written thing writes, and with what."""
+
+    key: str
+    place: str
+    """The JSON pointer of the key's name; for `set`, `add` and `from` that of the effect."""
+    by: str
+    """`set`, `add`, `from`, `result`, `each`, or `status` for what a tree's node reports."""
+    value: Any = None
+    """The constant, the number added, or the path."""
+
+
 class FieldUse(NamedTuple):
     """A field that refers to something, or holds written things."""
 
@@ -68,6 +87,7 @@ class FieldUse(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class _Listed:
     item: Any
+    one_or_many: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +111,8 @@ def _fields_of(kind: Any) -> tuple[FieldUse, ...]:
     for name, field in kind.model_fields.items():
         marked = [each for each in field.metadata if isinstance(each, Refers)]
         hint = marked[0] if marked else _hint(field.annotation)
+        if isinstance(hint, _Listed):
+            hint = _Listed(hint.item, any(isinstance(each, OneOrMany) for each in field.metadata))
         if hint is not None:
             uses.append(FieldUse(name, field.alias or name, hint))
     return tuple(uses)
@@ -134,8 +156,9 @@ def _found(given: Any, hint: Any, place: str) -> Iterator[Reference]:
         elif (word := _other(given)) is not None:
             yield Reference(PATH, given[word], f"{place}/{word}")
     elif isinstance(hint, _Listed):
+        bare = hint.one_or_many and len(given) == 1
         for index, item in enumerate(given):
-            yield from _found(item, hint.item, f"{place}/{index}")
+            yield from _found(item, hint.item, place if bare else f"{place}/{index}")
     elif isinstance(hint, _Worded):
         for word, item in given.items():
             here = f"{place}/{escaped(word)}"

@@ -31,11 +31,26 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import DefinitionError, UsageError, suggestion
-from rai_missions.kinds import EVENT, KEY, PATH, STATE, TIMER, Offer, Reference, found, inside, offered
+from rai_missions.kinds import (
+    EVENT,
+    KEY,
+    PATH,
+    STATE,
+    TIMER,
+    KeyValue,
+    Offer,
+    OneOrMany,
+    Reference,
+    Refers,
+    found,
+    inside,
+    offered,
+)
 from rai_missions.validation_errors import faults_of
 
 __all__ = (
     "FAMILY",
+    "ActionName",
     "Bool",
     "EventName",
     "Integer",
@@ -47,11 +62,13 @@ __all__ = (
     "OneOf",
     "Path",
     "Seconds",
+    "ServiceName",
     "StateName",
     "StateNames",
     "TaggedModel",
     "Text",
     "TimerName",
+    "TopicName",
     "fault",
     "kind_of",
     "one_or_many",
@@ -81,7 +98,7 @@ def _shorter(value: tuple[Any, ...]) -> Any:
     return value[0] if len(value) == 1 else list(value)
 
 
-class _OneOrManySchema:
+class _OneOrManySchema(OneOrMany):
     """Tells a JSON Schema that a word may stand without its list."""
 
     def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
@@ -101,6 +118,10 @@ StateName = Annotated[Name, STATE]
 KeyName = Annotated[Name, KEY]
 EventName = Annotated[Name, EVENT]
 TimerName = Annotated[Name, TIMER]
+ActionName = Annotated[Name, Refers("action")]
+"""An action of the robot's profile."""
+ServiceName = Annotated[Name, Refers("service")]
+TopicName = Annotated[Name, Refers("topic")]
 StateNames = Annotated[tuple[StateName, ...], Field(min_length=1), *one_or_many]
 Bool = Annotated[bool, Strict()]
 Integer = Annotated[int, Strict()]
@@ -198,6 +219,12 @@ class MissionModel(Model):
     def references(self, place: str = "") -> Iterator[Reference]:
         """What it refers to itself, each with its JSON pointer: names of states, keys, events, and paths."""
         return found(self, place)
+
+    def writes(self, place: str = "") -> Iterator[KeyValue]:
+        """The mission's keys that it writes itself."""
+        for refers, name, here in self.references(place):
+            if refers.written:
+                yield KeyValue(name, here, refers.written)
 
     def inside(self, place: str = "") -> Iterator[tuple[str, Any]]:
         """The written things directly inside it, each with its JSON pointer."""

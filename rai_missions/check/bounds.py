@@ -6,11 +6,11 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 
-from rai_missions.check.index import MissionIndex, StateRef, Work
+from rai_missions.check.index import MissionIndex, RobotUse, StateRef
 from rai_missions.check.pointers import pointer
+from rai_missions.kinds import Interface
 from rai_missions.mission.option_parameters import schema_fault
-from rai_missions.states import Action
-from rai_missions.states.tree import ActionLeaf
+from rai_missions.states.effects import Effect
 
 __all__ = ("misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "wrong_parameters")
 
@@ -20,26 +20,23 @@ ANSWERERS = ("agent", "operator", "rules")
 
 def unbounded_actions(survey: MissionIndex) -> Found:
     """An action has a `timeout_s`, or something around it does."""
-    for work in survey.works:
-        if isinstance(work.work, Action | ActionLeaf) and not _bounded(work):
-            yield (
-                work.place,
-                f"action '{work.work.action}' has no 'timeout_s', so it may run for ever; add one, in seconds",
-            )
+    for use in _unbounded(survey, "action"):
+        yield use.place, f"action '{use.name}' has no 'timeout_s', so it may run for ever; add one, in seconds"
 
 
 def unbounded_calls(survey: MissionIndex) -> Found:
     """A call has a `timeout_s`, or something around it does."""
-    for work in survey.works:
-        if not isinstance(work.work, Action | ActionLeaf) and not _bounded(work):
-            yield (
-                work.place,
-                f"call '{work.work.call}' has no 'timeout_s', so it may wait for ever; add one, in seconds",
-            )
+    for use in _unbounded(survey, "service"):
+        yield use.place, f"call '{use.name}' has no 'timeout_s', so it may wait for ever; add one, in seconds"
 
 
-def _bounded(work: Work) -> bool:
-    return work.timed or work.work.timeout_s is not None or any(_timed(here) for here in work.owner.upward())
+def _unbounded(survey: MissionIndex, sort: Interface) -> Iterator[RobotUse]:
+    """What waits for the robot without an end; an effect waits for nothing."""
+    for use in survey.uses:
+        if use.sort == sort and not isinstance(use.user, Effect) and use.user.timeout_s is None:
+            around = use.scope.owner.upward() if use.scope.owner is not None else ()
+            if not use.scope.timed and not any(map(_timed, around)):
+                yield use
 
 
 def _timed(spot: StateRef) -> bool:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A mission laid out for the rules: each state, row, guard, effect, read and write once, with its place.
 
-Rule: whatever two rules need is worked out here, in one walk; a rule never walks the mission itself.
+Rule: whatever two rules need is worked out here, in one walk; a rule never walks the mission itself. What a kind refers
+to and holds is in the annotations of its fields: no kind is picked out here.
 """
 
 from __future__ import annotations
@@ -10,37 +11,18 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.check.name_table import Lexicon
-from rai_missions.check.pointers import NodeRef, guard_parts, pointer, template_reads, tree_nodes
+from rai_missions.check.pointers import guard_parts, pointer
 from rai_missions.guards import Guard
-from rai_missions.kinds import PATH
+from rai_missions.kinds import INTERFACES, Interface
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
-from rai_missions.states import (
-    Action,
-    Call,
-    Decision,
-    DecisionSpec,
-    Each,
-    Final,
-    Include,
-    Option,
-    State,
-    Transition,
-    Tree,
-)
-from rai_missions.states.effects import Call as CallEffect
-from rai_missions.states.effects import Effect, Publish, Raise, Set
-from rai_missions.states.tree import (
-    ActionLeaf,
-    CallLeaf,
-    CheckLeaf,
-    DecisionLeaf,
-    EternalGuard,
-    PublishLeaf,
-    SetLeaf,
-    StatusToBlackboard,
-)
+from rai_missions.model import MissionModel
+from rai_missions.states import DecisionSpec, Option, State, Transition
+from rai_missions.states.effects import Effect
+from rai_missions.states.tree import TreeNode
 
-__all__ = ("EffectUse", "GuardUse", "KeyWrite", "MissionIndex", "Read", "Scope", "StateRef", "TransitionRef", "Work")
+__all__ = (
+    "EffectUse", "GuardUse", "KeyWrite", "MissionIndex", "Read", "RobotUse", "Scope", "StateRef", "TransitionRef",
+)  # fmt: skip
 
 
 class StateRef:
@@ -85,6 +67,8 @@ class Scope(NamedTuple):
     row: TransitionRef | None = None
     option: Option | None = None
     """The option in whose subtree of a tree it is."""
+    timed: bool = False
+    """A `timeout` of the tree around it bounds it."""
 
 
 class Read(NamedTuple):
@@ -96,23 +80,22 @@ class Read(NamedTuple):
 
 
 class KeyWrite(NamedTuple):
-    """A key that something writes."""
+    """A key that something writes: a `KeyValue`, and what is around it."""
 
     key: str
     place: str
     by: str
-    """`set`, `add`, `from`, `result`, `each`, or `status` for what a tree's node reports."""
     value: Any
-    """The constant, the number added, or the path."""
     scope: Scope
 
 
 class GuardUse(NamedTuple):
-    """A guard where it is, and what it decides: `row`, `option`, `achieved`, `requires`, `invariant` or `tree`."""
+    """A guard where it is."""
 
     guard: Guard
     place: str
     role: str
+    """The field that holds it: `when`, `achieved`, `requires`, `invariants`, …"""
     scope: Scope
 
 
@@ -124,14 +107,16 @@ class EffectUse(NamedTuple):
     scope: Scope
 
 
-class Work(NamedTuple):
-    """An action or a call, of a state or a leaf."""
+class RobotUse(NamedTuple):
+    """An action, a service or a topic of the robot, and what uses it: a state, a leaf or an effect."""
 
-    work: Action | Call | ActionLeaf | CallLeaf
+    sort: Interface
+    name: str
+    named_at: str
+    """The place of the name."""
+    user: Any
     place: str
-    owner: StateRef
-    timed: bool
-    """A `timeout` of the tree around it bounds it."""
+    scope: Scope
 
 
 class MissionIndex:
@@ -154,8 +139,11 @@ class MissionIndex:
         self.effects: list[EffectUse] = []
         self.reads: list[Read] = []
         self.writes: list[KeyWrite] = []
-        self.works: list[Work] = []
-        self.planted: list[tuple[StateRef, NodeRef]] = []
+        self.uses: list[RobotUse] = []
+        self.nodes: list[tuple[TreeNode, str]] = []
+        """Every node of a tree, outer before inner."""
+        self.state_names: list[tuple[str, str]] = []
+        """The place of each name of a state, and the name."""
         self.asked: list[tuple[DecisionSpec, str, StateRef]] = []
         """Each decision, of a state or a leaf."""
         self.remembered: dict[str, object] = {}
@@ -167,11 +155,8 @@ class MissionIndex:
         self.states = Lexicon("state", self.by_name)
         self.keys = Lexicon("key", mission.blackboard, "declare it under /blackboard")
         self.events = Lexicon("event", (*mission.events, *BUILT_IN_EVENTS), "declare it under /events")
-        for spot in self.spots:
-            self._look(spot)
-        self._rows(mission.transitions, "", None)
-        for name, guard in mission.invariants.items():
-            self._guard(guard, pointer("/invariants", name), "invariant", Scope())
+        self._at = {spot.place: spot for spot in self.spots}
+        self._look(mission, "", Scope())
 
     def _place(self, states: Mapping[str, State], place: str, parent: StateRef | None) -> None:
         for name, state in states.items():
@@ -196,105 +181,58 @@ class MissionIndex:
 
     # -- looking ------------------------------------------------------------------------------------------------------
 
-    def _look(self, spot: StateRef) -> None:
-        state, scope = spot.state, Scope(spot)
-        for word, effects in (("entry", state.entry), ("exit", state.exit)):
-            self._effects(effects, f"{spot.place}/{word}", scope)
-        self._rows(state.transitions, spot.place, spot)
-        if isinstance(state, Action | Call):
-            self._work(state, spot.place, scope, timed=False)
-        elif isinstance(state, Decision):
-            self._asked(state.decision, f"{spot.place}/decision", scope)
-        elif isinstance(state, Tree):
-            for planted in tree_nodes(state.tree, f"{spot.place}/tree"):
-                self.planted.append((spot, planted))
-                self._node(planted, Scope(spot, option=planted.option))
-        elif isinstance(state, Each):
-            self.reads.append(Read(state.each, f"{spot.place}/each", scope))
-            self.writes.append(KeyWrite(state.item, f"{spot.place}/as", "each", state.each, scope))
-        elif isinstance(state, Final) and state.requires is not None:
-            self._guard(state.requires, f"{spot.place}/requires", "requires", scope)
-        elif isinstance(state, Include):
-            self._template(state.with_, f"{spot.place}/with", scope)
+    def _look(self, thing: MissionModel, place: str, scope: Scope) -> None:
+        """Note what a written thing refers to, and what is inside it."""
+        self._refer(thing, place, scope)
+        self.writes += [KeyWrite(*each, scope) for each in thing.writes(place)]
+        for here, inner in thing.inside(place):
+            branch = here[len(place) + 1 :]
+            around = _below(thing, branch, scope) if isinstance(thing, TreeNode) else scope
+            self._held(inner, here, around, role=branch.partition("/")[0])
 
-    def _node(self, planted: NodeRef, scope: Scope) -> None:
-        node, place = planted.node, planted.place
-        if isinstance(node, ActionLeaf | CallLeaf):
-            self._work(node, place, scope, timed=planted.timed)
-        elif isinstance(node, CheckLeaf):
-            self._guard(node.check, f"{place}/check", "tree", scope)
-        elif isinstance(node, EternalGuard):
-            self._guard(node.guard, f"{place}/eternal_guard", "tree", scope)
-        elif isinstance(node, SetLeaf):
-            self._effects((node.effect(),), "", scope, (place,))
-        elif isinstance(node, StatusToBlackboard):
-            self.writes.append(KeyWrite(node.key, f"{place}/{node.word}", "status", None, scope))
-        elif isinstance(node, PublishLeaf):
-            self._template(node.message, f"{place}/message", scope)
-        elif isinstance(node, DecisionLeaf):
-            self._asked(node.decision, f"{place}/decision", scope)
+    def _refer(self, thing: MissionModel, place: str, scope: Scope) -> None:
+        for refers, name, here in thing.references(place):
+            if refers.sort == "path":
+                self.reads.append(Read(name, here, scope))
+            elif refers.sort == "state":
+                self.state_names.append((here, name))
+            elif refers.sort in INTERFACES:
+                self.uses.append(RobotUse(refers.sort, name, here, thing, place, scope))
 
-    def _work(self, work: Action | Call | ActionLeaf | CallLeaf, place: str, scope: Scope, *, timed: bool) -> None:
-        assert scope.owner is not None
-        self.works.append(Work(work, place, scope.owner, timed))
-        if isinstance(work, Action | ActionLeaf):
-            self._template(work.goal, f"{place}/goal", scope)
-            if work.achieved is not None:
-                self._guard(work.achieved, f"{place}/achieved", "achieved", scope)
-        else:
-            self._template(work.request, f"{place}/request", scope)
-        for key, field in work.result.items():
-            self.writes.append(KeyWrite(key, pointer(place, "result", key), "result", field, scope))
+    def _held(self, thing: Any, place: str, scope: Scope, *, role: str) -> None:
+        """Note a written thing by its family, then what is inside it."""
+        if isinstance(thing, Guard):
+            self._guard(thing, place, role, scope)
+            return
+        if isinstance(thing, State):
+            scope = Scope(self._at[place])
+        elif isinstance(thing, Transition):
+            scope = self._row(thing, place, scope.owner)
+        elif isinstance(thing, Effect):
+            self.effects.append(EffectUse(thing, place, scope))
+        elif isinstance(thing, DecisionSpec):
+            assert scope.owner is not None
+            self.asked.append((thing, place, scope.owner))
+        elif isinstance(thing, TreeNode):
+            self.nodes.append((thing, place))
+        self._look(thing, place, scope)
 
-    def _asked(self, asked: DecisionSpec, place: str, scope: Scope) -> None:
-        assert scope.owner is not None
-        self.asked.append((asked, place, scope.owner))
-        for index, path in enumerate(asked.evidence):
-            self.reads.append(Read(path, f"{place}/evidence/{index}", scope))
-        for name, guard in asked.guards():
-            self._guard(guard, pointer(place, "options", name, "when"), "option", scope)
-
-    def _rows(self, transitions: Iterable[Transition], place: str, owner: StateRef | None) -> None:
-        for index, transition in enumerate(transitions):
-            row = TransitionRef(owner, f"{place}/transitions/{index}", transition)
-            self.rows.append(row)
-            if owner is not None:
-                owner.rows.append(row)
-            scope = Scope(owner, row)
-            if transition.when is not None:
-                self._guard(transition.when, f"{row.place}/when", "row", scope)
-            self._effects(transition.do, f"{row.place}/do", scope)
+    def _row(self, transition: Transition, place: str, owner: StateRef | None) -> Scope:
+        row = TransitionRef(owner, place, transition)
+        self.rows.append(row)
+        if owner is not None:
+            owner.rows.append(row)
+        return Scope(owner, row)
 
     def _guard(self, guard: Guard, place: str, role: str, scope: Scope) -> None:
-        ruled = GuardUse(guard, place, role, scope)
-        self.guards.append(ruled)
+        use = GuardUse(guard, place, role, scope)
+        self.guards.append(use)
         for here, part in guard_parts(guard, place):
-            self.parts.append((here, part, ruled))
-            self.reads += [Read(each.name, each.place, scope) for each in part.references(here) if each.refers is PATH]
+            self.parts.append((here, part, use))
+            self._refer(part, here, scope)
 
-    def _template(self, template: Mapping[str, Any], place: str, scope: Scope) -> None:
-        self.reads += [Read(path, here, scope) for path, here in template_reads(template, place)]
 
-    def _effects(self, effects: Iterable[Effect], place: str, scope: Scope, places: tuple[str, ...] = ()) -> None:
-        for index, effect in enumerate(effects):
-            here = places[index] if places else f"{place}/{index}"
-            self.effects.append(EffectUse(effect, here, scope))
-            if isinstance(effect, Set):
-                self._set(effect, here, scope)
-            elif isinstance(effect, Raise):
-                self._template(effect.data, f"{here}/data", scope)
-            elif isinstance(effect, CallEffect):
-                self._template(effect.request, f"{here}/request", scope)
-            elif isinstance(effect, Publish):
-                self._template(effect.message, f"{here}/message", scope)
-
-    def _set(self, effect: Set, place: str, scope: Scope) -> None:
-        if effect.add is not None:
-            self.writes.append(KeyWrite(effect.set, place, "add", effect.add, scope))
-        elif effect.source is not None:
-            self.writes.append(KeyWrite(effect.set, place, "from", effect.source, scope))
-            word = "from" if effect.from_ is not None else "value/from"
-            self.reads.append(Read(effect.source, f"{place}/{word}", scope))
-        else:
-            self.writes.append(KeyWrite(effect.set, place, "set", effect.value, scope))
-            self.reads += [Read(path, here, scope) for path, here in template_reads(effect.value, f"{place}/value")]
+def _below(node: TreeNode, branch: str, scope: Scope) -> Scope:
+    """The scope of what is under a branch of a tree's node."""
+    option = node.option_of(branch.replace("~1", "/").replace("~0", "~"))
+    return scope._replace(option=option or scope.option, timed=scope.timed or node.limits)

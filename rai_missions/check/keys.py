@@ -12,7 +12,6 @@ from rai_missions.check.pointers import pointer
 from rai_missions.guards import Named
 from rai_missions.states.effects import Raise
 from rai_missions.states.state import ANY_EVENT
-from rai_missions.states.tree import BehaviourLeaf
 
 __all__ = ("forbidden_writes", "unknown_keys", "unknown_payload", "unused_events", "unused_keys", "unwritten_keys")
 
@@ -98,7 +97,7 @@ def _parameters(survey: MissionIndex) -> set[str] | None:
 def unused_keys(survey: MissionIndex) -> Found:
     """Every key is read, or is a key of the mission that is written."""
     named = any(isinstance(part, Named) for _, part, _ in survey.parts)
-    if named or any(isinstance(planted.node, BehaviourLeaf) for _, planted in survey.planted):
+    if named or survey.mission.behaviours():
         return  # what is in the program may read any key
     used = {key_of(survey, read.path) for read in survey.reads} | {
         survey.keys.meant(write.key) for write in survey.writes

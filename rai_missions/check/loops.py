@@ -6,10 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from rai_missions.check.index import MissionIndex
-from rai_missions.check.pointers import pointer
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.keys import Key
-from rai_missions.states import Tree
 from rai_missions.states.tree import (
     CheckLeaf,
     Condition,
@@ -32,7 +30,6 @@ from rai_missions.states.tree import (
     SuccessIsRunning,
     TreeNode,
     WaitLeaf,
-    tree_paths,
 )
 
 __all__ = ("MOST_TIMES", "long_loops", "waitless_loops")
@@ -56,7 +53,7 @@ STATUSES: Mapping[type[TreeNode], Mapping[str, str]] = {
 
 def long_loops(survey: MissionIndex) -> Found:
     """A loop with a number goes round 10000 times at most."""
-    for place, node in _nodes(survey):
+    for node, place in survey.nodes:
         times = node.num_success if isinstance(node, Repeat) else node.num_failures if isinstance(node, Retry) else 0
         if times > MOST_TIMES:
             instead = '"repeat": -1' if isinstance(node, Repeat) else "'failure_is_running'"
@@ -68,7 +65,7 @@ def long_loops(survey: MissionIndex) -> Found:
 
 def waitless_loops(survey: MissionIndex) -> Found:
     """A loop without a number has something to wait for between its rounds: a leaf that takes time, or a key."""
-    for place, node in _nodes(survey):
+    for node, place in survey.nodes:
         continues = _continues(node)
         if continues and isinstance(node, Decorator):
             ends = _ends(node.child, survey.mission.blackboard)
@@ -78,13 +75,6 @@ def waitless_loops(survey: MissionIndex) -> Found:
                     f"'{node.word}' has nothing to wait for: each round would end at once, so no second one begins; "
                     'add {"wait_s": 1} to its child, or a check of what it waits for',
                 )
-
-
-def _nodes(survey: MissionIndex) -> Iterator[tuple[str, TreeNode]]:
-    for spot in survey.spots:
-        if isinstance(spot.state, Tree):
-            for path, node in tree_paths(spot.state.tree):
-                yield pointer(spot.place, "tree") + (f"/{path}" if path else ""), node
 
 
 def _continues(node: TreeNode) -> Ends:

@@ -36,23 +36,9 @@ def duplicate_states(survey: MissionIndex) -> Found:
 
 def unknown_states(survey: MissionIndex) -> Found:
     """What `to`, `initial`, `of`, `in` and `on_cancel` name is a state."""
-    for place, name in _named_states(survey):
+    for place, name in survey.state_names:
         if name not in survey.states:
             yield place, survey.states.missing(name)
-
-
-def _named_states(survey: MissionIndex) -> Iterator[tuple[str, str]]:
-    yield from _listed("/initial", survey.mission.initial)
-    if survey.mission.on_cancel is not None:
-        yield "/on_cancel", survey.mission.on_cancel
-    for spot in survey.spots:
-        yield from _listed(f"{spot.place}/initial", getattr(spot.state, "initial", ()))
-    for row in survey.rows:
-        yield from _listed(f"{row.place}/to", row.transition.to)
-        if row.transition.of is not None:
-            yield f"{row.place}/of", row.transition.of
-    for place, part, _ in survey.parts:
-        yield from ((here, name) for refers, name, here in part.references(place) if refers.sort == "state")
 
 
 def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:

@@ -16,6 +16,8 @@ __all__ = ("impossible_guards", "overlapping_rows", "unwatched_holds")
 Found = Iterator[tuple[str, str]]
 NEAR = 64
 """So many earlier rows of the same trigger are compared with; more of them make a long table, not a mistake."""
+WATCHED = ("invariants", "check", "eternal_guard")
+"""The fields whose guards are asked for how long something has held; next to the guards of rows."""
 
 
 def overlapping_rows(survey: MissionIndex) -> Found:
@@ -82,7 +84,7 @@ def impossible_guards(survey: MissionIndex) -> Found:
     """A guard can be true: it does not ask for two things that exclude each other."""
     for guard, place, role, scope in survey.guards:
         written = form(guard)
-        if role == "invariant" or not never(_there(survey, written, scope.owner)):
+        if role == "invariants" or not never(_there(survey, written, scope.owner)):
             continue
         remedy = "keep one of the conditions that exclude each other, or fill the empty list"
         if not never(written) and scope.owner is not None:
@@ -92,9 +94,9 @@ def impossible_guards(survey: MissionIndex) -> Found:
 
 def unwatched_holds(survey: MissionIndex) -> Found:
     """`held` is in a row, an invariant or a tree: it is watched there, and nowhere else."""
-    for guard, place, role, _ in survey.guards:
+    for guard, place, role, scope in survey.guards:
         held = next((part for part in guard.walk() if part.held_s > 0), None)
-        if held is not None and role in ("achieved", "option", "requires"):
+        if held is not None and scope.row is None and role not in WATCHED:
             yield (
                 place,
                 f"'held' is watched in rows, invariants and trees, and is never true here: {held.words():.200}; "

@@ -21,7 +21,7 @@ def blind_rows(survey: MissionIndex) -> Found:
     """A row or invariant that protects has, next to it or further out, one that reacts when its key goes stale."""
     watched: dict[str, set[StateRef | None]] = {}
     for ruled in survey.guards:
-        if ruled.role in ("row", "invariant"):
+        if ruled.scope.row is not None or ruled.role == "invariants":
             for key in ruled.guard.noticed():
                 watched.setdefault(key, set()).add(ruled.scope.owner)
     for ruled in survey.guards:
@@ -43,9 +43,9 @@ def _upward(spot: StateRef | None) -> Iterator[StateRef]:
 def _protects(survey: MissionIndex, ruled: GuardUse) -> str:
     """How a guard protects: `outside` (of what it ends), `within` an activity that it interrupts, or not at all."""
     row = ruled.scope.row
-    if ruled.role == "invariant":
+    if ruled.role == "invariants":
         return "within"
-    if ruled.role != "row" or row is None or not row.transition.eventless:
+    if row is None or not row.transition.eventless:
         return ""
     if row.owner is None or row.owner.children or _gives_up(survey, row):
         return "outside"

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 
 from rai_missions.check.index import KeyWrite, MissionIndex, Read, Scope
 from rai_missions.check.paths import meaning
-from rai_missions.check.pointers import template_reads
 from rai_missions.guards.compare import NUMBERS, comparable
 from rai_missions.keys import Key, fits
-from rai_missions.states import Each
+from rai_missions.states.effects import references
 
 __all__ = ("mismatched_comparisons", "mismatched_lists", "mismatched_poses", "mismatched_writes")
 
@@ -51,14 +50,12 @@ def mismatched_poses(survey: MissionIndex) -> Found:
 
 def mismatched_lists(survey: MissionIndex) -> Found:
     """`each` goes over a list."""
-    for spot in survey.spots:
-        if isinstance(spot.state, Each):
-            kind = _kind(survey, spot.state.each, Scope(spot))
-            if kind not in (None, "list"):
-                yield (
-                    f"{spot.place}/each",
-                    f"'{spot.state.each}' is of type '{kind}', not 'list'; 'each' goes over a list",
-                )
+    for write in survey.writes:
+        kind = _kind(survey, write.value, write.scope) if write.by == "each" else None
+        if kind not in (None, "list"):
+            assert write.scope.owner is not None
+            place = f"{write.scope.owner.place}/each"
+            yield place, f"'{write.value}' is of type '{kind}', not 'list'; 'each' goes over a list"
 
 
 def mismatched_writes(survey: MissionIndex) -> Found:
@@ -92,6 +89,6 @@ def _written(survey: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str]
             )
     elif write.by == "status" and key.type != "string":
         return write.place, f"'{write.key}' is of type '{key.type}', and a status is a string; write one that is"
-    elif write.by == "set" and next(template_reads(write.value, ""), None) is None and (why := fits(key, write.value)):
+    elif write.by == "set" and next(references(write.value), None) is None and (why := fits(key, write.value)):
         return f"{write.place}/value", f"'{write.key}' cannot hold this: {why}; write one that is"
     return None

@@ -16,9 +16,7 @@ from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.entries import references
 from rai_missions.profile.profile import Robot
-from rai_missions.states import Action
-from rai_missions.states.effects import Call, Publish, Raise
-from rai_missions.states.tree import ActionLeaf, PublishLeaf
+from rai_missions.states.effects import Raise
 
 __all__ = ("actions_of", "missing")
 
@@ -30,15 +28,14 @@ def missing(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
     """What a profile lacks, or has wrongly, for a mission; nothing if the mission can run on the robot."""
     survey = MissionIndex(mission)
     return (
-        *_keys(mission, robot), *_events(survey, robot), *_actions(survey, robot), *_services(survey, robot),
-        *_topics(survey, robot), *_rules(survey, robot),
+        *_keys(mission, robot), *_events(survey, robot), *_interfaces(survey, robot), *_actions(survey, robot),
+        *_rules(survey, robot),
     )  # fmt: skip
 
 
 def actions_of(mission: Mission) -> frozenset[str]:
     """The names of the actions that a mission uses."""
-    works = (work for work, *_ in MissionIndex(mission).works)
-    return frozenset(work.action for work in works if isinstance(work, Action | ActionLeaf))
+    return frozenset(use.name for use in MissionIndex(mission).uses if use.sort == "action")
 
 
 def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str) -> Fault:
@@ -77,46 +74,32 @@ def _events(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
                 yield Fault(place, f"missing; the mission's '{name}' has it{suggestion(field, source.fields)}")
 
 
+def _interfaces(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    """The actions, services and topics that are used and not there, each once."""
+    first: dict[tuple[str, str], str] = {}
+    for use in sorted(survey.uses, key=lambda use: use.sort):
+        first.setdefault((use.sort, use.name), use.named_at)
+    for (sort, name), place in first.items():
+        known = getattr(robot, f"{sort}s")
+        if name not in known:
+            yield _lacks(f"{sort}s", name, known, place)
+
+
 def _actions(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
     reported: set[str] = set()
-    for work, place, *_ in survey.works:
-        if not isinstance(work, Action | ActionLeaf):
+    for use in survey.uses:
+        entry = robot.actions.get(use.name)
+        if use.sort != "action" or entry is None:
             continue
-        entry = robot.actions.get(work.action)
-        if entry is None:
-            if work.action not in reported:
-                reported.add(work.action)
-                yield _lacks("actions", work.action, robot.actions, f"{place}/action")
-            continue
-        for field in {path.partition(".")[0] for path in references(entry.goal)} - work.goal.keys():
-            where = pointer(["actions", work.action, "goal"])
-            yield Fault(where, f"it takes '{field}' from the mission, which gives no such field at {place}/goal")
+        goal = getattr(use.user, "goal", None)
+        taken = () if goal is None else {path.partition(".")[0] for path in references(entry.goal)} - goal.keys()
+        for field in taken:
+            where = pointer(["actions", use.name, "goal"])
+            yield Fault(where, f"it takes '{field}' from the mission, which gives no such field at {use.place}/goal")
         for word, guard in (("succeeded", entry.succeeded), ("failed", entry.failed)):
-            if guard is not None and work.action not in reported:
-                yield from _unknown_keys(survey, guard, pointer(["actions", work.action, word]))
-        reported.add(work.action)
-
-
-def _services(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
-    calls = [
-        (work.call, f"{place}/call") for work, place, *_ in survey.works if not isinstance(work, Action | ActionLeaf)
-    ]
-    calls += [(done.effect.call, f"{done.place}/call") for done in survey.effects if isinstance(done.effect, Call)]
-    for name, place in dict(reversed(calls)).items():
-        if name not in robot.services:
-            yield _lacks("services", name, robot.services, place)
-
-
-def _topics(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
-    faults = [
-        (done.effect.publish, f"{done.place}/publish") for done in survey.effects if isinstance(done.effect, Publish)
-    ]
-    for _, planted in survey.planted:
-        if isinstance(planted.node, PublishLeaf):
-            faults.append((planted.node.publish, f"{planted.place}/publish"))
-    for name, place in dict(reversed(faults)).items():
-        if name not in robot.topics:
-            yield _lacks("topics", name, robot.topics, place)
+            if guard is not None and use.name not in reported:
+                yield from _unknown_keys(survey, guard, pointer(["actions", use.name, word]))
+        reported.add(use.name)
 
 
 def _rules(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:

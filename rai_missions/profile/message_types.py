@@ -11,9 +11,6 @@ from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sources import EventSource, Source
-from rai_missions.states import Action
-from rai_missions.states.effects import Call, Publish
-from rai_missions.states.tree import ActionLeaf, PublishLeaf
 
 __all__ = ("Kind", "Typed", "lacking", "listened", "typed")
 
@@ -85,15 +82,6 @@ def _used(mission: Mission) -> dict[str, set[str]]:
     survey = MissionIndex(mission)
     used: dict[str, set[str]] = {"actions": set(), "services": set(), "topics": set()}
     used |= {"blackboard": set(mission.blackboard), "events": set(mission.events)}
-    for work, *_ in survey.works:
-        if isinstance(work, Action | ActionLeaf):
-            used["actions"].add(work.action)
-        else:
-            used["services"].add(work.call)
-    for done in survey.effects:
-        if isinstance(done.effect, Call):
-            used["services"].add(done.effect.call)
-        elif isinstance(done.effect, Publish):
-            used["topics"].add(done.effect.publish)
-    used["topics"].update(spot.node.publish for _, spot in survey.planted if isinstance(spot.node, PublishLeaf))
+    for use in survey.uses:
+        used[f"{use.sort}s"].add(use.name)
     return used

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from rai_missions.guards.guard import Guard
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import Bool, Json, Name, OneOf, Seconds, Text
+from rai_missions.model import ActionName, Bool, Json, OneOf, Seconds, Text
 from rai_missions.states.state import ResultKey, State
 
 __all__ = ("Action",)
@@ -20,7 +20,7 @@ class Action(State, word="action"):
 
     positional: ClassVar = ("action",)
 
-    action: Name
+    action: ActionName
     """The profile's name of it."""
     goal: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     """The goal's fields; `{"from": key}` takes a value from the blackboard."""

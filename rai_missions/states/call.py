@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import Json, Name, Text
+from rai_missions.model import Json, ServiceName, Text
 from rai_missions.states.state import ResultKey, State
 
 __all__ = ("Call",)
@@ -19,7 +19,7 @@ class Call(State, word="call"):
 
     positional: ClassVar = ("call",)
 
-    call: Name
+    call: ServiceName
     """The profile's name of it."""
     request: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     """The request's fields; `{"from": key}` takes a value from the blackboard."""

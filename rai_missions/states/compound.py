@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from rai_missions.kinds import Refers
+from rai_missions.kinds import KeyValue, Refers
 from rai_missions.model import Name, Path, StateNames
 from rai_missions.states.state import State, States
 
@@ -54,6 +54,9 @@ class Each(State, word="each"):
 
     def children(self) -> Mapping[str, State]:
         return self.states
+
+    def writes(self, place: str = "") -> Iterator[KeyValue]:
+        yield KeyValue(self.item, f"{place}/as", "each", self.each)
 
     def activity(self) -> str:
         return f"for each {self.item} in {self.each}"

@@ -12,8 +12,21 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Operand, Site, View
-from rai_missions.kinds import TEMPLATE, Refers
-from rai_missions.model import EventName, Json, Name, Number, Path, Seconds, TaggedModel, Text, TimerName, fault
+from rai_missions.kinds import TEMPLATE, KeyValue, Refers
+from rai_missions.model import (
+    EventName,
+    Json,
+    Name,
+    Number,
+    Path,
+    Seconds,
+    ServiceName,
+    TaggedModel,
+    Text,
+    TimerName,
+    TopicName,
+    fault,
+)
 
 __all__ = ("Call", "Drop", "Effect", "Log", "Publish", "Raise", "Say", "Set", "filled", "references")
 
@@ -51,6 +64,12 @@ class Set(Effect, word="set"):
         if isinstance(self.value, Mapping) and set_of(self.value) == {"from"}:
             return str(self.value["from"])
         return None
+
+    def writes(self, place: str = "") -> Iterator[KeyValue]:
+        if self.add is not None:
+            yield KeyValue(self.set, place, "add", self.add)
+        else:
+            yield KeyValue(self.set, place, *(("from", self.source) if self.source else ("set", self.value)))
 
     def words(self) -> str:
         if self.add is not None:
@@ -95,7 +114,7 @@ class Call(Effect, word="call"):
 
     positional: ClassVar = ("call", "request")
 
-    call: Name
+    call: ServiceName
     request: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
     def words(self) -> str:
@@ -107,7 +126,7 @@ class Publish(Effect, word="publish"):
 
     positional: ClassVar = ("publish", "message")
 
-    publish: Name
+    publish: TopicName
     message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
     def words(self) -> str:

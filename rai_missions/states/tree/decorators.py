@@ -93,6 +93,7 @@ class Timeout(Decorator, word="timeout"):
     """Fails when its child takes so long, in seconds."""
 
     positional: ClassVar = ("child", "duration_s")
+    limits: ClassVar = True
     duration_s: Annotated[Number, Field(gt=0)] = Field(alias="timeout")
 
 

@@ -9,9 +9,23 @@ from typing import Annotated, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Guard
-from rai_missions.kinds import TEMPLATE, Refers
-from rai_missions.model import Bool, Json, Name, Number, OneOf, Path, Seconds, Text, fault, suggestion
-from rai_missions.states.decision import DecisionSpec
+from rai_missions.kinds import TEMPLATE, KeyValue, Refers
+from rai_missions.model import (
+    ActionName,
+    Bool,
+    Json,
+    Name,
+    Number,
+    OneOf,
+    Path,
+    Seconds,
+    ServiceName,
+    Text,
+    TopicName,
+    fault,
+    suggestion,
+)
+from rai_missions.states.decision import DecisionSpec, Option
 from rai_missions.states.effects import Set
 from rai_missions.states.state import ResultKey
 from rai_missions.states.tree.node import TreeNode
@@ -23,7 +37,7 @@ class ActionLeaf(TreeNode, word="action"):
     """A goal; as the state of the same word."""
 
     positional: ClassVar = ("action",)
-    action: Name
+    action: ActionName
     goal: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     achieved: OneOf[Guard] | None = None
@@ -37,7 +51,7 @@ class CallLeaf(TreeNode, word="call"):
     """A call; as the state of the same word."""
 
     positional: ClassVar = ("call",)
-    call: Name
+    call: ServiceName
     request: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     timeout_s: Seconds | None = Field(default=None, gt=0)
@@ -69,7 +83,10 @@ class SetLeaf(TreeNode, word="set"):
     def effect(self) -> Set:
         """The effect that it is."""
         given = {"value": self.value, "from_": self.from_, "add": self.add}
-        return Set(set=self.set, **{word: said for word, said in given.items() if said is not None})
+        return Set(set=self.set, **{word: value for word, value in given.items() if value is not None})
+
+    def writes(self, place: str = "") -> Iterator[KeyValue]:
+        return self.effect().writes(place)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -82,7 +99,7 @@ class PublishLeaf(TreeNode, word="publish"):
     """Publishes a message and succeeds."""
 
     positional: ClassVar = ("publish", "message")
-    publish: Name
+    publish: TopicName
     message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
 
@@ -96,6 +113,9 @@ class DecisionLeaf(TreeNode, word="decision"):
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         for option, subtree in self.then.items():
             yield f"then/{option}", subtree
+
+    def option_of(self, branch: str) -> Option | None:
+        return self.decision.options.get(branch.removeprefix("then/"))
 
     @model_validator(mode="after")
     def _then_names_options(self) -> Self:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any, ClassVar
 
 from rai_missions.model import OneOf, TaggedModel, Text
+from rai_missions.states.decision import Option
 
 __all__ = ("Decorator", "TreeNode", "depth", "tree_paths")
 
@@ -14,12 +15,19 @@ __all__ = ("Decorator", "TreeNode", "depth", "tree_paths")
 class TreeNode(TaggedModel, family="tree node"):
     """A node of a tree."""
 
+    limits: ClassVar[bool] = False
+    """What is below it ends in time."""
+
     name: Text = ""
     """For pictures; without it the node is called by its word."""
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         """Its children, each with the pointer from here."""
         return iter(())
+
+    def option_of(self, branch: str) -> Option | None:
+        """The option whose answer has led to a branch, which its `answer.…` reads; None where none has."""
+        return None
 
 
 class Decorator(TreeNode):
