@@ -7,7 +7,6 @@ Rule: what a camera sends becomes a picture of at most `LARGEST` bytes, or a `Co
 from __future__ import annotations
 
 import base64
-import importlib
 import io
 from collections.abc import Mapping
 from typing import Any
@@ -108,7 +107,7 @@ def _every(rgb: bytes, width: int, height: int, stride: int) -> bytes:
 def _smaller_file(data: bytes) -> bytes:
     """A JPEG file of a picture file that is too large."""
     try:
-        pillow: Any = importlib.import_module("PIL.Image")
+        from PIL import Image as pillow
     except ImportError:
         raise ConnectorError(
             f"a picture file of {len(data)} bytes is larger than {LARGEST}; to make it smaller, pip install pillow"
@@ -118,11 +117,11 @@ def _smaller_file(data: bytes) -> bytes:
         raise ConnectorError(
             f"a picture of {picture.width}x{picture.height} is too large; {MOST_PIXELS} pixels are the most"
         )
-    picture, side = picture.convert("RGB"), LONGEST_SIDE
+    smaller, side = picture.convert("RGB"), LONGEST_SIDE
     while True:
-        picture.thumbnail((side, side))
+        smaller.thumbnail((side, side))
         file = io.BytesIO()
-        picture.save(file, "JPEG", quality=85)
+        smaller.save(file, "JPEG", quality=85)
         if file.tell() <= LARGEST or side <= 1:
             return file.getvalue()
         side //= 2

@@ -6,7 +6,6 @@ Rule: the last line on the output is the answer; a sentence on stderr and anothe
 
 from __future__ import annotations
 
-import importlib
 import json
 import sys
 import time
@@ -24,9 +23,9 @@ DISCOVERY_S = 15.0
 
 def load(_: Any) -> dict[str, str]:
     """Where rclpy comes from, and which middleware it speaks through."""
-    rclpy: Any = importlib.import_module("rclpy")
-    utilities: Any = importlib.import_module("rclpy.utilities")
-    return {"file": str(rclpy.__file__), "rmw": str(utilities.get_rmw_implementation_identifier())}
+    from rai_missions.connectors.ros2 import installation
+
+    return installation()
 
 
 def discovery(_: Any) -> float | None:

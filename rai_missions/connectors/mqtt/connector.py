@@ -7,7 +7,6 @@ so no lock of ours is held while paho is called.
 
 from __future__ import annotations
 
-import importlib
 import socket
 import threading
 import time
@@ -81,7 +80,7 @@ class MqttConnector:
             if self._client is not None:
                 return
             try:
-                mqtt = importlib.import_module("paho.mqtt.client")
+                import paho.mqtt.client as mqtt
             except ImportError as fault:
                 raise UsageError(f"a connector of kind 'mqtt' needs paho-mqtt ({fault}): {REMEDY}") from fault
             self._replies_to = f"rai_missions/reply/{uuid.uuid4().hex}"
@@ -338,12 +337,16 @@ def _hurry(_client: Any, _data: Any, opened: socket.socket) -> None:
 
 
 def _properties(**words: Any) -> Any:
-    packets = importlib.import_module("paho.mqtt.packettypes").PacketTypes
-    made = importlib.import_module("paho.mqtt.properties").Properties(packets.PUBLISH)
+    from paho.mqtt.packettypes import PacketTypes
+    from paho.mqtt.properties import Properties
+
+    made = Properties(PacketTypes.PUBLISH)
     for word, value in words.items():
         setattr(made, word, value)
     return made
 
 
 def _quality() -> Any:
-    return importlib.import_module("paho.mqtt.subscribeoptions").SubscribeOptions(qos=1)
+    from paho.mqtt.subscribeoptions import SubscribeOptions
+
+    return SubscribeOptions(qos=1)

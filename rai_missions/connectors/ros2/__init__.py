@@ -8,14 +8,13 @@ Imports the modules of the root only.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import ConnectorError, UsageError
 
-__all__ = ("REMEDY", "fields_of", "open_connector", "why_absent")
+__all__ = ("REMEDY", "fields_of", "installation", "open_connector", "why_absent")
 
 REMEDY = (
     "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "
@@ -34,12 +33,25 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
         UsageError: rclpy is not here, or an option is not understood.
     """
     try:
-        importlib.import_module("rclpy")
+        import rclpy  # noqa: F401 - only whether it loads
     except (ImportError, OSError) as fault:
         raise UsageError(f"a connector of kind 'ros2' needs rclpy, which does not load ({fault}): {REMEDY}") from fault
     from rai_missions.connectors.ros2.connector import Ros2Connector
 
     return Ros2Connector(options, now=now)
+
+
+def installation() -> dict[str, str]:
+    """The `file` that rclpy was loaded from, and the middleware (`rmw`) that it uses.
+
+    Raises:
+        ImportError: rclpy is not here.
+        OSError: One of its libraries is not.
+    """
+    import rclpy
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    return {"file": str(rclpy.__file__), "rmw": str(get_rmw_implementation_identifier())}
 
 
 def fields_of(type_name: str, kind: Literal["msg", "srv"]) -> Mapping[str, Any] | None:
