@@ -6,11 +6,12 @@
 
 A walk is a list of stays: functions or classes. Each is reached from the stay before it, or from the one named `by`:
 
-- *down*, by a call: the other's module names it, and may import it by the floors of `pyproject.toml`;
-- `up`, by a callback, a queue or a protocol: its module names what it registers for or implements, which is on its own
-  floor or below and knows nothing of it.
+- *down*, by a call: the code of the other, with what it calls in its own module, names it, and the other's module
+  imports its module, or what its package offers of it;
+- `up`, by a callback, a queue or a protocol: the same the other way round, or its class has each method of the
+  protocol. It is on the floor of what it registers for or implements, or above.
 
-What is not so, such as a function that has another name now, is a fault.
+What is not so, such as a call that is somewhere else now, is a fault.
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).parents[1]
 WALKS, PAGE = ROOT / "docs/walks.toml", ROOT / "docs/architecture.md"
@@ -50,11 +51,6 @@ class Stay:
     @property
     def function(self) -> str:
         return self.name.partition(":")[2]
-
-    @property
-    def called(self) -> frozenset[str]:
-        """What others name it: its class or itself."""
-        return frozenset(self.function.split("."))
 
     @property
     def room(self) -> str:
@@ -102,43 +98,88 @@ def tree(module: str) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"))
 
 
-def is_there(stay: Stay) -> bool:
-    """Whether its module defines its function or class."""
-    try:
-        node: Any = tree(stay.module)
-    except OSError:
-        return False
-    for part in stay.function.split("."):
-        node = next((each for each in node.body if getattr(each, "name", None) == part), None)
-        if node is None:
-            return False
-    return True
+@cache
+def definitions(module: str) -> Mapping[str, ast.AST]:
+    """What a module defines at its top, and in its classes: name or `Class.name` → its code; empty if it is not there.
+
+    What a class sets up, in `__init__` and outside its functions, is in the code of the class.
+    """
+    found: dict[str, ast.AST] = {}
+    with suppress(OSError):
+        for node in tree(module).body:
+            if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+                found[node.name] = node
+            targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+            found |= {each.id: node for each in targets if isinstance(each, ast.Name)}
+            if isinstance(node, ast.ClassDef):
+                found |= {f"{node.name}.{each.name}": each for each in node.body if isinstance(each, ast.FunctionDef)}
+    return found
+
+
+def named(node: ast.AST) -> set[str]:
+    """The variables, attributes and imports that code names."""
+    parts = list(ast.walk(node))
+    return (
+        {each.id for each in parts if isinstance(each, ast.Name)}
+        | {each.attr for each in parts if isinstance(each, ast.Attribute)}
+        | {each.name for each in parts if isinstance(each, ast.alias)}
+    )
+
+
+def reached(stay: Stay) -> set[str]:
+    """What a stay's code names, with all that it uses of its own module."""
+    known = definitions(stay.module)
+    waiting = [stay.function, f"{stay.function.partition('.')[0]}.__init__"]
+    done, names = set[str](), set[str]()
+    while waiting:
+        each = waiting.pop()
+        if each in known and each not in done:
+            done.add(each)
+            names |= named(known[each])
+            waiting += [other for other in known if other.rpartition(".")[2] in names]
+    return names
 
 
 @cache
-def names(module: str) -> frozenset[str]:
-    """What the code of a module names: variables, attributes, functions, and what it imports; without a leading `_`."""
-    used: set[str] = set()
-    for each in ast.walk(tree(module)):
-        if isinstance(each, ast.Name):
-            used.add(each.id)
-        elif isinstance(each, ast.Attribute):
-            used.add(each.attr)
-        elif isinstance(each, ast.alias | ast.FunctionDef):
-            used.add(each.name)
-    return frozenset(name.lstrip("_") for name in used)
+def imported(module: str) -> frozenset[str]:
+    """The modules that a module imports, anywhere in it; of what a package offers, those that define it too."""
+    found = set[str]()
+    waiting = [(each.module, name.name) for each in ast.walk(tree(module))
+               if isinstance(each, ast.ImportFrom) and each.module for name in each.names]  # fmt: skip
+    while waiting:
+        source, name = waiting.pop()
+        found |= {source, f"{source}.{name}"}
+        if ROOT.joinpath(*source.split(".")).is_dir():
+            waiting += [(each.module, name) for each in tree(source).body
+                        if isinstance(each, ast.ImportFrom) and each.module
+                        and name in [one.name for one in each.names]]  # fmt: skip
+    return frozenset(found)
+
+
+def implements(user: Stay, used: Stay) -> bool:
+    """Whether the class of one has each method of the protocol of the other."""
+    protocol, one = used.function.partition(".")[0], user.function.partition(".")[0]
+    own = {name.partition(".")[2] for name in definitions(user.module) if name.startswith(f"{one}.")}
+    methods = [name for name in definitions(used.module) if name.startswith(f"{protocol}.")]
+    is_protocol = "Protocol" in named(definitions(used.module)[protocol])
+    return is_protocol and all(name.partition(".")[2] in own for name in methods)
 
 
 def faults(walk: Walk) -> Iterator[str]:
     """What of a walk is not so in the code."""
-    missing = [stay.name for stay in walk.stays if not is_there(stay)]
+    missing = [stay.name for stay in walk.stays if stay.function not in definitions(stay.module)]
     yield from (f"{walk.title}: there is no {name}" for name in missing)
     for one, other in walk.hops() if not missing else ():
         user, used = (other, one) if other.up else (one, other)
-        if user.module != used.module and used.called.isdisjoint(names(user.module)):
-            yield f"{walk.title}: {user.module} does not name {used.function} of {used.module}"
         if floors()[user.room] < floors()[used.room]:
             yield f"{walk.title}: {user.name} may not know {used.name}, which is on a higher floor"
+        if other.up and implements(user, used):
+            continue
+        if used.module not in {user.module, *imported(user.module)}:
+            yield f"{walk.title}: {user.module} does not import {used.module}"
+        parts = used.function.split(".")
+        if reached(user).isdisjoint(parts if other.up else parts[-1:]):
+            yield f"{walk.title}: {user.name} does not name {used.function} of {used.module}"
 
 
 def rooms() -> Iterator[str]:

@@ -32,6 +32,7 @@ def test_the_page_is_what_the_code_makes_of_it(walks: ModuleType) -> None:
 
 
 CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.runner:Runner"
+SINK = "rai_missions.journal.buffer:JournalSink.write"
 
 
 @pytest.mark.parametrize(
@@ -39,9 +40,13 @@ CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.ru
     [
         ([(RUNNER, False), ("rai_missions.engine.chart:Chart.sent", False)], "there is no rai_missions.engine.chart:"),
         ([(RUNNER, False), ("rai_missions.prove.explorer:no_such", False)], "there is no rai_missions.prove"),
-        ([(CHART, False), (RUNNER, False)], "rai_missions.engine.chart does not name Runner"),
+        ([(CHART, False), (RUNNER, False)], "rai_missions.engine.chart does not import rai_missions.runtime.runner"),
+        ([(CHART, False), (RUNNER, False)], "does not name Runner"),
         ([(CHART, False), (RUNNER, False)], "may not know rai_missions.runtime.runner:Runner"),
-        ([(RUNNER, False), ("visualize.build:picture", False)], "does not name picture"),
+        ([(RUNNER, False), ("visualize.build:picture", False)], "does not import visualize.build"),
+        ([(CHART, False), ("rai_missions.engine.snapshot:put_back", False)], "does not name put_back"),
+        ([(SINK, False), ("rai_missions.journal.codec:encode", True)], "does not import rai_missions.journal.buffer"),
+        ([(SINK, False), ("rai_missions.journal.reader:Record", True)], "does not import rai_missions.journal.buffer"),
     ],
 )
 def test_what_is_not_so_in_the_code_is_a_fault(walks: ModuleType, stays: list[tuple[str, bool]], fault: str) -> None:
@@ -49,6 +54,11 @@ def test_what_is_not_so_in_the_code_is_a_fault(walks: ModuleType, stays: list[tu
     assert any(fault in each for each in walks.faults(walk))
 
 
-def test_a_callback_leads_up(walks: ModuleType) -> None:
-    stays = (walks.Stay(CHART, ""), walks.Stay(RUNNER, "", up=True))
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [(CHART, RUNNER), (SINK, "rai_missions.journal.writer:Journal.write")],
+    ids=["its class is named", "its class has each method of a protocol"],
+)
+def test_a_callback_leads_up(walks: ModuleType, one: str, other: str) -> None:
+    stays = (walks.Stay(one, ""), walks.Stay(other, "", up=True))
     assert list(walks.faults(walks.Walk("a walk", "", stays))) == []
