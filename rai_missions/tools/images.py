@@ -107,12 +107,14 @@ def _every(rgb: bytes, width: int, height: int, stride: int) -> bytes:
 def _smaller_file(data: bytes) -> bytes:
     """A JPEG file of a picture file that is too large."""
     try:
-        from PIL import Image as pillow
+        import PIL.Image
     except ImportError:
         raise ConnectorError(
             f"a picture file of {len(data)} bytes is larger than {LARGEST}; to make it smaller, pip install pillow"
         ) from None
-    picture = pillow.open(io.BytesIO(data), formats=("JPEG", "PNG"))  # other forms are programs: Pillow runs PostScript
+    picture = PIL.Image.open(
+        io.BytesIO(data), formats=("JPEG", "PNG")
+    )  # other forms are programs: Pillow runs PostScript
     if picture.width * picture.height > MOST_PIXELS:
         raise ConnectorError(
             f"a picture of {picture.width}x{picture.height} is too large; {MOST_PIXELS} pixels are the most"
