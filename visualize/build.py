@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a mission, and the steps of a run, to what is drawn.
 
-Rule: the edges of a picture are exactly the mission's rows, each once for each of its targets; none is left out.
+Rule: the edges of a picture are exactly the mission's transitions, each once for each of its targets; none is left out.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class _Run:
     """Where a run went, by the number of its steps."""
 
     def __init__(self, steps: Iterable[Step]) -> None:
-        self.rows: dict[str, list[int]] = defaultdict(list)
+        self.transitions: dict[str, list[int]] = defaultdict(list)
         self.states: dict[str, list[int]] = defaultdict(list)
         self.entries: list[tuple[int, Move]] = []
         """The moves that entered something."""
@@ -39,7 +39,7 @@ class _Run:
             self.outcome, self.why = step.outcome, step.why
         for move in step.moves:
             for place in move.taken:
-                self.rows[place].append(step.seq)
+                self.transitions[place].append(step.seq)
             for name in move.entered:
                 self.states[name].append(step.seq)
             if move.entered:
@@ -66,7 +66,7 @@ def picture(mission: Mission, steps: Iterable[Step] = ()) -> Picture:
 
     Args:
         mission: The graph.
-        steps: Of a run, or of a journal, in order: they are counted on the states and rows that they went through.
+        steps: Of a run, or of a journal, in order: they are counted on the states and transitions of their path.
     """
     parents = parents_of(mission)
     run = _Run(steps)
@@ -122,29 +122,35 @@ def _node(
 
 
 def _edges(
-    place: str, source: str, rows: tuple[Transition, ...], state: State | None, run: _Run
+    place: str, source: str, transitions: tuple[Transition, ...], state: State | None, run: _Run
 ) -> Iterator[PictureEdge]:
     options = state.options if isinstance(state, Decision) else {}
-    for index, row in enumerate(rows):
+    for index, transition in enumerate(transitions):
         here = f"{place}/transitions/{index}"
-        for target in row.to or ("",):
+        for target in transition.to or ("",):
             yield PictureEdge(
                 place=here,
                 source=source,
                 target=target,
-                trigger=trigger(row),
-                guard=row.when.words() if row.when is not None else "",
-                do=effects(row.do),
-                internal=row.internal,
-                about=row.about,
-                option=row.on[0] if len(row.on) == 1 and row.on[0] in options and row.of is None else "",
-                taken=Path(tuple(run.rows.get(here, ()))),
+                trigger=trigger(transition),
+                guard=transition.when.words() if transition.when is not None else "",
+                do=effects(transition.do),
+                internal=transition.internal,
+                about=transition.about,
+                option=transition.on[0]
+                if len(transition.on) == 1 and transition.on[0] in options and transition.of is None
+                else "",
+                taken=Path(tuple(run.transitions.get(here, ()))),
             )
 
 
 def _initials(mission: Mission, run: _Run) -> Iterator[Initial]:
-    rows = [("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk())]
-    targets = {f"{place}/transitions/{index}": row.to for place, each in rows for index, row in enumerate(each)}
+    transitions = [("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk())]
+    targets = {
+        f"{place}/transitions/{index}": transition.to
+        for place, each in transitions
+        for index, transition in enumerate(each)
+    }
     for target in mission.initial:
         yield Initial("", target, run.begun("", target, frozenset(), targets))
     for _, name, state in mission.walk():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is on a state, an option, a row and the legend, as Graphviz's HTML-like labels.
+"""What is on a state, an option, a transition and the legend, as Graphviz's HTML-like labels.
 
 Rule: every piece of text passes through `text`, which breaks, escapes and measures it; a line is one piece, set to the
 left, so that it stays in its box whatever font the reader has.
@@ -16,12 +16,20 @@ from visualize.model import Choice, Picture, PictureEdge, PictureNode, Twig
 from visualize.style import INK, LOOKS, MARKS, MUTED, Look, clean, width, wrapped
 
 __all__ = (
-    "anywhere_table", "cluster_table", "decision_table", "edge_table", "look_of", "row_text", "state_table",
-    "tab_table", "title_table", "tree_table",
+    "anywhere_table",
+    "cluster_table",
+    "decision_table",
+    "edge_table",
+    "look_of",
+    "state_table",
+    "tab_table",
+    "title_table",
+    "transition_text",
+    "tree_table",
 )  # fmt: skip
 
 COLUMN, LINE, LABEL = 150.0, 210.0, 150.0
-"""Points: how wide an option, a line of a state and a row's label may become."""
+"""Points: how wide an option, a line of a state and a transition's label may become."""
 SIDE_BY_SIDE = 5
 """More options than these are below one another."""
 NOTES = 12
@@ -68,8 +76,8 @@ def marked(mark: str, text: str) -> str:
     return f"{mark} {text}" if mark else text
 
 
-def row_text(edge: PictureEdge) -> str:
-    """A row in a line: `on anomaly [guard] / effects`."""
+def transition_text(edge: PictureEdge) -> str:
+    """A transition in a line: `on anomaly [guard] / effects`."""
     do = "; ".join(edge.do)
     guard = f" {edge.guard}" if not edge.trigger else f" [{edge.guard}]" if edge.guard else ""
     return marked(edge.mark, f"{'on ' if on_event(edge) else ''}{edge.when}{guard}" + (f" / {do}" if do else ""))
@@ -85,12 +93,12 @@ def _name(node: PictureNode) -> str:
 
 
 def _below(node: PictureNode, staying: Sequence[PictureEdge], limit: float = LINE) -> Iterable[str]:
-    """What is at the foot of every state: control, the rows that do not leave it, and where the run was."""
+    """What is at the foot of every state: control, the transitions that do not leave it, and where the run was."""
     if node.control:
         yield small(f"control: {node.control}", limit=limit)
     for edge in staying:
         count = f" ({edge.taken.words()})" if edge.taken.times else ""
-        yield small(f"stays: {row_text(edge)}{count}", bold=bool(edge.taken.times), color=INK, limit=limit)
+        yield small(f"stays: {transition_text(edge)}{count}", bold=bool(edge.taken.times), color=INK, limit=limit)
     if node.entered.times:
         yield small(f"entered {node.entered.words()}", bold=True, color=INK, limit=limit)
     if node.ended_here:
@@ -207,12 +215,12 @@ def _twig_text(twig: Twig) -> str:
 
 
 def tab_table(node: PictureNode) -> str:
-    """The label of what a state's rows to something inside itself leave from."""
+    """The label of what a state's transitions to something inside itself leave from."""
     return table([small(f"{node.name}, itself")])
 
 
 def edge_table(edge: PictureEdge, *, short: bool = False) -> str:
-    """The label of a row; `short` where its words are at its source already. Empty where nothing is left to state."""
+    """The label of a transition; `short` where its words are at its source already; empty where nothing is left."""
     rows: list[str] = []
     if not short and (not edge.option or edge.guard or edge.source == edge.target):
         rows.append(text(marked(edge.mark, edge.when), 10, bold=True, limit=LABEL))
@@ -230,12 +238,12 @@ def edge_table(edge: PictureEdge, *, short: bool = False) -> str:
 
 
 def anywhere_table(rows: Sequence[tuple[str, PictureEdge]]) -> str:
-    """The label of the mission's own rows, a field each: (port, the row)."""
+    """The label of the mission's own transitions, a field each: (port, the transition)."""
     side_by_side = len(rows) <= SIDE_BY_SIDE
     limit = COLUMN * 1.6 if side_by_side else LINE * 1.6
     fields = []
     for port, edge in rows:
-        inner = [text(row_text(edge), 9.5, bold=bool(edge.taken.times), limit=limit)]
+        inner = [text(transition_text(edge), 9.5, bold=bool(edge.taken.times), limit=limit)]
         inner += [] if edge.target else [small("stays where it is", limit=limit)]
         inner += (
             [small(f"taken {edge.taken.words()}", bold=True, color=INK)] if edge.taken.times and not edge.target else []

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture as DOT: states that hold others are clusters, options are fields that rows leave from.
+"""A picture as DOT: states that hold others are clusters, options are fields that transitions leave from.
 
-Rule: the text is the same for the same picture, to the byte; every row of the picture is in it once for each target. A
+Rule: the text is the same for the same picture, to the byte; every transition is in it once for each target. A
 behaviour tree is one node: Graphviz keeps no order among the nodes of a cluster, and a tree's order is its meaning.
 """
 
@@ -16,10 +16,10 @@ from visualize.dot_labels import (
     decision_table,
     edge_table,
     look_of,
-    row_text,
     state_table,
     tab_table,
     title_table,
+    transition_text,
     tree_table,
 )
 from visualize.model import Initial, Path, Picture, PictureEdge, PictureNode
@@ -30,7 +30,7 @@ __all__ = ("dot_text", "quoted")
 ANYWHERE, START = "#anywhere", "#start"
 """No state has such a name."""
 SMALL = 60
-"""Up to so many edges the layout may take its time: rows lead down the page even out of clusters. The time
+"""Up to so many edges the layout may take its time: transitions lead down the page even out of clusters. The time
 grows with the cube of the size, so larger missions are laid out cluster by cluster, with fewer passes."""
 HOLDERS = ("states", "parallel", "each")
 
@@ -76,10 +76,10 @@ class _Sheet:
         for initial in picture.initials:
             self.initials[initial.parent].append(initial)
         self.tabs = {edge.source for edge in picture.edges if self._from_tab(edge)}
-        """The holders with rows to something inside themselves: those leave from a tab, not from the border."""
+        """The holders with transitions to something inside themselves: those leave from a tab, not from the border."""
         self.own = {(edge.mark, edge.place): edge for edge in picture.edges if not edge.source}
-        """The mission's own rows, each once however many targets it has."""
-        self.ports = {row: f"r{index}" for index, row in enumerate(self.own)}
+        """The mission's own transitions, each once however many targets it has."""
+        self.ports = {transition: f"r{index}" for index, transition in enumerate(self.own)}
         self.depth = _depths(picture)
 
     def lines(self, dpi: int | None) -> Iterator[str]:
@@ -97,8 +97,8 @@ class _Sheet:
         yield f"  {quoted(START)} {attributes(shape='point', width=0.16, color=INK, tooltip='the start')};"
         yield from self._states("", "  ")
         if self.own:
-            ports = [(self.ports[row], edge) for row, edge in self.own.items()]
-            own = attributes(shape="plain", label=anywhere_table(ports), tooltip="the mission's own rows")
+            ports = [(self.ports[transition], edge) for transition, edge in self.own.items()]
+            own = attributes(shape="plain", label=anywhere_table(ports), tooltip="the mission's own transitions")
             yield f"  {quoted(ANYWHERE)} {own};"
         for parent, initials in self.initials.items():
             for initial in initials:
@@ -230,7 +230,7 @@ class _Sheet:
 
 
 def _depths(picture: Picture) -> dict[str, int]:
-    """How many rows away from the start each state is, so that rows which lead back can be reported."""
+    """How many transitions away from the start each state is, so that transitions which lead back can be reported."""
     onward: dict[str, list[str]] = defaultdict(list)
     for initial in picture.initials:
         onward[initial.parent].append(initial.target)
@@ -256,6 +256,6 @@ def _tip(node: PictureNode) -> str:
 
 
 def _edge_tip(edge: PictureEdge) -> str:
-    return f"{edge.source or 'every state'} → {edge.target}: {row_text(edge)}" + (
+    return f"{edge.source or 'every state'} → {edge.target}: {transition_text(edge)}" + (
         f"\n{edge.about}" if edge.about else ""
     )

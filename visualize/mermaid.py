@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from visualize.dot_labels import row_text
+from visualize.dot_labels import transition_text
 from visualize.model import Picture, PictureEdge, PictureNode
 from visualize.style import clean, look_of, wrapped
 
@@ -40,8 +40,8 @@ SPECIAL = re.compile(r"\$(?=\$)|:(?=fa-)", re.IGNORECASE)
 def mermaid(picture: Picture) -> str:
     """The Mermaid text of a picture.
 
-    Rows that do not leave their state share an arrow. A run's path is bold: its
-    states by a thick border, its rows by their count in the label, for Mermaid cannot style the lines of this diagram.
+    Transitions that do not leave their state share an arrow. Of a run's path, states have a thick border and
+    transitions their count in the label, for Mermaid cannot style the lines of this diagram.
     """
     text = "\n".join([*_lines(picture), ""])
     if len(text) <= MOST:
@@ -149,7 +149,7 @@ def _description(node: PictureNode, holder: bool) -> str:
 
 
 def _arrows(picture: Picture) -> Iterator[list[PictureEdge]]:
-    """The rows of each arrow: of several from a state to itself, Mermaid 11 would draw the last alone."""
+    """The transitions of each arrow: of several from a state to itself, Mermaid 11 would draw the last alone."""
     loops: dict[str, list[PictureEdge]] = defaultdict(list)
     for edge in picture.edges:
         if edge.target not in ("", edge.source):
@@ -166,7 +166,7 @@ def _arrow(edges: list[PictureEdge], ids: dict[str, str]) -> str:
 
 
 def _phrase(edge: PictureEdge) -> Iterator[str]:
-    yield row_text(edge) + ("" if edge.target else " (stays)")
+    yield transition_text(edge) + ("" if edge.target else " (stays)")
     if edge.taken.times:
         yield edge.taken.words()
 

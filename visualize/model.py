@@ -108,16 +108,16 @@ class PictureNode(NamedTuple):
 
 
 class PictureEdge(NamedTuple):
-    """A row, to one of its targets."""
+    """A transition, to one of its targets."""
 
     place: str
-    """JSON pointer of the row."""
+    """JSON pointer of the transition."""
     source: str
-    """The state whose row it is; empty for the mission's own, which are tried from everywhere."""
+    """The state whose transition it is; empty for the mission's own, which are tried from everywhere."""
     target: str
-    """Empty for a row that does not leave its state."""
+    """Empty for a transition that does not leave its state."""
     trigger: str
-    """`anomaly or halt`, `after 5 s`; empty for a row that fires as soon as its guard holds."""
+    """`anomaly or halt`, `after 5 s`; empty for a transition that fires as soon as its guard holds."""
     guard: str = ""
     do: tuple[str, ...] = ()
     internal: bool = False
@@ -150,7 +150,7 @@ class Picture(NamedTuple):
     nodes: tuple[PictureNode, ...]
     """In document order, outer before inner."""
     edges: tuple[PictureEdge, ...]
-    """Each row once for each of its targets, once for a row without; states in document order, the mission's last."""
+    """A transition once for each of its targets, or once without any; in document order, the mission's own last."""
     initials: tuple[Initial, ...]
     invariants: tuple[tuple[str, str], ...] = ()
     """Name and guard in words."""

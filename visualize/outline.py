@@ -38,7 +38,7 @@ def _value(word: str, value: Any, indent: str) -> Iterator[str]:
     if isinstance(value, Guard):
         yield f"{indent}{word}: {_guard(value)}"
     elif isinstance(value, Transition):
-        yield f"{indent}row {_trigger(value)}"
+        yield f"{indent}transition {_trigger(value)}"
         yield from (
             line for field in ("when", "do", "internal", "about") for line in _part(value, field, indent + INDENT)
         )
@@ -57,18 +57,22 @@ def _value(word: str, value: Any, indent: str) -> Iterator[str]:
         yield f"{indent}{word}: {_json(value)}"
 
 
-def _part(row: Transition, field: str, indent: str) -> Iterator[str]:
-    value = getattr(row, field)
-    if value != type(row).model_fields[field].get_default(call_default_factory=True):
+def _part(transition: Transition, field: str, indent: str) -> Iterator[str]:
+    value = getattr(transition, field)
+    if value != type(transition).model_fields[field].get_default(call_default_factory=True):
         yield from _value(field, value, indent)
 
 
-def _trigger(row: Transition) -> str:
+def _trigger(transition: Transition) -> str:
     words = (
-        f"after {_json(row.after_s)} s" if row.after_s is not None else "on " + ", ".join(row.on) if row.on else "now"
+        f"after {_json(transition.after_s)} s"
+        if transition.after_s is not None
+        else "on " + ", ".join(transition.on)
+        if transition.on
+        else "now"
     )
-    of = f" of {row.of}" if row.of else ""
-    return f"{words}{of} → {', '.join(row.to)}" if row.to else f"{words}{of}, stays"
+    of = f" of {transition.of}" if transition.of else ""
+    return f"{words}{of} → {', '.join(transition.to)}" if transition.to else f"{words}{of}, stays"
 
 
 def _guard(guard: Guard) -> str:

@@ -81,7 +81,7 @@ MARKS: Mapping[str, tuple[str, str, str]] = {
 }
 """Mark → pen, line style, word."""
 
-NARROW, SLIM, BROAD = frozenset("ijl|.,:;'!` "), frozenset('ftrI()[]{}/\\-"*'), frozenset("mwMW@%&")
+NARTRANSITION, SLIM, BROAD = frozenset("ijl|.,:;'!` "), frozenset('ftrI()[]{}/\\-"*'), frozenset("mwMW@%&")
 UNDRAWN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 """What no XML document may hold, and marks that would turn the reading direction of what follows."""
 
@@ -102,7 +102,7 @@ def width(text: str, size: float, *, bold: bool = False) -> float:
 def _advance(character: str) -> float:
     """Of one character, in ems: DejaVu Sans, the widest of the fonts, rounded up."""
     if character < "\x80":
-        if character in NARROW:
+        if character in NARTRANSITION:
             return 0.34
         if character in SLIM:
             return 0.46

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture as a Markdown table: every row of the mission, in the order in which they are tried."""
+"""A picture as a Markdown table: every transition of the mission, in the order in which they are tried."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SPECIAL = re.compile(r"([\\`*_\[\]<>|~#!&])")
 
 
 def table(picture: Picture) -> str:
-    """The Markdown of a picture; a row with several targets is one line."""
+    """The Markdown of a picture; a transition with several targets is one line."""
     return "\n".join([*_lines(picture), ""])
 
 
@@ -32,7 +32,7 @@ def _lines(picture: Picture) -> Iterator[str]:
     if picture.notes:
         yield from ("", *(f"- {escaped(note)}" for note in picture.notes))
     yield from ("", _line(*_head(picture)), _line(*("---" for _ in _head(picture))))
-    for _, edges in sorted(_rows(picture).items()):
+    for _, edges in sorted(_transitions(picture).items()):
         yield _line(*_cells(picture, edges))
     decisions = [node for node in picture.nodes if node.choices]
     if decisions:
@@ -47,7 +47,7 @@ def _lines(picture: Picture) -> Iterator[str]:
         yield f"- {escaped(name)}: {escaped(guard)}"
 
 
-def _rows(picture: Picture) -> dict[int, list[PictureEdge]]:
+def _transitions(picture: Picture) -> dict[int, list[PictureEdge]]:
     numbers: dict[tuple[str, str], int] = {}
     found: dict[int, list[PictureEdge]] = {}
     for edge in picture.edges:

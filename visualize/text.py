@@ -61,14 +61,14 @@ def _sent(effect: Effect) -> str:
     return f" ({template(sent)})" if sent else ""
 
 
-def trigger(row: Transition) -> str:
-    """What fires a row; empty where its guard alone does. A history's default is where it leads `without memory`."""
-    if isinstance(row, Default):
-        return row.words()
-    if row.after_s is not None:
-        return f"after {row.after_s:g} s"
-    words = " or ".join("any event" if name == "*" else name for name in row.on)
-    return f"{words} of {row.of}" if row.of else words
+def trigger(transition: Transition) -> str:
+    """What fires a transition; empty where its guard alone does; a history's default leads `without memory`."""
+    if isinstance(transition, Default):
+        return transition.words()
+    if transition.after_s is not None:
+        return f"after {transition.after_s:g} s"
+    words = " or ".join("any event" if name == "*" else name for name in transition.on)
+    return f"{words} of {transition.of}" if transition.of else words
 
 
 def state_title(state: State) -> str:

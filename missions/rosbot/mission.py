@@ -143,7 +143,7 @@ def mission() -> Mission:
             "done": Final("succeeded", about="every waypoint was visited, and the robot charges", requires=CHARGING),
             "incomplete": Final("failed", about="on the dock, with waypoints left out"),
             "stranded": Final(
-                "failed", about="it stands somewhere and cannot come to its dock; a person must fetch it"
+                "failed", about="it is stuck somewhere and cannot come to its dock; a person must fetch it"
             ),
             "aborted": Final("aborted", about="ended on the dock before every waypoint had its turn"),
             "stopped": Final("aborted", about="stopped at once, because someone wanted it"),

@@ -14,7 +14,7 @@ k = Keys(
         int, source="argument", initial=6, about="how many alleys are to be driven, those counted before included"
     ),
     alleys_driven=Key(int, source="robot", max_age_s=5, about="alleys driven from end to end, by pose"),
-    at_home=Key(bool, source="robot", max_age_s=5, about="it stands where it set out"),
+    at_home=Key(bool, source="robot", max_age_s=5, about="it is where it set out"),
     autonomy_state=Key(
         str, source="robot", max_age_s=5, about="the word in which the autonomy stack reports what it does"
     ),
@@ -193,7 +193,7 @@ def mission() -> Mission:
             "unfinished_home": Final("failed", about="home, with alleys left"),
             "stranded": Final(
                 "failed",
-                about="it stands somewhere and cannot come home; a person must fetch it",
+                about="it is stuck somewhere and cannot come home; a person must fetch it",
                 entry=[HALT, Say("I cannot come home. A person must fetch me.")],
             ),
             "given_up": Final(

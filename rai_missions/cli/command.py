@@ -20,7 +20,7 @@ PARAMETER = re.compile(r"^(\w+): ", re.MULTILINE)
 
 
 class Argument(NamedTuple):
-    """How a parameter is given on the command line, where its type does not say it: `Annotated[str, Argument(…)]`."""
+    """How a parameter is given on the command line, where its type leaves it open: `Annotated[str, Argument(…)]`."""
 
     metavar: str | None = None
     short: str = ""

@@ -56,13 +56,14 @@ def serve_gate(given: GateOptions) -> int:
         print(f"ended; commands passed: {passed}; refused: {refused}; handovers: {counts.revision}")
     if agent.gives_way:
         print(
-            f"rai-missions gate: another gate stands at {config.name} already; give this one a --name", file=sys.stderr
+            f"rai-missions gate: another gate has the name {config.name} already; give this one a --name",
+            file=sys.stderr,
         )
     return int(agent.gives_way)
 
 
 def _config(given: GateOptions) -> GateWords:
-    """What the file says; an option replaces what is in the file."""
+    """The contents of the file; an option replaces what is in the file."""
     words: dict[str, Any] = {}
     if given.command:
         words["commands"] = [command_topic(each) for each in given.command]
@@ -77,24 +78,24 @@ def _config(given: GateOptions) -> GateWords:
 def _others(name: str, topic: str, count: int) -> None:
     who = "another node publishes" if count == 1 else f"{count} other nodes publish"
     print(
-        f"rai-missions gate: {who} on {topic} as well: that reaches the actuators past this gate, whoever holds "
-        f"control; have it publish on {name}/{{{','.join(COMMANDERS)}}}{topic}, and end any other gate before {topic}",
+        f"rai-missions gate: {who} on {topic} as well: that reaches the actuators past this gate, no matter who "
+        f"holds control; have it publish on {name}/{{{','.join(COMMANDERS)}}}{topic}, and end other gates of {topic}",
         file=sys.stderr,
         flush=True,
     )
 
 
 def _opening(config: GateWords, holder: str) -> str:
-    lines = [f"{config.name} stands before {', '.join(each.topic for each in config.commands)}; {holder} has control"]
+    lines = [f"{config.name} guards {', '.join(each.topic for each in config.commands)}; {holder} has control"]
     if holder != config.safe:
-        lines.append("  the operator, or nobody, had it when a gate ended here: the operator gives it back")
+        lines.append("  an earlier gate ended while the operator or no one had control: the operator gives it back")
     lines += [
         f"  {each.topic}: nothing stops it when control changes; give 'stop' in a file if a message can"
         for each in config.commands
         if each.stop_message is None
     ]
     first = config.commands[0].topic
-    lines.append(f"  commands are heard on {config.name}/{{{','.join(COMMANDERS)}}}{first}")
+    lines.append(f"  commands are received on {config.name}/{{{','.join(COMMANDERS)}}}{first}")
     return "\n".join(lines)
 
 

@@ -134,6 +134,6 @@ def _git(folder: Path, *words: str) -> bytes:
     except FileNotFoundError:
         raise UsageError("there is no git on this machine; give two files instead: diff OLD NEW") from None
     if done.returncode:
-        said = done.stderr.decode(errors="replace").strip().removeprefix("fatal: ")
-        raise UsageError(f"git {words[0]}: {said or f'exit {done.returncode}'}")
+        message = done.stderr.decode(errors="replace").strip().removeprefix("fatal: ")
+        raise UsageError(f"git {words[0]}: {message or f'exit {done.returncode}'}")
     return done.stdout

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run on a terminal: the lines scroll by, and below them stands where the mission is now.
+"""A run on a terminal: the lines scroll by, and below them the current state is shown.
 
 Rule: while a person is asked the terminal is theirs.
 """
@@ -49,7 +49,7 @@ class Screen(Lines):
         self._personal: set[int] = set()
 
     def lend(self, person: Person) -> Answerer:
-        """Somebody who asks on this terminal: the foot is taken away first."""
+        """A person who is asked on this terminal: the foot is removed first."""
         return _Borrower(self._hide, super().lend(person))
 
     def close(self) -> None:
@@ -90,7 +90,7 @@ class Screen(Lines):
         super().end(result, picture)
 
     def _question(self, ask: Ask) -> None:
-        if self._is_person(ask):  # the operator's own prompt says it
+        if self._is_person(ask):  # the operator's own prompt shows it
             self._asked += 1
         else:
             super()._question(ask)
@@ -116,8 +116,8 @@ class Screen(Lines):
         facts = Table.grid(padding=(0, 2))
         for key, entry in sorted(view.board.items()):
             if self._mission.blackboard[key].source == "robot":
-                said = Text(trimmed(entry.value, 60))  # a string would be read as markup
-                facts.add_row(Text(f"  {key}", style="dim"), said, f"{at - entry.at:.1f} s old")
+                text = Text(trimmed(entry.value, 60))  # a string would be read as markup
+                facts.add_row(Text(f"  {key}", style="dim"), text, f"{at - entry.at:.1f} s old")
         return Group(Text(""), head, facts)
 
     def _path(self, view: RunView) -> list[str]:

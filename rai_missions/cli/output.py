@@ -149,7 +149,7 @@ class BufferedStream(io.TextIOBase):
 
     def _left_out(self) -> str:
         lost, self._lost = self._lost, 0
-        return f"\n… {lost} pieces of text are left out, since nobody took them\n"
+        return f"\n… {lost} pieces of text are left out, since they were not taken in time\n"
 
 
 def wait_for_output() -> None:

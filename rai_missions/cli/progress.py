@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run as a person reads it: a line a step, each question with its answer and verdict, and the end with its rule.
 
-Rule: it is told of steps and prints; it keeps nothing that anybody else needs.
+Rule: it receives steps and prints; no other part needs anything that it keeps.
 """
 
 from __future__ import annotations
@@ -47,17 +47,20 @@ def _plain(value: Any) -> str:
 
 
 def _reasons(mission: Mission) -> dict[str, str]:
-    """JSON pointer of a row → what its guard says."""
+    """JSON pointer of a transition → its guard in words."""
     found = {}
-    for place, rows in (("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk())):
-        for index, row in enumerate(rows):
-            if row.when is not None:
-                found[f"{place}/transitions/{index}"] = row.when.words()
+    for place, transitions in (
+        ("", mission.transitions),
+        *((place, state.transitions) for place, _, state in mission.walk()),
+    ):
+        for index, transition in enumerate(transitions):
+            if transition.when is not None:
+                found[f"{place}/transitions/{index}"] = transition.when.words()
     return found
 
 
 class Person(Answerer, Protocol):
-    """Somebody at the terminal."""
+    """A person at the terminal."""
 
     def stop(self) -> None:
         """Nothing more will be asked."""
@@ -84,25 +87,32 @@ class Lines:
         self._open_goals: tuple[OpenGoal, ...] = ()
 
     def begin(
-        self, robot: str, answerers: str, journal: str, *, model: str | None, goes_on: str = "", moved_aside: str = ""
+        self,
+        robot: str,
+        answerers: str,
+        journal: str,
+        *,
+        model: str | None,
+        resumption: str = "",
+        moved_aside: str = "",
     ) -> None:
-        """The head of a run: what runs on what, who answers, where it is written down, from where it goes on."""
+        """The head of a run: what runs on what, who answers, where it is written down, from where it resumes."""
         self._print(f"{self._mission.name} {self._mission.version} on {robot or 'no robot'}")
         self._print(f"model: {model or 'none, no model is asked'}")
-        self._print(f"questions are answered by: {answerers or 'nobody, so each takes its fallback'}")
+        self._print(f"questions are answered by: {answerers or 'no one, so each takes its fallback'}")
         self._print(f"journal: {journal or 'none'}")
         if moved_aside:
             self._print(f"the journal of an earlier run, which had this name, is now {moved_aside}")
-        if goes_on:
-            self._print(goes_on)
+        if resumption:
+            self._print(resumption)
         self._print("")
 
     def watch(self, view: RunView) -> None:
-        """The run begins; its state may be shown beside the lines."""
+        """The run begins; its state may be shown below the lines."""
         self._view = view
 
     def lend(self, person: Person) -> Answerer:
-        """Somebody who asks where these lines are printed; sent away when the run is over."""
+        """A person who is asked where these lines are printed; stopped when the run is over."""
         self._persons.append(person)
         return person
 
@@ -148,7 +158,7 @@ class Lines:
                 self._question(effect)
 
     def _wait(self, step: Step) -> None:
-        """Said once: what the mission must hear before it starts; what else happens until then changes nothing."""
+        """Once: what the mission must receive before it starts; until then nothing else counts."""
         unheard = self._view.unheard if self._view is not None else ()
         if unheard and not self._is_waiting:
             self._is_waiting = True
@@ -160,10 +170,9 @@ class Lines:
         self._print(f"{result.outcome}: {trimmed(result.why, 400)}", result.outcome)
         if result.warning:
             self._print(trimmed(result.warning, 400))
-        said = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
-        self._print(
-            f"steps {result.steps} · questions {self._asked} (answers that counted: {said}) · {result.duration_s:.1f} s"
-        )
+        counts = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
+        asked = f"questions {self._asked} (answers that counted: {counts})"
+        self._print(f"steps {result.steps} · {asked} · {result.duration_s:.1f} s")
         if result.journal:
             self._print(f"journal: {result.journal}")
         if result.moved_aside:
@@ -176,11 +185,11 @@ class Lines:
 
     def _because(self, step: Step) -> list[str]:
         """What was so that moved the mission without an event or outcome."""
-        rows = [row for move in step.moves if not move.trigger for row in move.taken]
-        return [f"because {self._reasons[row]}" for row in rows if row in self._reasons]
+        places = [place for move in step.moves if not move.trigger for place in move.taken]
+        return [f"because {self._reasons[place]}" for place in places if place in self._reasons]
 
     def _question(self, ask: Ask) -> None:
-        """What is asked; said once for all who are asked the same."""
+        """What is asked; printed once for all who are asked the same."""
         question = ask.question
         self._asked += 1
         offered = ", ".join(offer.name for offer in question.options)
@@ -200,8 +209,8 @@ class Lines:
             if verdict.accepted or verdict.kind == "fallback":
                 who = verdict.by or "fallback"
                 self._answered[who] = self._answered.get(who, 0) + 1
-            said = f" (“{trimmed(why, 80)}”)" if why else ""
-            self._print(f"{'':13}{trimmed(text)}{said}", "question" if verdict.accepted else "refused")
+            reason = f" (“{trimmed(why, 80)}”)" if why else ""
+            self._print(f"{'':13}{trimmed(text)}{reason}", "question" if verdict.accepted else "refused")
 
     def _print(self, line: str, tone: Tone = "plain") -> None:
         """Print a line.

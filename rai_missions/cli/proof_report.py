@@ -112,7 +112,7 @@ def report(mission: Mission, proof: Proof, journals: dict[str, Any]) -> Iterable
         if claim.verdict == "refuted":
             yield from _refutation(claim.sentence, proof.ways.get(claim.name, ()), journals.get(claim.name))
     if proof.verdict == "proved" and not proof.alike:
-        yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it heard"
+        yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it received"
     yield from _limits(proof)
 
 
@@ -143,7 +143,7 @@ def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | 
     before: frozenset[str] = frozenset()
     for number, scene in enumerate(scenes, 1):
         ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
-        facts = [f"{key} {_said(value)}" for key, value in sorted(scene.facts.items())]
+        facts = [f"{key} {_value_text(value)}" for key, value in sorted(scene.facts.items())]
         known = ", ".join(([f"control is with {scene.control.name}"] if scene.control is not None else []) + facts)
         yield f"      {number}. {scene.words}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
         before = scene.active
@@ -152,7 +152,7 @@ def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | 
         yield f"      journal: {journal['journal']}{shows}"
 
 
-def _said(value: Any) -> str:
+def _value_text(value: Any) -> str:
     return "unknown" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
 
 
@@ -161,19 +161,19 @@ def _limits(proof: Proof) -> Iterable[str]:
         yield f"assumed of the robot, and watched in a run: {', '.join(proof.assumed)}"
     if proof.alike:
         loops = ", ".join(f"'{loop}' ({rounds} rounds)" for loop, rounds in sorted(proof.alike.items()))
-        yield f"a few rounds stand for all, which are alike: {loops}"
+        yield f"a few rounds represent all, which are alike: {loops}"
     if proof.in_pause:
         names = ", ".join(proof.in_pause)
-        yield f"while paused or held not every rule acts, and what the robot says can end the mission by: {names}"
+        yield f"while paused or held not every rule acts, and reports of the robot can end the mission by: {names}"
     if proof.predicates:
-        yield f"free to say anything whenever asked: {', '.join(proof.predicates)}"
+        yield f"free to give any result whenever asked: {', '.join(proof.predicates)}"
     if proof.sampled:
         yield f"tried with some values only, so nothing is called proved: {', '.join(proof.sampled)}"
     if proof.never:
         yield f"no run enters: {', '.join(proof.never)}"
     yield "in every state the operator may pause, resume, take control or give it; timers run out in any order"
     yield "comes to rest assumes that an operator who has taken control gives it back"
-    yield "not explored: a process that is killed and taken up again"
+    yield "not explored: a process that is killed and resumed"
 
 
 def as_json(mission: Mission, proof: Proof, journals: dict[str, Any]) -> dict[str, Any]:

@@ -25,7 +25,7 @@ MISSION: dict[str, Any] = {
     "version": "0.1.0",
     "about": "Drive to a place; when something is in the way, ask what to do.",
     "blackboard": {
-        "arrived": {"type": "boolean", "source": "robot", "max_age_s": 5, "about": "the robot stands at the place"},
+        "arrived": {"type": "boolean", "source": "robot", "max_age_s": 5, "about": "the robot is at the place"},
         "blocked": {"type": "boolean", "source": "robot", "max_age_s": 2, "about": "something is in the way"},
     },
     "initial": "driving",

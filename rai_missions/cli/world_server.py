@@ -24,7 +24,7 @@ from rai_missions.worlds.world import World
 __all__ = ("serve_world",)
 
 LOOK_S = 3.0
-"""After so long on the wall whoever else is there is known, as a connector's `discovery_s` has it."""
+"""After so long on the wall clock all other nodes are known, as a connector's `discovery_s` has it."""
 REPORT_S = 60.0
 """Seconds on the wall between two words that all is well."""
 
@@ -70,7 +70,7 @@ def _open(name: str, options: Mapping[str, Any]) -> World:
 
 
 def _go(stage: Stage, front: Front, speed: float, mailbox: Mailbox) -> None:
-    """Step the world at its pace until the mailbox says that it is over."""
+    """Step the world at its pace until the mailbox holds the end."""
     clock = SimulatedClock(stage, speed)
     began = wall = time.monotonic()
     at = stage.at

@@ -40,10 +40,11 @@ TWIGS = """[...document.querySelectorAll('.twig')].map((twig) => {
   return [twig.querySelector('title').textContent, lines, left, right, top, bottom];
 })"""
 UNTOLD = """(() => {
-  const drawn = new Set([...document.querySelectorAll('.arrow')].flatMap((each) => each.dataset.rows.split(' ')));
+  const arrows = [...document.querySelectorAll('.arrow')];
+  const drawn = new Set(arrows.flatMap((each) => each.dataset.transitions.split(' ')));
   const { model, chart } = review;
-  const told = (row) => drawn.has(row.place) || chart.staying(row.source).includes(row);
-  return model.data.rows.filter((row) => row.source && !told(row)).map((row) => row.place);
+  const isShown = (transition) => drawn.has(transition.place) || chart.staying(transition.source).includes(transition);
+  return model.data.transitions.filter((each) => each.source && !isShown(each)).map((each) => each.place);
 })()"""
 
 
@@ -52,13 +53,13 @@ def names(mission: Mission) -> set[str]:
 
 
 def missing(window: Any) -> list[str]:
-    """Rows that are neither on an arrow nor reported by a box of the open chart."""
+    """Transitions that are neither on an arrow nor reported by a box of the open chart."""
     found: list[str] = window.evaluate(UNTOLD)
     return found
 
 
 @pytest.mark.parametrize("mission", [tractor(), hostile()], ids=["tractor", "hostile"])
-def test_every_state_and_row_is_there_and_no_text_leaves_its_box(mission: Mission, opened: Open) -> None:
+def test_every_state_and_transition_is_there_and_no_text_leaves_its_box(mission: Mission, opened: Open) -> None:
     window = opened(review(mission))
     window.click("#open-all")
     assert sorted(window.evaluate(STATES)) == sorted(names(mission))

@@ -39,7 +39,7 @@ def test_a_change_leads_to_its_place_and_its_place_reports_the_change(window: An
     window.click("#tab-changes")
     assert window.is_visible("#changes")
     assert not window.is_visible("#details")
-    window.click("#changes >> text=row 'as soon as'")
+    window.click("#changes >> text=transition 'as soon as'")
     assert "/transitions/0/when" in window.inner_text("#details")
 
 
@@ -60,8 +60,8 @@ def test_a_switch_dims_all_that_is_not_for_review(window: Any) -> None:
     assert "reversing" in window.evaluate("[...document.querySelectorAll('.state.lit')].map((e) => e.dataset.state)")
 
 
-def test_a_row_that_is_gone_has_its_own_definition(window: Any) -> None:
-    window.evaluate("review.go('row', 'was:/states/signalling/transitions/0')")
+def test_a_transition_that_is_gone_has_its_own_definition(window: Any) -> None:
+    window.evaluate("review.go('transition', 'was:/states/signalling/transitions/0')")
     assert '"fresh": "obstacle"' in window.inner_text("#details pre")
 
 

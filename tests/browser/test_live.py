@@ -132,17 +132,17 @@ def test_a_page_that_receives_nothing_states_it_and_its_ages_run_on(run: Run, lo
     window = look(run.page)
     window.wait_for_selector("[data-line=live]")
     with hung(run.page):
-        window.wait_for_selector("body.unheard [data-line=away]")
+        window.wait_for_selector("body.disconnected [data-line=away]")
         assert window.inner_text("#mode") == "running?"
         assert window.evaluate("document.body.getBoundingClientRect().width") > 1000
-        until(window, "/^last heard [3-9] s ago$/.test(document.querySelector('#heard').textContent)")
+        until(window, "/^last message [3-9] s ago$/.test(document.querySelector('#silence').textContent)")
         first = window.evaluate("live.now")
         until(window, f"live.now > {first}")
         shown = window.inner_text("header")
         assert "abort" not in shown.replace("aborted", "") and "fetch" not in shown.lower(), shown
-    window.wait_for_selector("body:not(.unheard) [data-line=live]")
+    window.wait_for_selector("body:not(.disconnected) [data-line=live]")
     assert window.inner_text("#mode") == "running"
-    assert window.inner_text("#heard") == ""
+    assert window.inner_text("#silence") == ""
 
 
 def test_an_order_reports_at_once_that_it_is_sent_and_then_what_became_of_it(look: Look) -> None:
@@ -151,18 +151,18 @@ def test_an_order_reports_at_once_that_it_is_sent_and_then_what_became_of_it(loo
         run.start()
         window = look(run.page)
         window.wait_for_selector("[data-act=pause]:not(:disabled)")
-        reported = "document.querySelector('#said')"
+        reported = "document.querySelector('#notice')"
         with hung(run.page):
             assert window.evaluate(f"(live.acts.buttons.stop.click(), {reported}.textContent)") == "e-stop: sent …"
-            window.wait_for_selector("#said.alarm:has-text('e-stop: NO ANSWER')")
-            assert "use the robot's own stop" in window.inner_text("#said")
+            window.wait_for_selector("#notice.alarm:has-text('e-stop: NO ANSWER')")
+            assert "use the robot's own stop" in window.inner_text("#notice")
             window.evaluate("live.acts.order({ command: 'pause' })")
-            window.wait_for_selector("#said.alarm:has-text('pause: NO ANSWER')")
+            window.wait_for_selector("#notice.alarm:has-text('pause: NO ANSWER')")
         until(window, f"{reported}.className === 'good' && {reported}.textContent.startsWith('e-stop: done')")
         assert [json.loads(text)["command"] for text in desk.orders if "pause" not in text] == ["e_stop"]
         run.page.stop()
         window.evaluate("live.acts.order({ command: 'e_stop' })")
-        window.wait_for_selector("#said.alarm:has-text('e-stop: not delivered')")
+        window.wait_for_selector("#notice.alarm:has-text('e-stop: not delivered')")
 
 
 def test_a_state_that_waits_for_control_states_it_and_the_way_out_is_a_button(look: Look) -> None:
@@ -361,7 +361,7 @@ def test_an_operator_watches_answers_and_stops_a_tractor(tmp_path: Path, look: L
         assert "Something blocks the alley" in window.inner_text(".question.mine")
         assert "s left" in window.inner_text(".question.mine")
         window.click(".question.mine [data-option=replan]")
-        window.wait_for_selector("#said.good")
+        window.wait_for_selector("#notice.good")
         window.wait_for_selector(".question", state="detached")
         window.click("#tab-journal")
         window.wait_for_selector("#steps li:has-text('operator Anna (page) answers question')")

@@ -26,20 +26,20 @@ from visualize.style import clean
 
 SCRIPT = ROOT / "tests/oracles/node_modules/@mermaid-js/tiny/dist/mermaid.tiny.js"
 RENDER = """async (texts) => {
-  const told = [];
+  const drawn = [];
   for (const text of texts) {
     const { svg } = await mermaid.render(`d${Math.random().toString(36).slice(2)}`, text);
     const box = document.body.appendChild(document.createElement("div"));
     box.innerHTML = svg;
     const all = (what) => [...box.querySelectorAll(what)];
-    told.push({
-      said: all(".nodeLabel, span.edgeLabel, desc").map((each) => each.innerText ?? each.textContent),
+    drawn.push({
+      texts: all(".nodeLabel, span.edgeLabel, desc").map((each) => each.innerText ?? each.textContent),
       tags: [...new Set(all(".nodeLabel *, span.edgeLabel *").map((each) => each.tagName.toLowerCase()))],
       arrows: all("path.transition").length,
     });
     box.remove();
   }
-  return told;
+  return drawn;
 }"""
 TEXTS = (
     "_a_ __init__ a_b", "*x* **y** ~~z~~", "1. a\n2. b", "x\n- b\n# c\n> d\n---\n===", "`code` ```x```", "$$x^2$$",
@@ -65,9 +65,9 @@ def draws(browser: Any) -> Iterator[Draws]:
     context.close()
 
 
-def saying(text: str) -> Mission:
+def speaking(text: str) -> Mission:
     """A mission with a text wherever a diagram shows one."""
-    rows = [{"on": "go", "to": "e"}]
+    transitions = [{"on": "go", "to": "e"}]
     options = {"a": {"about": text}, "b": {}}
     return Mission.model_validate({
         "format": 1, "name": "m", "about": text, "events": {"go": {}}, "initial": "q",
@@ -76,7 +76,7 @@ def saying(text: str) -> Mission:
                 "decision": {"question": text, "options": options, "deadline_s": 5, "fallback": "b"},
                 "transitions": [{"on": "a", "to": "w", "do": [{"say": text}]}, {"on": "b", "to": "e"}],
             },
-            "w": {"initial": "i", "entry": [{"log": text}], "states": {"i": {"transitions": rows}}},
+            "w": {"initial": "i", "entry": [{"log": text}], "states": {"i": {"transitions": transitions}}},
             "e": {"final": "succeeded"},
         },
     })  # fmt: skip
@@ -88,15 +88,15 @@ def bare(text: str) -> str:
 
 
 def shown_as_written(text: str, results: dict[str, Any]) -> None:
-    reported = [bare(each) for each in results["said"]]
+    reported = [bare(each) for each in results["texts"]]
     assert set(results["tags"]) <= {"p", "br", "span"}, text
-    for wanted in (f"q decision “{text}”", f"say “{text}”", f"log “{text}”"):
-        assert any(bare(wanted) in each for each in reported), (text, wanted, results["said"])
+    for wanted in (f"q decision “{text}”", *(f"{effect} “{text}”" for effect in ("say", "log"))):
+        assert any(bare(wanted) in each for each in reported), (text, wanted, results["texts"])
     assert bare(text) in reported or not bare(text)
 
 
 def arrows(drawn: Picture) -> int:
-    """Of a diagram, where the rows from a state to itself share one."""
+    """Of a diagram, where the transitions from a state to itself share one."""
     ends = [(edge.source, edge.target or edge.source) for edge in drawn.edges]
     onward = [pair for pair in ends if pair[0] != pair[1]]
     return len(onward) + len({*ends} - {*onward}) + len(drawn.initials)
@@ -115,19 +115,19 @@ def test_a_shipped_mission_is_drawn_with_all_its_arrows(draws: Draws, path: Path
 
 def test_a_run_and_hostile_texts_are_drawn(draws: Draws) -> None:
     run, bad = draws(mermaid(picture(tractor(), tractor_path())), mermaid(picture(hostile())))
-    assert any("2× in steps 2, 5" in each for each in run["said"])
-    assert any("<script>alert(1)</script>" in each for each in bad["said"])
+    assert any("2× in steps 2, 5" in each for each in run["texts"])
+    assert any("<script>alert(1)</script>" in each for each in bad["texts"])
 
 
 def test_a_text_is_shown_as_it_was_written(draws: Draws) -> None:
-    for text, reported in zip(TEXTS, draws(*(mermaid(picture(saying(text))) for text in TEXTS)), strict=True):
+    for text, reported in zip(TEXTS, draws(*(mermaid(picture(speaking(text))) for text in TEXTS)), strict=True):
         shown_as_written(text, reported)
 
 
 @settings(max_examples=6, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate])
 @given(st.lists(MEAN, min_size=5, max_size=5))
 def test_any_text_is_shown_as_it_was_written(draws: Draws, texts: list[str]) -> None:
-    for text, reported in zip(texts, draws(*(mermaid(picture(saying(text))) for text in texts)), strict=True):
+    for text, reported in zip(texts, draws(*(mermaid(picture(speaking(text))) for text in texts)), strict=True):
         shown_as_written(text, reported)
 
 

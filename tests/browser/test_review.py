@@ -76,7 +76,7 @@ def test_a_click_reports_all_of_a_state_and_the_address_names_it(opened: Open) -
 
 def test_a_click_reports_all_of_a_row(opened: Open) -> None:
     window = opened(review(tractor()))
-    window.locator("[data-rows='/states/assessing/transitions/0'] .grip").dispatch_event("click")
+    window.locator("[data-transitions='/states/assessing/transitions/0'] .grip").dispatch_event("click")
     reported = window.inner_text("#details")
     for words in (
         "drive_over",
@@ -98,9 +98,13 @@ def test_a_switch_lights_what_answers_it_and_dims_all_else(name: str, key: str, 
     expected = set(LENSES[name]["states"]) | {parents[state] for state in LENSES[name]["states"]} - {""}
     window.click(f"[data-lens={name}]")
     assert lit(window) == expected
-    rows = {row for rows in lit(window, ".arrow", "rows") for row in rows.split()}
-    drawn = window.evaluate("[...document.querySelectorAll('.arrow')].flatMap((each) => each.dataset.rows.split(' '))")
-    assert rows == set(LENSES[name]["rows"]) & set(drawn)
+    transitions = {
+        transition for transitions in lit(window, ".arrow", "transitions") for transition in transitions.split()
+    }
+    drawn = window.evaluate(
+        "[...document.querySelectorAll('.arrow')].flatMap((each) => each.dataset.transitions.split(' '))"
+    )
+    assert transitions == set(LENSES[name]["transitions"]) & set(drawn)
     assert lit(window, ".cell", "option") == set(LENSES[name]["options"])
     for section in LENSES[name]["sections"]:
         assert section["heading"] in window.inner_text("#lens")
@@ -174,29 +178,27 @@ def test_steps_go_by_keys_and_jump_from_change_to_change(journal: Path, opened: 
 
 def test_coverage_reports_which_rows_were_never_taken_and_is_sorted_by_a_click(journal: Path, opened: Open) -> None:
     page = review(tractor(), [journal, journal])
-    taken = data_of(page)["coverage"]["rows"]
+    taken = data_of(page)["coverage"]["transitions"]
     window = opened(page)
-    window.click("#tab-rows")
+    window.click("#tab-transitions")
     window.click("[data-sort=taken]")
-    numbers = window.evaluate(
-        "[...document.querySelectorAll('#rows tbody tr')].map((each) => each.querySelector('.number').textContent)"
-    )
+    numbers = window.locator("#transitions tbody tr .number:nth-last-child(2)").all_text_contents()
     counts = [0 if number == "never" else int(number) for number in numbers]
     assert counts == sorted(counts, reverse=True)
     assert [count for count in counts if count] == sorted((sum(each) for each in taken.values()), reverse=True)
     window.click("[data-sort=taken]")
-    assert window.inner_text("#rows tbody tr:first-child .number >> nth=0") == "never"
+    assert window.inner_text("#transitions tbody tr:first-child .number >> nth=0") == "never"
 
 
 def test_a_history_which_is_never_active_is_not_among_the_states_never_entered(opened: Open) -> None:
     mission = load(ROOT / "missions/rosbot/mission.json")
     chart = Chart(mission, ticker=PyTrees())
     window = opened(review(mission, runs=[run_of_steps([chart.start(0.0)])]))
-    window.click("#tab-rows")
-    never = window.evaluate("[...document.querySelectorAll('#rows li')].map((each) => each.textContent)")
+    window.click("#tab-transitions")
+    never = window.evaluate("[...document.querySelectorAll('#transitions li')].map((each) => each.textContent)")
     assert "deciding" in never
     assert "resume" not in never
-    assert f"of {sum(1 for _ in mission.walk()) - 1} states entered" in window.inner_text("#rows")
+    assert f"of {sum(1 for _ in mission.walk()) - 1} states entered" in window.inner_text("#transitions")
 
 
 def test_no_text_of_a_mission_a_model_or_a_robot_is_run_or_read_as_markup(journal: Path, opened: Open) -> None:
@@ -209,7 +211,7 @@ def test_no_text_of_a_mission_a_model_or_a_robot_is_run_or_read_as_markup(journa
     for index in range(len(answered(tractor()))):
         window.evaluate(f"review.player.seek({index})")
         until(window, f"document.querySelector('#player output').textContent.includes('· {index + 1} of')")
-    for tab in ("details", "step", "rows"):
+    for tab in ("details", "step", "transitions"):
         window.click(f"#tab-{tab}")
     assert window.evaluate("window.pwned") is None
     assert window.locator("script").count() == 2

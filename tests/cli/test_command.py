@@ -14,7 +14,7 @@ from rai_missions.cli.commands import load_command, names
 from rai_missions.cli.main import main
 
 COUNT = '''
-"""A command of somebody else's."""
+"""A command of another package."""
 
 from typing import Annotated, Literal
 
@@ -43,7 +43,7 @@ def count(
         case: How it is
             written.
         port: Where.
-        is_loud: Say 100 % of it.
+        is_loud: Print 100 % of it.
 
     Exit status:
         0 it counted, 2 the input is at fault
@@ -79,7 +79,7 @@ def test_a_command_is_added_by_a_file(capsys: pytest.CaptureFixture[str], monkey
         "FROM                  The first number, which is 0 without it.\n",
         "-w WORD, --word WORD  A word; may be repeated.\n",
         "How it is written. (default: lower)\n",
-        "--is-loud             Say 100 % of it.\n",
+        "--is-loud             Print 100 % of it.\n",
         "\nexit status: 0 it counted, 2 the input is at fault\n",
         "\nexample:\n  rai-missions count 3\n  rai-missions count 3 --case upper\n",
     ):

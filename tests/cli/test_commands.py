@@ -128,7 +128,7 @@ def test_a_mission_that_must_receive_a_robot_is_not_begun_without_one(
 ) -> None:
     main(["new", "mine"])
     assert main(["run", "mine/mission.json"]) == 2
-    assert "must hear arrived, blocked from a robot; give its profile" in capsys.readouterr().err
+    assert "must receive arrived, blocked from a robot; give its profile" in capsys.readouterr().err
 
 
 def test_python_is_executed_only_where_it_may_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -268,7 +268,7 @@ def test_a_new_mission_passes_its_check(folder: Path, template: str) -> None:
     assert main(["new", "mine"]) == 2
 
 
-def test_a_reader_that_goes_away_is_no_traceback(folder: Path) -> None:
+def test_a_reader_that_disappears_is_no_traceback(folder: Path) -> None:
     program = [sys.executable, "-m", "rai_missions.cli.main", "schema"]
     with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ}) as process:
         assert process.stdout is not None and process.stderr is not None
@@ -323,4 +323,4 @@ def test_words_of_a_simulated_world_warn_where_there_is_none(
     err = capsys.readouterr().err
     assert message in err and (message or "no effect" not in err)
     main(given)
-    assert "no effect" not in capsys.readouterr().err, "what was not said is not warned of"
+    assert "no effect" not in capsys.readouterr().err, "an option that was not given causes no warning"

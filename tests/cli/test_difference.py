@@ -154,10 +154,10 @@ def test_the_workflow_compares_what_a_pull_request_changed(repository: Path, mon
     git(repository, "commit", "-qam", "looser")
     (script,) = (step["run"] for step in workflow()["jobs"]["review"]["steps"] if step.get("id") == "compare")
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
-    monkeypatch.setenv("GITHUB_OUTPUT", str(repository / "told"))
+    monkeypatch.setenv("GITHUB_OUTPUT", str(repository / "output"))
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(repository / "summary.md"))
     subprocess.run(["bash", "-c", script], cwd=repository, env={**os.environ, "BASE": base}, check=True)
-    assert (repository / "told").read_text() == "count=1\nsafety=yes\n"
+    assert (repository / "output").read_text() == "count=1\nsafety=yes\n"
     assert "1 safety-relevant change" in (repository / "summary.md").read_text()
     assert {each.suffix for each in (repository / "review").iterdir()} == {".md", ".html", ".svg"}
     assert not list(repository.rglob("owned"))

@@ -29,10 +29,10 @@ class Stalled(io.StringIO):
 
     def __init__(self) -> None:
         super().__init__()
-        self.goes_on = threading.Event()
+        self.released = threading.Event()
 
     def write(self, text: str) -> int:
-        assert self.goes_on.wait(PATIENCE_S)
+        assert self.released.wait(PATIENCE_S)
         return super().write(text)
 
 
@@ -40,7 +40,7 @@ class Stalled(io.StringIO):
 def stalled() -> Iterator[Stalled]:
     made = Stalled()
     yield made
-    made.goes_on.set()
+    made.released.set()
 
 
 def test_a_run_whose_lines_no_one_takes_is_stopped_all_the_same(stalled: Stalled) -> None:
@@ -51,7 +51,7 @@ def test_a_run_whose_lines_no_one_takes_is_stopped_all_the_same(stalled: Stalled
     rig.stage.play({200.0: rig.runner.kill})
     result = rig.run()
     assert result.outcome == "aborted" and rig.move.canceled == rig.move.goals != []
-    stalled.goes_on.set()
+    stalled.released.set()
     aside.settle()
     printed = stalled.getvalue()
     assert len(printed.splitlines()) < 2 * MAX_PENDING
@@ -61,7 +61,7 @@ def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_co
     aside = BufferedStream(stalled)
     for number in range(MAX_PENDING + 500):
         aside.write(f"{number}\n")
-    stalled.goes_on.set()
+    stalled.released.set()
     while aside._texts.qsize():
         threading.Event().wait(0.001)
     aside.write("and on\n")
@@ -81,7 +81,7 @@ def test_what_is_left_out_last_is_counted_as_well_and_what_is_reported_at_the_en
     with nonblocking_output():
         for number in range(MAX_PENDING + 500):
             sys.stdout.write(f"{number}\n")
-        threading.Timer(0.1, stalled.goes_on.set).start()
+        threading.Timer(0.1, stalled.released.set).start()
         wait_for_output()
         sys.stdout.write("the mission succeeded\n")
     before, _, after = stalled.getvalue().partition(" pieces of text are left out")
@@ -93,11 +93,11 @@ def test_what_is_left_out_last_is_counted_as_well_and_what_is_reported_at_the_en
 def test_at_the_end_all_of_it_is_out_and_the_streams_are_as_before(capsys: pytest.CaptureFixture[str]) -> None:
     before = sys.stdout, sys.stderr
     with nonblocking_output():
-        sys.stdout.write("to whoever reads\n")
-        sys.stderr.write("to whoever looks after it\n")
+        sys.stdout.write("to the reader\n")
+        sys.stderr.write("to the operator\n")
         kept = sys.stderr
     assert (sys.stdout, sys.stderr) == before
-    assert capsys.readouterr() == ("to whoever reads\n", "to whoever looks after it\n")
+    assert capsys.readouterr() == ("to the reader\n", "to the operator\n")
     kept.write("later\n")
     assert capsys.readouterr().err == "later\n"
 
@@ -120,4 +120,4 @@ def test_an_interrupt_cancels_the_run_although_no_one_can_be_reported_so(monkeyp
 def test_a_reader_that_has_gone_is_reported_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", Gone())
     with pytest.raises(BrokenPipeError), nonblocking_output():
-        sys.stdout.write("to nobody")
+        sys.stdout.write("to no one")

@@ -154,7 +154,7 @@ def test_the_command_line_migrates_a_run_or_reports_what_is_missing(
     printed = capsys.readouterr()
     reported = json.loads(printed.out)
     assert (reported["outcome"], reported["journal"]) == ("canceled", str(tmp_path / "run-migrated.journal"))
-    assert f"the run of {journal} goes on in {reported['journal']}, as 'patrol' 2.0.0" in printed.err
+    assert f"the run of {journal} resumes in {reported['journal']}, as 'patrol' 2.0.0" in printed.err
     assert replay(reported["journal"]).holds
     assert main([*command, "--migrate", str(map_)]) == 2
     assert "goes on in another mission" in capsys.readouterr().err

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""DOT that Graphviz reads, with every row in it, and text that stays text and stays in its box."""
+"""DOT that Graphviz reads, with every transition in it, and text that stays text and stays in its box."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from visualize.rasterize import can_raster, raster
 from visualize.style import clean, width, wrapped
 
 SVG = "{http://www.w3.org/2000/svg}"
-ROW = re.compile(r'id="([^"]*/transitions/\d+)>([a-z0-9_/]*)"')
+TRANSITION = re.compile(r'id="([^"]*/transitions/\d+)>([a-z0-9_/]*)"')
 
 
 def svg(mission: Mission) -> ElementTree.Element:
@@ -33,10 +33,12 @@ def svg(mission: Mission) -> ElementTree.Element:
 
 
 @given(missions())
-def test_every_row_is_an_arrow_for_each_target_or_is_in_its_state(mission: Mission) -> None:
+def test_every_transition_is_an_arrow_for_each_target_or_is_in_its_state(mission: Mission) -> None:
     drawn = picture(mission)
     text = dot_text(drawn)
-    assert Counter(ROW.findall(text)) == Counter((edge.place, edge.target) for edge in drawn.edges if edge.target)
+    assert Counter(TRANSITION.findall(text)) == Counter(
+        (edge.place, edge.target) for edge in drawn.edges if edge.target
+    )
     staying = {edge.place for edge in drawn.edges if not edge.target}
     assert text.count("stays: ") + text.count("stays where it is") == len(staying)
 
@@ -136,11 +138,13 @@ def _right(shape: ElementTree.Element) -> float:
 @pytest.mark.timeout(60)
 def test_a_mission_of_a_hundred_states_is_laid_out_in_time() -> None:
     """With the ranks of small pictures this takes half a minute, and one of five hundred states hours."""
-    rows = [{"on": "succeeded", "to": "done"}, {"on": "failed", "to": "g0a0"}]
+    transitions = [{"on": "succeeded", "to": "done"}, {"on": "failed", "to": "g0a0"}]
     states = {
         f"g{group}": {
             "initial": f"g{group}a0",
-            "states": {f"g{group}a{n}": {"action": "go", "timeout_s": 1, "transitions": rows} for n in range(10)},
+            "states": {
+                f"g{group}a{n}": {"action": "go", "timeout_s": 1, "transitions": transitions} for n in range(10)
+            },
             "transitions": [{"on": "halt", "to": f"g{(group + 1) % 10}"}],
         }
         for group in range(10)

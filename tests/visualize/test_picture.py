@@ -14,13 +14,13 @@ from tests.visualize.runs import run, tractor, tractor_path
 from visualize.build import picture
 
 
-def rows(mission: Mission) -> Counter[tuple[str, str, str]]:
-    """(pointer, source, target) of each row and target, read from the written mission alone."""
+def transitions(mission: Mission) -> Counter[tuple[str, str, str]]:
+    """(pointer, source, target) of each transition and target, read from the written mission alone."""
     found: Counter[tuple[str, str, str]] = Counter()
 
     def add(place: str, source: str, state: dict[str, object]) -> None:
-        for index, row in enumerate(state.get("transitions", [])):  # type: ignore[var-annotated, arg-type]
-            to = row.get("to", "")
+        for index, transition in enumerate(state.get("transitions", [])):  # type: ignore[var-annotated, arg-type]
+            to = transition.get("to", "")
             for target in to if isinstance(to, list) else [to]:
                 found[f"{place}/transitions/{index}", source, target] += 1
         for word in ("states", "parallel"):
@@ -35,7 +35,7 @@ def rows(mission: Mission) -> Counter[tuple[str, str, str]]:
 @given(missions())
 def test_the_edges_are_exactly_the_rows_once_for_each_target(mission: Mission) -> None:
     drawn = Counter((edge.place, edge.source, edge.target) for edge in picture(mission).edges)
-    assert drawn == rows(mission)
+    assert drawn == transitions(mission)
 
 
 @given(missions())

@@ -61,10 +61,10 @@ def test_a_shipped_mission_has_its_picture_next_to_it(path: Path) -> None:
     if REWRITE:
         target.write_bytes(data)
     assert target.exists(), f"{target} is missing; run `make pictures`"
-    assert _told(target.read_bytes()) == _told(data), f"{target} shows another mission; run `make pictures`"
+    assert _texts(target.read_bytes()) == _texts(data), f"{target} shows another mission; run `make pictures`"
 
 
-def _told(svg: bytes) -> set[str]:
+def _texts(svg: bytes) -> set[str]:
     return {line for line in svg.decode().splitlines() if line.startswith("<title>") or 'id="/' in line}
 
 

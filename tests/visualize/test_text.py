@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mermaid and Markdown: every row is there, and no text of an author is read as more than text."""
+"""Mermaid and Markdown: every transition is there, and no text of an author is read as more than text."""
 
 from __future__ import annotations
 
@@ -27,13 +27,16 @@ from visualize.table import table
 
 
 @given(missions())
-def test_every_row_is_an_arrow_of_the_diagram(mission: Mission) -> None:
+def test_every_transition_is_an_arrow_of_the_diagram(mission: Mission) -> None:
     drawn = picture(mission)
     read = grammar.read(mermaid(drawn))
     name = dict(zip(read.states, [node.name for node in drawn.nodes], strict=False)) | {"every_state": ""}
     arrows = [(name[source], name[target]) for source, target, _ in read.arrows if source != "[*]"]
-    rows = [(edge.source, edge.target or edge.source) for edge in drawn.edges]
-    assert arrows == [*(ends for ends in rows if len({*ends}) > 1), *dict.fromkeys(e for e in rows if len({*e}) == 1)]
+    transitions = [(edge.source, edge.target or edge.source) for edge in drawn.edges]
+    assert arrows == [
+        *(ends for ends in transitions if len({*ends}) > 1),
+        *dict.fromkeys(e for e in transitions if len({*e}) == 1),
+    ]
     begins = sorted(name[target] for source, target, _ in read.arrows if source == "[*]")
     assert begins == sorted(initial.target for initial in drawn.initials)
 
@@ -75,8 +78,11 @@ def test_markdown_shows_a_text_as_it_is(text: str) -> None:
 def test_the_table_has_a_line_a_row(mission: Mission) -> None:
     rendered = MarkdownIt("gfm-like", {"linkify": False}).render(table(picture(mission)))
     first = rendered.partition("</table>")[0]
-    rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
-    assert first.count("<tr>") == len(rows) + 1
+    transitions = [
+        *mission.transitions,
+        *(transition for _, _, state in mission.walk() for transition in state.transitions),
+    ]
+    assert first.count("<tr>") == len(transitions) + 1
 
 
 def test_the_table_counts_what_was_taken() -> None:

@@ -99,7 +99,7 @@ def test_children_are_drawn_in_the_order_of_the_file_in_many_missions(document: 
 
 
 def test_a_check_before_a_retry_is_drawn_before_it() -> None:
-    """The smallest: a tree in a region, with rows to a sibling, whose second child is the deepest."""
+    """The smallest: a tree in a region, with transitions to a sibling, whose second child is the deepest."""
     deep = {"retry": 2, "child": {"sequence": [{"check": {"key": "near", "==": True}}, {"wait_s": 3}]}}
     tree = {"sequence": [{"check": {"key": "clear", "==": True}}, deep, {"set": "count", "add": 1}]}
     inspecting = {"tree": tree, "timeout_s": 30, "transitions": [{"on": "succeeded", "to": "seen"}]}

@@ -61,7 +61,7 @@ def walk(node: Child) -> Iterator[Child]:
 
 @st.composite
 def crowded(draw: st.DrawFn) -> Json:
-    """Missions whose trees are broad and deep, inside a region, with rows to siblings and back."""
+    """Missions whose trees are broad and deep, inside a region, with transitions to siblings and back."""
     broad = st.lists(tree_nodes(depth=1), min_size=2, max_size=5)
     count, word = draw(st.integers(1, 3)), st.sampled_from(["sequence", "selector", "parallel"])
     names = [f"tree{number}" for number in range(1, count + 1)]
@@ -69,8 +69,8 @@ def crowded(draw: st.DrawFn) -> Json:
     for name in names:
         targets = draw(st.lists(st.sampled_from(["first", "seen", *names]), min_size=1, max_size=3, unique=True))
         ends = ["succeeded", "failed", "timed_out"]
-        rows = [{"on": end, "to": target} for end, target in zip(ends, targets, strict=False)]
-        states[name] = {"tree": {draw(word): draw(broad)}, "timeout_s": 30, "transitions": rows}
+        transitions = [{"on": end, "to": target} for end, target in zip(ends, targets, strict=False)]
+        states[name] = {"tree": {draw(word): draw(broad)}, "timeout_s": 30, "transitions": transitions}
     region: Json = {"initial": "first", "states": states}
     other: Json = {"initial": "idle", "states": {"idle": {"transitions": [{"on": "poke", "to": "busy"}]}, "busy": {}}}
     return {

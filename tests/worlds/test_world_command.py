@@ -43,7 +43,7 @@ def test_it_states_what_it_serves_and_ends_in_good_order(graph: Graph, number: s
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["orchard"], "say where the world is to run: 'rai-missions world orchard --ros' puts it on the ROS graph"),
+        (["orchard"], "name where the world is to run: 'rai-missions world orchard --ros' puts it on the ROS graph"),
         (["orchard", "--ros", "--option", "alleys"], "--option alleys: write KEY=VALUE"),
         (["orchrd", "--ros"], "no world 'orchrd'; there are: "),
         (["orchard", "--ros", "--option", "trees=5"], "the world 'orchard' has no option 'trees'; there are: seed, "),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two missions brought to the same names: what of the one is what of the other, and which row is which.
+"""Two missions brought to the same names: what of the one is what of the other, and which transition is which.
 
 Rule: what is taken for a rename is compared all the same, so a wrong guess hides nothing.
 """
@@ -87,11 +87,13 @@ def _one_with_options(state: Decision, names: Mapping[str, str]) -> Decision:
     update: dict[str, Any] = {"options": {names.get(name, name): option for name, option in asked.options.items()}}
     if asked.fallback:
         update["fallback"] = names.get(asked.fallback, asked.fallback)
-    rows = tuple(
-        row.model_copy(update={"on": tuple(names.get(word, word) for word in row.on)}) if row.on else row
-        for row in state.transitions
+    transitions = tuple(
+        transition.model_copy(update={"on": tuple(names.get(word, word) for word in transition.on)})
+        if transition.on
+        else transition
+        for transition in state.transitions
     )
-    return state.model_copy(update={"decision": asked.model_copy(update=update), "transitions": rows})
+    return state.model_copy(update={"decision": asked.model_copy(update=update), "transitions": transitions})
 
 
 def original_place(place: str, under_new_names: Any, as_written: Any) -> str:
@@ -120,9 +122,9 @@ def original_place(place: str, under_new_names: Any, as_written: Any) -> str:
 
 
 def paired(old: Sequence[Transition], new: Sequence[Transition]) -> list[tuple[int | None, int | None]]:
-    """Which row became which: the same first, then those that differ least; (old, None) is gone, (None, new) has come.
+    """Which transition became which: the same first, then those that differ least; (old, None) went, (None, new) came.
 
-    In the order of the new rows, with those that are gone at the end.
+    In the order of the new transitions, with those that are gone at the end.
     """
     left, right = dict(enumerate(old)), dict(enumerate(new))
     pairs: dict[int, int] = {}
@@ -133,8 +135,8 @@ def paired(old: Sequence[Transition], new: Sequence[Transition]) -> list[tuple[i
         lambda one, other: bool(set(one.on) & set(other.on)) and one.to == other.to,
         lambda one, other: one.to == other.to and one.when == other.when,
     ):
-        for here, row in list(right.items()):
-            match = next((there for there, before in left.items() if same(before, row)), None)
+        for here, transition in list(right.items()):
+            match = next((there for there, before in left.items() if same(before, transition)), None)
             if match is not None:
                 pairs[here] = match
                 del left[match], right[here]

@@ -22,7 +22,7 @@ TOPICS: Mapping[str, str] = {
     "success": "New ways to succeeded",
     "control": "Who has control",
     "trust": "What is believed, from whom and for how long",
-    "row": "Rows that protected, or that continue by themselves",
+    "transition": "Transitions that protected, or that continue by themselves",
     "does": "What the robot is asked to do",
     "effect": "What is done on the way: written, raised, called, published",
     "form": "What a state is, where it is, where it begins",
@@ -36,7 +36,7 @@ CALMER: Mapping[str, str] = {
     "guard": "Guards",
     "limit": "Times and numbers that bound something",
     "proof": "Invariants, requires and achieved",
-    "row": "Rows",
+    "transition": "Transitions",
 }
 """The headings of changes that are not for a reviewer to judge, where those above would state too much."""
 ORDER = {topic: number for number, topic in enumerate(TOPICS)}

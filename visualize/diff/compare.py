@@ -19,7 +19,7 @@ from visualize.diff.fields import FieldRef, as_words, effects_changed, fields, g
 from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.diff.reachability import Ways, new_ways
 from visualize.diff.reads import Uses, otherwise, uses
-from visualize.diff.rows import Rows, row_changes
+from visualize.diff.transitions import ComparedTransitions, transition_changes
 from visualize.text import child_pointer
 
 __all__ = ("changes",)
@@ -34,7 +34,7 @@ def changes(old: Mission, new: Mission, own: Originals = AS_THEY_ARE) -> Iterato
     yield from _named(whole, "event", old.events, new.events, "events")
     yield from _invariants(old, new, whole)
     yield from new_ways(before, after, own)
-    yield from row_changes(Rows(old.transitions, new.transitions, whole, before, after, used))
+    yield from transition_changes(ComparedTransitions(old.transitions, new.transitions, whole, before, after, used))
     left = {name: (place, state) for place, name, state in old.walk()}
     around, now_around = parents_of(old), parents_of(new)
     for place, name, state in new.walk():
@@ -72,7 +72,9 @@ def _state(old: State, new: State, spot: FieldRef, ways: tuple[Ways, Ways, Uses]
     if isinstance(old, Tree) and isinstance(new, Tree):
         yield from _trees(old, new, spot)
     before, after = (frozenset(each.options if isinstance(each, Decision) else ()) for each in (old, new))
-    yield from row_changes(Rows(old.transitions, new.transitions, spot, *ways, before - after, after - before))
+    yield from transition_changes(
+        ComparedTransitions(old.transitions, new.transitions, spot, *ways, before - after, after - before)
+    )
 
 
 def _does_on_the_way(state: State, spot: FieldRef, used: Uses) -> Iterator[Change]:

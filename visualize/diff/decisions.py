@@ -46,14 +46,14 @@ def _open(asks: Asks, name: str) -> str:
     if isinstance(asks, DecisionLeaf):
         then = asks.then.get(name)
         return f"{offered}, {f'then {then.word}' if then is not None else 'and then the node has succeeded'}"
-    leads = [_leads(row) for row in asks.transitions if name in row.on and row.of is None]
-    return f"{offered}, {', else '.join(leads) if leads else 'no row of its own: it leads nowhere from here'}"
+    leads = [_leads(transition) for transition in asks.transitions if name in transition.on and transition.of is None]
+    return f"{offered}, {', else '.join(leads) if leads else 'no transition of its own: it leads nowhere from here'}"
 
 
-def _leads(row: Transition) -> str:
-    to = f"leads to {', '.join(row.to)}" if row.to else "stays"
-    guard = f" when {row.when.words()}" if row.when is not None else ""
-    do = f", does {'; '.join(effects(row.do))}" if row.do else ""
+def _leads(transition: Transition) -> str:
+    to = f"leads to {', '.join(transition.to)}" if transition.to else "stays"
+    guard = f" when {transition.when.words()}" if transition.when is not None else ""
+    do = f", does {'; '.join(effects(transition.do))}" if transition.do else ""
     return f"{to}{guard}{do}"
 
 

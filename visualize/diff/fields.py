@@ -49,7 +49,8 @@ LIMITS = (
 """What bounds something: to raise or to drop it loosens."""
 PROOFS = ("requires", "achieved")
 TOPIC_OF = {
-    "control": "control", "source": "trust", "type": "trust", "frame": "trust", "fields": "trust", "on_cancel": "row",
+    "control": "control", "source": "trust", "type": "trust", "frame": "trust", "fields": "trust",
+    "on_cancel": "transition",
     "parameters": "asked", "initial": "form", "each": "form", "item": "form", "history": "form", "action": "does",
     "call": "does", "goal": "does", "request": "does", "result": "does", "message": "does", "publish": "does",
     "question": "asked", "evidence": "asked",
@@ -105,7 +106,7 @@ def fields(
     old: MissionModel, new: MissionModel, spot: FieldRef, also_apart: Sequence[str] = (), *,
     of: type[MissionModel] | None = None, asks_a_model: bool = False,
 ) -> Iterator[Change]:  # fmt: skip
-    """What is otherwise in two models, but for what they hold of states, rows and options.
+    """What is otherwise in two models, but for what they hold of states, transitions and options.
 
     Args:
         old: As it was.
@@ -176,11 +177,11 @@ def guards(
     """What became of a guard; `grave_if`: which of weakened, strengthened and changed a reviewer must judge."""
     how = relation(before, after)
     severity = severity_if(how in grave_if)
-    topic = "row" if how == "strengthened" and severity == "safety" else topic
+    topic = "transition" if how == "strengthened" and severity == "safety" else topic
     was = spot.own.of(before).words() if before is not None else "always"
     now = after.words() if after is not None else "always"
     if how != "same":
-        less = "narrowed, it fires less often" if topic == "row" and how == "strengthened" else how
+        less = "narrowed, it fires less often" if topic == "transition" and how == "strengthened" else how
         verb = "added" if before is None else "removed" if after is None else less
         yield spot.changed(topic, f"{called} {verb}", severity, before=was, after=now)
     elif before != after:

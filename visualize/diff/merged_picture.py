@@ -82,11 +82,11 @@ def _twigs(old: PictureNode, new: PictureNode) -> tuple[Twig, ...]:
 
 def _edges(old: Picture, new: Picture, compared: Compared) -> Iterator[PictureEdge]:
     """The new edges in their order, each with those that are gone from its state behind it."""
-    before, after = _by_row(old), _by_row(new)
-    rows = {name: state.transitions for _, name, state in compared.old.walk()} | {"": compared.old.transitions}
+    before, after = _by_transition(old), _by_transition(new)
+    transitions = {name: state.transitions for _, name, state in compared.old.walk()} | {"": compared.old.transitions}
     now = {name: state.transitions for _, name, state in compared.new.walk()} | {"": compared.new.transitions}
-    for name in [*(name for name in now if name), *(name for name in rows if name not in now), ""]:
-        for left, right in paired(rows.get(name, ()), now.get(name, ())):
+    for name in [*(name for name in now if name), *(name for name in transitions if name not in now), ""]:
+        for left, right in paired(transitions.get(name, ()), now.get(name, ())):
             gone = before.get((name, left), {}) if left is not None else {}
             come = after.get((name, right), {}) if right is not None else {}
             for target, edge in come.items():
@@ -102,8 +102,8 @@ def _mark(old: PictureEdge | None, new: PictureEdge) -> Mark:
     return "" if old._replace(place="") == new._replace(place="") else "~"
 
 
-def _by_row(picture: Picture) -> Mapping[tuple[str, int | None], Mapping[str, PictureEdge]]:
-    """(state, number of its row) → target → edge."""
+def _by_transition(picture: Picture) -> Mapping[tuple[str, int | None], Mapping[str, PictureEdge]]:
+    """(state, number of its transition) → target → edge."""
     found: dict[tuple[str, int | None], dict[str, PictureEdge]] = {}
     for edge in picture.edges:
         number = int(edge.place.rpartition("/")[2])

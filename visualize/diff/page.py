@@ -20,10 +20,10 @@ from visualize.page.lenses import lens, lenses
 
 __all__ = ("difference_data", "page")
 
-ROW = re.compile(r".*?/transitions/\d+")
+TRANSITION = re.compile(r".*?/transitions/\d+")
 OPTION = re.compile(r".*/options/[^/]+")
 GONE = "was:"
-"""Before the pointer of a row that only the old mission has, for the new one may have another there."""
+"""Before the pointer of a transition that only the old mission has, for the new one may have another there."""
 
 
 def page(given: Difference) -> bytes:
@@ -35,9 +35,9 @@ def page(given: Difference) -> bytes:
 def difference_data(given: Difference) -> Json:
     """All that the page shows."""
     chart = _chart(given)
-    rows = {row["place"] for row in chart["rows"]}
+    transitions = {transition["place"] for transition in chart["transitions"]}
     names = {state["name"] for state in chart["states"]}
-    changes = [_change(change, rows, names) for change in given.changes]
+    changes = [_change(change, transitions, names) for change in given.changes]
     own = lenses(given.new, picture(given.new))
     return {
         "kind": "difference",
@@ -45,7 +45,7 @@ def difference_data(given: Difference) -> Json:
         "lenses": [*_lenses(given, chart, changes), *own],
         "findings": [],
         "runs": [],
-        "coverage": {"rows": {}, "states": {}},
+        "coverage": {"transitions": {}, "states": {}},
         "images": {},
         "changes": changes,
         "headline": headline(given),
@@ -54,29 +54,31 @@ def difference_data(given: Difference) -> Json:
 
 
 def _chart(given: Difference) -> Json:
-    """Both in one; a row that is gone has a place of its own, and its definition with it."""
+    """Both in one; a transition that is gone has a place of its own, and its definition with it."""
     both = given.picture
     kept = tuple(edge for edge in both.edges if edge.mark != "-")
     gone = tuple(edge for edge in both.edges if edge.mark == "-")
     data = chart_data(both._replace(edges=kept, notes=()), given.new, given.old)
-    rows = {"": given.old.transitions} | {name: state.transitions for _, name, state in given.old.walk()}
-    old = chart_data(both._replace(nodes=(), edges=gone, initials=()), given.old)["rows"]
-    for edge, row in zip(gone, old, strict=True):
-        written = rows[edge.source][int(edge.place.rpartition("/")[2])].written()
-        data["rows"].append({**row, "place": GONE + given.written_place(edge.place), "definition": plain(written)})
+    transitions = {"": given.old.transitions} | {name: state.transitions for _, name, state in given.old.walk()}
+    old = chart_data(both._replace(nodes=(), edges=gone, initials=()), given.old)["transitions"]
+    for edge, transition in zip(gone, old, strict=True):
+        written = transitions[edge.source][int(edge.place.rpartition("/")[2])].written()
+        data["transitions"].append(
+            {**transition, "place": GONE + given.written_place(edge.place), "definition": plain(written)}
+        )
     return data
 
 
-def _change(change: Change, rows: set[str], names: set[str]) -> Json:
+def _change(change: Change, transitions: set[str], names: set[str]) -> Json:
     """A change with what leads to it in the chart."""
-    row = ROW.match(change.place)
-    place = (row[0] if change.new_place is not None else GONE + row[0]) if row else ""
+    transition = TRANSITION.match(change.place)
+    place = (transition[0] if change.new_place is not None else GONE + transition[0]) if transition else ""
     option = OPTION.match(change.new_place or "")
     return {
         **change._asdict(),
         "heading": heading(change),
         "place": change.place,
-        "row": place if place in rows else "",
+        "transition": place if place in transitions else "",
         "state": change.subject if change.subject in names else "",
         "option": option[0] if option else "",
     }
@@ -85,17 +87,17 @@ def _change(change: Change, rows: set[str], names: set[str]) -> Json:
 def _lenses(given: Difference, chart: Json, changes: Iterable[Json]) -> list[Json]:
     """Two switches: what is for a reviewer to judge, and all that is marked."""
     unsafe = [change for change in changes if change["severity"] == "safety"]
-    marked = [row for row in chart["rows"] if row.get("mark")]
+    marked = [transition for transition in chart["transitions"] if transition.get("mark")]
     states = {state["name"] for state in chart["states"] if state.get("mark")}
     options = {
         choice["place"] for state in chart["states"] for choice in state.get("choices", ()) if choice.get("mark")
     }
-    ends = {name for row in marked for name in (row.get("source"), row.get("target")) if name}
+    ends = {name for transition in marked for name in (transition.get("source"), transition.get("target")) if name}
     return [
-        lens("safety", "What is safety-relevant?", "s", states=_ends(unsafe, chart), rows=_named(unsafe, "row"),
-             options=_named(unsafe, "option")),
+        lens("safety", "What is safety-relevant?", "s", states=_ends(unsafe, chart),
+             transitions=_named(unsafe, "transition"), options=_named(unsafe, "option")),
         lens("changed", "What changed?", "d", states=states | ends | _named(changes, "state"),
-             rows={row["place"] for row in marked}, options=options),
+             transitions={transition["place"] for transition in marked}, options=options),
     ]  # fmt: skip
 
 
@@ -104,9 +106,9 @@ def _named(changes: Iterable[Json], word: str) -> set[str]:
 
 
 def _ends(changes: list[Json], chart: Json) -> set[str]:
-    """The states of changes, and those that their rows join."""
-    rows = _named(changes, "row")
-    joined = (row for row in chart["rows"] if row["place"] in rows)
+    """The states of changes, and those that their transitions join."""
+    transitions = _named(changes, "transition")
+    joined = (transition for transition in chart["transitions"] if transition["place"] in transitions)
     return _named(changes, "state") | {
-        name for row in joined for name in (row.get("source"), row.get("target")) if name
+        name for transition in joined for name in (transition.get("source"), transition.get("target")) if name
     }

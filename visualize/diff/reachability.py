@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a mission can go by its rows, as far as it matters to a reviewer: which ways lead to `succeeded`.
+"""Where a mission can go by its transitions, as far as it matters to a reviewer: which ways lead to `succeeded`.
 
-Rule: guards are taken as if they could always hold. A way that is reported to be new is one of rows that were not
-there; a state that is reported to be avoidable was on every such way before. A final at the top leads nowhere.
+Rule: guards are taken as if they could always hold. A way that is reported as new has a transition that was not there;
+a state that is reported as avoidable was on every such way before. A final at the top leads nowhere.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Ways:
         )
         """The states in which the whole mission has succeeded."""
         self.ended = frozenset(name for name, state in mission.states.items() if isinstance(state, Final))
-        """The states that end the mission, however: no row of anything is received in them."""
+        """The states that end the mission, however: no transition of anything is received in them."""
         self.initial = mission.initial
         self.onward = {name: frozenset(self._next(name)) for name in self.places}
         self.hopeful = self._before(self.ends)
@@ -47,14 +47,14 @@ class Ways:
         for around in (*chain, ""):
             if around and around != name and self.roads.states[around].word == "parallel":
                 yield from (region for region in self.roads.states[around].children() if region not in chain)
-            for _, row in self.roads.rows[around]:
-                if self._is_waited_for(name, around, row):
-                    yield from row.to
+            for _, transition in self.roads.transitions[around]:
+                if self._is_waited_for(name, around, transition):
+                    yield from transition.to
 
-    def _is_waited_for(self, name: str, around: str, row: Transition) -> bool:
-        """Whether a row may fire while a state is active: that one which holds it succeeded, its ends state."""
+    def _is_waited_for(self, name: str, around: str, transition: Transition) -> bool:
+        """Whether a transition may fire while a state is active: that one which holds it succeeded, its ends state."""
         holds = bool(around) and bool(self.roads.states[around].children())
-        if not holds or row.of is not None or set(row.on) != {"succeeded"}:
+        if not holds or transition.of is not None or set(transition.on) != {"succeeded"}:
             return True
         state = self.roads.states[name]
         return (isinstance(state, Each) and name == around) or (isinstance(state, Final) and state.final == "succeeded")
@@ -72,7 +72,7 @@ class Ways:
         return frozenset(found)
 
     def gives_up(self, targets: Iterable[str]) -> bool:
-        """Whether a row to these ends the mission sooner or later, and never as succeeded."""
+        """Whether a transition to these ends the mission sooner or later, and never as succeeded."""
         given = tuple(targets)
         return bool(given) and not any(target in self.hopeful for target in given)
 
@@ -181,7 +181,11 @@ def _hope(old: Ways, new: Ways, was: AbstractSet[str], now: AbstractSet[str]) ->
 
 
 def _targets(ways: Ways, name: str) -> set[str]:
-    return {target for _, row in ways.roads.rows[name] for target in row.to} if name not in ways.ended else set()
+    return (
+        {target for _, transition in ways.roads.transitions[name] for target in transition.to}
+        if name not in ways.ended
+        else set()
+    )
 
 
 def _road(names: list[str]) -> str:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a mission reads and receives, and so which of its effects matter to more than a reader.
 
-Rule: an effect matters where it writes a key that is read anywhere, raises or takes back an event that a row
+Rule: an effect matters where it writes a key that is read anywhere, raises or takes back an event that a transition
 receives, or has the robot do something. A sentence that is reported or logged does not.
 """
 
@@ -25,7 +25,7 @@ class Uses(NamedTuple):
 
     keys: frozenset[str]
     received: frozenset[str]
-    """Events and outcomes that rows name."""
+    """Events and outcomes that transitions name."""
     timers: Mapping[str, frozenset[str]]
     """What `drop` calls a delayed event by → the events that it may be."""
 
@@ -39,7 +39,7 @@ class Uses(NamedTuple):
         if isinstance(effect, Raise | Drop):
             events = self.timers.get(effect.drop, frozenset()) if isinstance(effect, Drop) else {effect.event}
             received = events if ANY_EVENT in self.received else self.received.intersection(events)
-            return f"rows receive '{min(received)}'" if received else ""
+            return f"transitions receive '{min(received)}'" if received else ""
         if isinstance(effect, Call | Publish):
             return "it is sent to the robot"
         return ""

@@ -90,7 +90,7 @@ def _document(state: State) -> dict[str, Any]:
     try:
         return state.written()
     except UsageError:
-        return {"program": state.program(), "transitions": [row.written() for row in state.transitions]}
+        return {"program": state.program(), "transitions": [transition.written() for transition in state.transitions]}
 
 
 def _same(written: Mapping[str, Any], wanted: set[str], within: Mapping[str, str]) -> dict[tuple[str, str], list[str]]:
@@ -110,12 +110,12 @@ def _facts(mission: Mission, written: Mapping[str, Any], hidden: frozenset[str])
         for child in state.children():
             found[child]["within", own] += 1
             found[name]["around", "?" if child in hidden else child] += 1
-        for row in state.transitions:
-            for target in row.to:
-                found.get(target, nowhere)["from", f"{own} {row.on} {row.after_s}"] += 1
-    for row in mission.transitions:
-        for target in row.to:
-            found.get(target, nowhere)["from", f"/ {row.on} {row.after_s}"] += 1
+        for transition in state.transitions:
+            for target in transition.to:
+                found.get(target, nowhere)["from", f"{own} {transition.on} {transition.after_s}"] += 1
+    for transition in mission.transitions:
+        for target in transition.to:
+            found.get(target, nowhere)["from", f"/ {transition.on} {transition.after_s}"] += 1
     for name in mission.initial:
         found.get(name, nowhere)["begins", ""] += 1
     return found
@@ -180,7 +180,7 @@ def _sort(declared: Any) -> str:
 
 
 def _uses(mission: Mission, names: set[str]) -> Mapping[str, Facts]:
-    """Name → where it is written in the mission's states, rows and invariants."""
+    """Name → where it is written in the mission's states, transitions and invariants."""
     found: dict[str, Facts] = defaultdict(Counter)
 
     def look(value: Any, path: str) -> None:
@@ -198,7 +198,7 @@ def _uses(mission: Mission, names: set[str]) -> Mapping[str, Facts]:
     for _, _, state in mission.walk():
         own = state.model_copy(update={state.child_place(): {}}) if state.children() else state
         look(_document(own), state.word)
-    look([row.written() for row in mission.transitions], "transitions")
+    look([transition.written() for transition in mission.transitions], "transitions")
     look([guard.written() for guard in mission.invariants.values()], "invariants")
     return found
 
@@ -225,7 +225,7 @@ def alike_options(old: Decision, new: Decision) -> dict[str, str]:
 def _leads(state: Decision, option: str) -> list[tuple[Any, ...]]:
     """Where an answer leads, and what it does on the way."""
     return [
-        (row.to, row.when, row.do, row.internal, len(row.on), index)
-        for index, row in enumerate(state.transitions)
-        if option in row.on and row.of is None
+        (transition.to, transition.when, transition.do, transition.internal, len(transition.on), index)
+        for index, transition in enumerate(state.transitions)
+        if option in transition.on and transition.of is None
     ]

@@ -45,11 +45,12 @@ def line(step: Step) -> Json | None:
     if step.ignored and not (step.why and event.kind != "write"):
         return None
     data = {name: item for name, item in event.data.items() if name != "request"}
-    moves, described = [list(move.taken) for move in step.moves], describe(step)
+    described = describe(step)
     return without_empty(
         {
             "kind": event.kind, "name": event.name[:LONGEST], "number": event.number, "data": bounded(data),
-            "rows": [row for rows in moves for row in rows], "exited": list(step.exited), "entered": list(step.entered),
+            "transitions": [place for move in step.moves for place in move.taken],
+            "exited": list(step.exited), "entered": list(step.entered),
             "does": [bounded(each) for each in described.effects],
             "notes": [bounded(note) for note in described.notes],
             "why": bounded(step.why), "outcome": step.outcome,

@@ -28,7 +28,7 @@ class ImageStream:
 
     def __init__(self) -> None:
         self._lock = asyncio.Lock()
-        self._ref, self._shown, self._next = "", ("", b"never heard"), 0.0
+        self._ref, self._shown, self._next = "", ("", b"never received"), 0.0
 
     async def show(self, newest: Callable[[], Image | None]) -> Shown:
         """The newest picture, or the one before where that is only just old."""

@@ -250,14 +250,14 @@ class RunScene:
 
 
 def _mode(step: Step) -> str | None:
-    """The run's mode after a step; None where a row of an earlier version does not tell."""
+    """The run's mode after a step; None where a row of an earlier version does not hold it."""
     if step.mode is None and step.event.kind == "command" and not step.why:
         return {"start": "running", "pause": "paused", "resume": "running", "cancel": "canceling"}.get(step.event.name)
     return step.mode
 
 
 def _holder(step: Step) -> str | None:
-    """Who holds control after a step; None where a row of an earlier version does not tell."""
+    """Who holds control after a step; None where a row of an earlier version does not hold it."""
     event = step.event
     if step.mode is None and event.kind == "control" and not step.why:
         return event.name

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the page's chart draws: the states, rows and beginnings of a picture, with all that is written of them.
+"""What the page's chart draws: the states, transitions and beginnings of a picture, with all that is written of them.
 
-Rule: every state and every row of the picture is in the data exactly once; only what is empty is left out.
+Rule: every state and every transition of the picture is in the data exactly once; only what is empty is left out.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ def chart_data(picture: Picture, mission: Mission, old: Mission | None = None) -
         "compared": picture.compared,
         "notes": list(picture.notes),
         "states": [_state(node, written.get(node.name, {}), mission) for node in picture.nodes],
-        "rows": [_row(edge, states.get(edge.source)) for edge in picture.edges],
+        "transitions": [_transition(edge, states.get(edge.source)) for edge in picture.edges],
         "initials": [[initial.parent, initial.target] for initial in picture.initials],
-        "own": [plain(row.written()) for row in mission.transitions],
+        "own": [plain(transition.written()) for transition in mission.transitions],
         "keys": {name: plain(key.written()) for name, key in mission.blackboard.items()},
         "events": {name: plain(event.written()) for name, event in mission.events.items()},
         "invariants": [
@@ -82,7 +82,7 @@ def _state(node: PictureNode, written: Json, mission: Mission) -> Json:
     return without_empty({**fields, "definition": written, "reads": reads, "writes": writes})
 
 
-def _row(edge: PictureEdge, source: State | None) -> Json:
+def _transition(edge: PictureEdge, source: State | None) -> Json:
     fields = edge._asdict()
     fields.pop("taken")
     fields.pop("option")
@@ -90,11 +90,11 @@ def _row(edge: PictureEdge, source: State | None) -> Json:
 
 
 def options_of(source: State | None, place: str) -> list[str]:
-    """The options of a state's own decision that fire its row."""
+    """The options of a state's own decision that fire its transition."""
     if not isinstance(source, Decision):
         return []
-    row = source.transitions[int(place.rpartition("/")[2])]
-    return [name for name in row.on if name in source.options and row.of is None]
+    transition = source.transitions[int(place.rpartition("/")[2])]
+    return [name for name in transition.on if name in source.options and transition.of is None]
 
 
 def keys_of(written: Any, keys: Mapping[str, Any]) -> tuple[list[str], list[str]]:

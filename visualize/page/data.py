@@ -84,16 +84,16 @@ def review_data(
 
 
 def coverage(mission: Mission, runs: Sequence[Run]) -> Json:
-    """How often each row was taken and each state entered, a number a run; only what was at all."""
-    rows: dict[str, list[int]] = {}
+    """How often each transition was taken and each state entered, a number a run; only what was at all."""
+    transitions: dict[str, list[int]] = {}
     states: dict[str, list[int]] = {}
     for number, run in enumerate(runs):
         for step in run.steps:
             for move in step.moves:
-                for found, names in ((rows, move.taken), (states, move.entered)):
+                for found, names in ((transitions, move.taken), (states, move.entered)):
                     for name in names:
                         found.setdefault(name, [0] * len(runs))[number] += 1
-    return {"rows": rows, "states": states}
+    return {"transitions": transitions, "states": states}
 
 
 def _fitting(run: Run, mission: Mission, path: str) -> Run:
@@ -117,7 +117,7 @@ def _fitting(run: Run, mission: Mission, path: str) -> Run:
     which = f"version {version}" if version != mission.version else f"another mission called version {version} too"
     return _faulty(
         run,
-        f"this is the journal of {which}, drawn on {mission.version}: rows that are numbered otherwise are misplaced",
+        f"this is the journal of {which}, drawn on {mission.version}: transitions with other numbers are misplaced",
     )
 
 

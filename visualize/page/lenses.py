@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a reviewer asks of a mission, answered on its picture: each lens lights some of it and explains the rest.
 
-Rule: a lens is data. It names states, and rows and options by JSON pointer; anyone who draws dims all the others.
+Rule: a lens is data. It names states, and transitions and options by JSON pointer; what draws them dims all others.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def lenses(mission: Mission, picture: Picture) -> list[Json]:
 def _operator(mission: Mission, picture: Picture) -> Json:
     asked = asked_of(mission, "operator")
     held = [name for _, name, state in mission.walk() if state.control == "operator"]
-    rows = {edge.place for edge in picture.edges for each in asked if edge.source == each.state and edge.option}
+    transitions = {edge.place for edge in picture.edges for each in asked if edge.source == each.state and edge.option}
     answers = [
         item(f"{each.state}: “{each.asked.question}” – {', '.join(each.asked.options)}", state=each.state)
         for each in asked
@@ -49,7 +49,7 @@ def _operator(mission: Mission, picture: Picture) -> Json:
     return lens(
         "operator", "What may the operator do?", "o",
         states=[each.state for each in asked] + held + ([mission.on_cancel] if mission.on_cancel else []),
-        rows=rows, options=[place for each in asked for place in each.options()],
+        transitions=transitions, options=[place for each in asked for place in each.options()],
         sections=[
             ("Questions that an operator may answer", answers or [item("none: no decision asks the operator")]),
             ("States that the operator controls", [item(name, state=name) for name in held] or [item("none")]),
@@ -77,15 +77,15 @@ def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
     return lens(
         "stops", "Where do e-stop and cancel lead?", "e",
         states=[*ends, *moving, *(after.states if after else ())],
-        rows=[*(edge.place for edge in to_ends), *(after.rows if after else ())],
+        transitions=[*(edge.place for edge in to_ends), *(after.transitions if after else ())],
         sections=[
             ("E-stop (kill)", [
                 item("from every state, at once: whatever runs is canceled, control goes to no one, it ends aborted"),
                 item("an invariant that is false does the same"),
             ]),
             ("Cancel", cancel),
-            ("Rows that end the mission otherwise than succeeded", [
-                item(f"{edge.source or 'every state'} → {edge.target}: {edge.when} {edge.guard}", row=edge.place)
+            ("Transitions that end the mission otherwise than succeeded", [
+                item(f"{edge.source or 'every state'} → {edge.target}: {edge.when} {edge.guard}", transition=edge.place)
                 for edge in to_ends
             ] or [item("none")]),
             ("States with something to be canceled", [item(name, state=name) for name in dict.fromkeys(moving)]),
@@ -94,30 +94,33 @@ def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
 
 
 def _invariants(mission: Mission, picture: Picture, roads: Roads) -> Json:
-    sections, states, rows = [], set[str](), set[str]()
+    sections, states, transitions = [], set[str](), set[str]()
     for name, guard in mission.invariants.items():
         named = {part.state for part in guard.walk() if isinstance(part, In)}
         inside = {state for state in roads.states if state in named or named & set(roads.above(state))}
         into = [edge for edge in picture.edges if edge.target in inside and edge.source not in inside]
         states |= inside
-        rows |= {edge.place for edge in into}
+        transitions |= {edge.place for edge in into}
         items = [item(f"never false: {guard.words()}")]
         items += [item(f"speaks of '{state}'", state=state) for state in sorted(named)]
-        items += [item(f"entered by {edge.source or 'every state'}: {edge.when}", row=edge.place) for edge in into]
+        items += [
+            item(f"entered by {edge.source or 'every state'}: {edge.when}", transition=edge.place) for edge in into
+        ]
         sections.append((name, items))
     none = [("Invariants", [item("none: nothing ends this mission at once but the e-stop")])]
     return lens(
-        "invariants", "What must never be false?", "i", states=states, rows=rows, sections=sections or none
+        "invariants", "What must never be false?", "i", states=states, transitions=transitions,
+        sections=sections or none,
     )  # fmt: skip
 
 
-def item(text: str, *, state: str = "", row: str = "") -> Json:
+def item(text: str, *, state: str = "", transition: str = "") -> Json:
     """A sentence, and what it is about where that can be shown."""
-    return {"text": text} | ({"state": state} if state else {}) | ({"row": row} if row else {})
+    return {"text": text} | ({"state": state} if state else {}) | ({"transition": transition} if transition else {})
 
 
 def lens(
-    name: str, title: str, key: str, *, states: Iterable[str], rows: Iterable[str], options: Iterable[str] = (),
+    name: str, title: str, key: str, *, states: Iterable[str], transitions: Iterable[str], options: Iterable[str] = (),
     sections: Iterable[tuple[str, list[Json]]] = (),
 ) -> Json:  # fmt: skip
     """A switch of the page.
@@ -127,13 +130,13 @@ def lens(
         title: The question, as the switch has it.
         key: The key that turns it.
         states: The names of those that stay lit.
-        rows: The JSON pointers of those that stay lit.
+        transitions: The JSON pointers of those that stay lit.
         options: The JSON pointers of those that stay lit.
         sections: Heading and sentences, for next to the picture.
     """
     return {
         "name": name, "title": title, "key": key,
-        "states": sorted(set(states)), "rows": sorted(set(rows)), "options": sorted(set(options)),
+        "states": sorted(set(states)), "transitions": sorted(set(transitions)), "options": sorted(set(options)),
         "sections": [{"heading": heading, "items": items} for heading, items in sections],
     }  # fmt: skip
 
@@ -177,12 +180,12 @@ def questions(mission: Mission) -> Iterator[DecisionSite]:
 def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     """The switch that dims all that no model decides."""
     asked = asked_of(mission, "agent")
-    sections, rows, direct = [], set[str](), set[str]()
+    sections, transitions, direct = [], set[str](), set[str]()
     for each in asked:
         edges = [edge for edge in picture.edges if edge.source == each.state and (edge.option or each.in_tree)]
-        rows |= {edge.place for edge in edges}
+        transitions |= {edge.place for edge in edges}
         direct |= {edge.target for edge in edges if edge.target}
-        sections.append((f"{each.state}: “{each.asked.question}”", list(_told(each, edges, roads))))
+        sections.append((f"{each.state}: “{each.asked.question}”", list(_decision_items(each, edges, roads))))
     after = roads.onward(direct)
     finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
     at_once = roads.at_once(direct)
@@ -191,12 +194,12 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
     states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
     return lens(
-        "say", "Where does the model decide?", "m", states=states if asked else (), rows=rows,
+        "model", "Where does the model decide?", "m", states=states if asked else (), transitions=transitions,
         options=[place for each in asked for place in each.options()], sections=sections if asked else none,
     )  # fmt: skip
 
 
-def _told(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterator[Json]:
+def _decision_items(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterator[Json]:
     asked = each.asked
     often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
     yield item(f"bounded: asks {', then '.join(asked.ask)}, {often} each, {_within(asked)}", state=each.state)
@@ -207,7 +210,7 @@ def _told(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterato
         to = [edge.target for edge in fired if edge.target]
         leads = f"leads to {', '.join(to)}" if to else "continues in its tree" if each.in_tree else "does not leave"
         yield (
-            item(f"{name}: {bound}; {leads}{_ends_after(to, roads)}", row=fired[0].place)
+            item(f"{name}: {bound}; {leads}{_ends_after(to, roads)}", transition=fired[0].place)
             if fired
             else item(f"{name}: {bound}; {leads}", state=each.state)
         )
@@ -252,7 +255,7 @@ def _ends_after(targets: list[str], roads: Roads) -> str:
 def _end_words(name: str, state: Final, direct: set[str], at_once: frozenset[str], after: Reached) -> str:
     facts = f", and only if {state.requires.words()}" if state.requires is not None else ""
     if name in at_once:
-        behind = "" if name in direct else " where the rows behind it hold already"
+        behind = "" if name in direct else " where the transitions behind it hold already"
         return f"{name} ({state.final}): an answer leads there at once{behind}{facts}"
     if name in after.states:
         needed = "an event, what the robot reports, or time that passes must lead there"

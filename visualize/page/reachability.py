@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a mission may go from some of its states, by its rows alone.
+"""Where a mission may go from some of its states, by its transitions alone.
 
 Rule: nothing that can happen is left out. Guards are taken as if they could always hold, so what is not reached here is
 not reached in any run; what is reached here may still be impossible.
@@ -28,24 +28,24 @@ SLOW = (ActionLeaf, BehaviourLeaf, CallLeaf, DecisionLeaf, WaitLeaf)
 
 
 class Reached(NamedTuple):
-    """What may be entered, and the rows that lead there."""
+    """What may be entered, and the transitions that lead there."""
 
     states: frozenset[str] = frozenset()
-    rows: frozenset[str] = frozenset()
+    transitions: frozenset[str] = frozenset()
     """JSON pointers."""
 
 
 class Roads:
-    """A mission's states with their parents and rows."""
+    """A mission's states with their parents and transitions."""
 
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
         self.states: dict[str, State] = {}
-        self.rows: dict[str, tuple[tuple[str, Transition], ...]] = {"": _rows("", mission.transitions)}
+        self.transitions: dict[str, tuple[tuple[str, Transition], ...]] = {"": _transitions("", mission.transitions)}
         self.parents = {name: around for name, around in parents_of(mission).items() if around}
         for place, name, state in mission.walk():
             self.states.setdefault(name, state)
-            self.rows.setdefault(name, _rows(place, state.transitions))
+            self.transitions.setdefault(name, _transitions(place, state.transitions))
 
     def above(self, name: str) -> Iterator[str]:
         """The states around one, innermost first."""
@@ -60,7 +60,7 @@ class Roads:
             targets: Entered from no one knows where: the regions next to them may be anywhere they ever come to.
         """
         given = tuple(targets)
-        entered, received, rows = set[str](), set[str](), set[str]()
+        entered, received, transitions = set[str](), set[str](), set[str]()
         waiting = [*given, *(door for name in given for door in self._neighbours(name))]
         while waiting:
             name = waiting.pop()
@@ -71,13 +71,13 @@ class Roads:
             for around in self.waiting_in(name):
                 if around not in received:
                     received.add(around)
-                    for place, row in self.rows[around]:
-                        rows.add(place)
-                        waiting += self._with(set(self.above(around)), row.to)
-        return Reached(frozenset(entered), frozenset(rows))
+                    for place, transition in self.transitions[around]:
+                        transitions.add(place)
+                        waiting += self._with(set(self.above(around)), transition.to)
+        return Reached(frozenset(entered), frozenset(transitions))
 
     def waiting_in(self, name: str) -> tuple[str, ...]:
-        """Whose rows may fire while a state is active, the mission's own (`""`) last; none where the mission ends."""
+        """Whose transitions may fire while a state is active, the mission's own (`""`) last; none where it ends."""
         ends = isinstance(self.states[name], Final) and name not in self.parents
         return () if ends else (name, *self.above(name), "")
 
@@ -93,8 +93,12 @@ class Roads:
             waiting += self.inside(name)
             received = self._raised | self._ends_at_once(name)
             for around in self.waiting_in(name):
-                rows = (row for _, row in self.rows[around] if row.eventless or not received.isdisjoint(row.on))
-                waiting += (target for row in rows for target in row.to)
+                transitions = (
+                    transition
+                    for _, transition in self.transitions[around]
+                    if transition.eventless or not received.isdisjoint(transition.on)
+                )
+                waiting += (target for transition in transitions for target in transition.to)
         return frozenset(found)
 
     def _ends_at_once(self, name: str) -> frozenset[str]:
@@ -110,7 +114,9 @@ class Roads:
     @cached_property
     def _raised(self) -> frozenset[str]:
         """The events that the mission raises itself, at once."""
-        effects = [each for rows in self.rows.values() for _, row in rows for each in row.do]
+        effects = [
+            each for transitions in self.transitions.values() for _, transition in transitions for each in transition.do
+        ]
         effects += [each for state in self.states.values() for each in (*state.entry, *state.exit)]
         return frozenset(each.event for each in effects if isinstance(each, Raise) and each.after_s is None)
 
@@ -168,7 +174,9 @@ class Roads:
         found: dict[str, set[str]] = defaultdict(set)
         names = [("", (*self.mission.initial, *((self.mission.on_cancel,) if self.mission.on_cancel else ())))]
         names += [(name, each.initial) for name, each in self.states.items() if isinstance(each, Compound | Each)]
-        names += [(name, row.to) for name, rows in self.rows.items() for _, row in rows]
+        names += [
+            (name, transition.to) for name, transitions in self.transitions.items() for _, transition in transitions
+        ]
         for source, targets in names:
             around = {source, *self.above(source)}
             for target in targets:
@@ -178,5 +186,5 @@ class Roads:
         return found
 
 
-def _rows(place: str, rows: tuple[Transition, ...]) -> tuple[tuple[str, Transition], ...]:
-    return tuple((f"{place}/transitions/{index}", row) for index, row in enumerate(rows))
+def _transitions(place: str, transitions: tuple[Transition, ...]) -> tuple[tuple[str, Transition], ...]:
+    return tuple((f"{place}/transitions/{index}", transition) for index, transition in enumerate(transitions))

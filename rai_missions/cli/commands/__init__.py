@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands: each is a file with a function of its name, which says itself what it takes.
+"""The commands: each is a file with a function of its name, whose signature and docstring are its parser.
 
 Rule: a file here is a command, and a command is a file here.
 

@@ -56,7 +56,7 @@ def world(
 
     if not ros:
         raise UsageError(
-            f"say where the world is to run: 'rai-missions world {world} --ros' puts it on the ROS graph; "
+            f"name where the world is to run: 'rai-missions world {world} --ros' puts it on the ROS graph; "
             "in one process with its mission a profile opens it: "
             "rai-missions run missions/tractor/mission.json --robot missions/tractor/robot.sim.json"
         )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the doctor says of one thing, and how it tries what may not come back."""
+"""What the doctor reports of one thing, and how it tries what may crash or hang."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ class MachineFinding(NamedTuple):
 class Tried(NamedTuple):
     """What came of something tried in a process of its own."""
 
-    said: Any = None
+    value: Any = None
     fault: str = ""
-    """Why it said nothing, in a sentence."""
+    """Why there is no value, in a sentence."""
 
 
 def tried(what: str, given: Any, environment: Mapping[str, str], *, within_s: float = 30.0) -> Tried:
-    """Try one of the probes; it may crash, hang or say anything.
+    """Try one of the probes; it may crash, hang or print anything.
 
     Args:
         what: The probe.
-        given: What it is told, as JSON.
+        given: Its input, a JSON value.
         environment: The variables of its process.
         within_s: How long it may take.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a machine has beside ROS: Python, packages, extras, what draws and what renders."""
+"""What a machine has apart from ROS: Python, packages, extras, a layout program and a renderer."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def _package(name: str) -> MachineFinding:
 
 
 def _program(name: str) -> str | None:
-    beside = Path(sys.executable).parent / name
-    return str(beside) if beside.exists() else shutil.which(name)
+    own = Path(sys.executable).parent / name
+    return str(own) if own.exists() else shutil.which(name)
 
 
 def _drawing() -> MachineFinding:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the doctor tries in a process of its own: `python -m rai_missions.cli.doctor.probe WHAT`, told and telling JSON.
+"""What the doctor tries in a process of its own: `python -m rai_missions.cli.doctor.probe WHAT`.
 
-Rule: the last line on the output is the answer; a sentence on stderr and another exit status say why there is none.
+Rule: the input is JSON. The last line of the output is the answer, as JSON; where there is none, the exit status is
+not 0 and stderr holds the reason.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def fields(wanted: list[list[Any]]) -> list[Any]:
 def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
     """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
 
-    What is listed and not offered has only somebody who listens for it, or asks.
+    What is listed and not offered has only subscribers or clients.
     """
     from rai_missions.connectors.connector import SupportsDiscoveryCount
     from rai_missions.connectors.registry import connector_offer

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a robot can be reached as its profile says: its types, and its topics, services and actions.
+"""Whether a robot can be reached by its profile: its types, and its topics, services and actions.
 
-Rule: looking is all; nothing is asked of the robot, and nothing is told to it.
+Rule: the graph is inspected and no more: no request, command or message goes to the robot.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ class Wanted(NamedTuple):
     name: str
     type: str
     is_listener: bool = False
-    """It is published on: nobody has to listen."""
+    """The mission publishes on it: no subscriber is needed."""
     may_be_silent: bool = False
-    """An event: who tells of it may come to be when it happens."""
+    """An event: its publisher may appear when it happens."""
 
     @property
     def how(self) -> str:
-        """How it is to be there: `offered` by somebody, or, where that is enough, `listed`."""
+        """How it must be present: `offered` by a server or publisher, or, where that is enough, `listed`."""
         return "listed" if self.is_listener else "offered"
 
 
@@ -61,12 +61,12 @@ def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterato
         mode: [(each.name, each.how) for each in names if each.mode == mode]
         for mode in ("topics", "services", "actions")
     }
-    told = {"connector": robot.connector, "wanted": by_mode, "within_s": WITHIN_S}
-    found = tried("graph", told, given, within_s=60)
+    wishes = {"connector": robot.connector, "wanted": by_mode, "within_s": WITHIN_S}
+    found = tried("graph", wishes, given, within_s=60)
     if found.fault:
         yield MachineFinding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
         return
-    there: dict[str, dict[str, dict[str, str]]] = found.said
+    there: dict[str, dict[str, dict[str, str]]] = found.value
     if not any(each.name in there[each.how].get(each.mode, ()) for each in names):
         remedy = "start the robot or its simulation, and compare the domain and the discovery range of both"
         yield MachineFinding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
@@ -76,15 +76,15 @@ def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterato
 
 def wanted(robot: Robot) -> Iterator[Wanted]:
     """All topics, services and actions that a profile names; a handover's, whose name depends on who asks, left out."""
-    yield from _heard(robot)
+    yield from _received(robot)
     yield from _done(robot)
     for name, topic in robot.topics.items():
         yield Wanted(f"topics/{name}", "topics", topic.topic, topic.type, is_listener=True)
 
 
-def _heard(robot: Robot) -> Iterator[Wanted]:
-    heard = (("blackboard", robot.blackboard), ("events", robot.events), ("", {"holder": robot.holder}))
-    for sort, sources in heard:
+def _received(robot: Robot) -> Iterator[Wanted]:
+    received = (("blackboard", robot.blackboard), ("events", robot.events), ("", {"holder": robot.holder}))
+    for sort, sources in received:
         for name, source in sources.items():
             place = f"{sort}/{name}".lstrip("/")
             if source is not None and source.topic is not None:
@@ -128,7 +128,7 @@ def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
         yield MachineFinding("missing", f"the types that '{robot.name}' names cannot be looked up", found.fault)
         return
     yield from _fields(robot, given)
-    absent = [(each, why) for each, why in zip(asked, found.said, strict=True) if why]
+    absent = [(each, why) for each, why in zip(asked, found.value, strict=True) if why]
     yield from (MachineFinding("missing", f"{each.place.lstrip('/')}: {each.type}", why) for each, why in absent)
     if not absent:
         yield MachineFinding("ok", f"all {len({each.type for each in asked})} types that '{robot.name}' names are here")
@@ -143,7 +143,7 @@ def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
     if found.fault:
         yield MachineFinding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
         return
-    there = dict(zip(asked, found.said, strict=True))
+    there = dict(zip(asked, found.value, strict=True))
     for fault in misnamed(None, robot, lambda name, kind: there[name, kind]):
         yield MachineFinding("missing", fault.place.lstrip("/"), fault.sentence)
 
@@ -154,11 +154,11 @@ def _looked_for(each: Wanted, there: Mapping[str, str]) -> MachineFinding:
         if each.is_listener:
             return MachineFinding("absent", f"{what} has no listener")
         if each.may_be_silent:
-            return MachineFinding("absent", f"{what} is published by nobody now")
+            return MachineFinding("absent", f"{what} is not published now")
         return MachineFinding("missing", f"{what} is not there", f"start what offers it{suggestion(each.name, there)}")
     types = there[each.name]
     if each.type and types and each.type not in types.split(", "):
         return MachineFinding(
-            "missing", f"{what} is there as {types}", f"the profile says {each.type}; mend one of them"
+            "missing", f"{what} is there as {types}", f"the profile has {each.type}; correct one of them"
         )
     return MachineFinding("ok", what)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether ROS 2 works here: where it comes from, whether it loads, whom it talks to, and how soon nodes meet."""
+"""Whether ROS 2 works here: where it comes from, whether it loads, which nodes it reaches, and how soon nodes meet."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from rai_missions.connectors.ros2 import REMEDY
 __all__ = ("ros",)
 
 RANGES = {
-    "SUBNET": "it multicasts to the network: every machine there that speaks ROS hears this one and can command it",
-    "LOCALHOST": "nodes of this machine alone meet",
-    "OFF": "nodes of one process alone meet",
-    "SYSTEM_DEFAULT": "the middleware's own settings say who meets whom",
+    "SUBNET": "it multicasts to the network: every ROS node there receives from this machine and can command it",
+    "LOCALHOST": "only nodes of this machine meet",
+    "OFF": "only nodes of one process meet",
+    "SYSTEM_DEFAULT": "the middleware's own settings decide which nodes meet",
 }
 """ROS_AUTOMATIC_DISCOVERY_RANGE → what it means."""
 AT_HOME = "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST keeps it on this machine"
@@ -46,7 +46,7 @@ def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None
         yield MachineFinding("missing", f"{where}: rclpy does not load ({loaded.fault})", REMEDY)
         return
     yield MachineFinding(
-        "ok", f"{where}: rclpy in {os.path.dirname(loaded.said['file'])}, middleware {loaded.said['rmw']}"
+        "ok", f"{where}: rclpy in {os.path.dirname(loaded.value['file'])}, middleware {loaded.value['rmw']}"
     )
     yield _range(given)
     yield _domain(given)
@@ -59,38 +59,36 @@ def _range(given: Mapping[str, str]) -> MachineFinding:
         return MachineFinding(
             "ok", f"ROS_LOCALHOST_ONLY=1 (an older word, which goes before {name}): {RANGES['LOCALHOST']}"
         )
-    said = given.get(name, "")
-    if said and said not in RANGES:
-        return MachineFinding("missing", f"{name}={said} is not known", f"set one of {', '.join(RANGES)}")
+    value = given.get(name, "")
+    if value and value not in RANGES:
+        return MachineFinding("missing", f"{name}={value} is not known", f"set one of {', '.join(RANGES)}")
     peers = f"; and with ROS_STATIC_PEERS={given['ROS_STATIC_PEERS']}" if given.get("ROS_STATIC_PEERS") else ""
-    meaning = RANGES[said or "SUBNET"] + peers
-    is_open = said in ("", "SUBNET")
-    what = f"{name}={said}" if said else f"{name} is not set, which is SUBNET"
+    meaning = RANGES[value or "SUBNET"] + peers
+    is_open = value in ("", "SUBNET")
+    what = f"{name}={value}" if value else f"{name} is not set, which is SUBNET"
     return MachineFinding("ok", f"{what}: {meaning}", AT_HOME if is_open else "")
 
 
 def _domain(given: Mapping[str, str]) -> MachineFinding:
-    said = given.get("ROS_DOMAIN_ID", "")
-    if not said:
+    domain = given.get("ROS_DOMAIN_ID", "")
+    if not domain:
+        return MachineFinding("ok", "ROS_DOMAIN_ID is not set, which is 0: shared with all who have not set it either")
+    if not domain.isdecimal() or int(domain) > LAST_DOMAIN:
         return MachineFinding(
-            "ok", "ROS_DOMAIN_ID is not set, which is 0: shared with everybody who has not set it either"
+            "missing", f"ROS_DOMAIN_ID={domain} is no domain", f"set a number from 0 to {LAST_SAFE_DOMAIN}"
         )
-    if not said.isdecimal() or int(said) > LAST_DOMAIN:
-        return MachineFinding(
-            "missing", f"ROS_DOMAIN_ID={said} is no domain", f"set a number from 0 to {LAST_SAFE_DOMAIN}"
-        )
-    if int(said) > LAST_SAFE_DOMAIN:
+    if int(domain) > LAST_SAFE_DOMAIN:
         why = f"its ports are also given to other programs; better a number from 0 to {LAST_SAFE_DOMAIN}"
-        return MachineFinding("ok", f"ROS_DOMAIN_ID={said}: {why}")
-    return MachineFinding("ok", f"ROS_DOMAIN_ID={said}: nodes of that domain alone meet")
+        return MachineFinding("ok", f"ROS_DOMAIN_ID={domain}: {why}")
+    return MachineFinding("ok", f"ROS_DOMAIN_ID={domain}: only nodes of that domain meet")
 
 
 def _discovery(given: Mapping[str, str]) -> MachineFinding:
-    """Tried on loopback whatever is set, so that looking disturbs nobody."""
+    """Tried on loopback whatever is set, so that no other node is disturbed."""
     here = {name: value for name, value in given.items() if name not in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY")}
     found = tried("discovery", None, {**here, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, within_s=60)
-    if found.said is not None:
-        return MachineFinding("ok", f"two nodes on loopback met after {found.said:.1f} s")
+    if found.value is not None:
+        return MachineFinding("ok", f"two nodes on loopback met after {found.value:.1f} s")
     why = found.fault or "they did not meet"
     remedy = "look for a firewall on loopback, for a middleware's own profile, and for a full /dev/shm"
     return MachineFinding("missing", f"two nodes on loopback ({why})", remedy)

@@ -20,7 +20,7 @@ __all__ = ("find_journal", "running_page")
 
 FOLDER = Path("journals")
 RUN_FILES = ("*.journal.watch", "*/*.journal.watch", "*/*/*.journal.watch")
-"""Where a run that goes on is looked for: here, and two folders deep."""
+"""Where a run that is still active is looked for: here, and two folders deep."""
 ANSWERS_S = 1.0
 
 
@@ -50,19 +50,19 @@ def _newest(journals: list[Path]) -> Path:
         return running
     if not journals:
         raise UsageError(
-            f"no run has written a journal in {FOLDER}/, and none that goes on has a page in a folder below this one; "
+            f"no run has written a journal in {FOLDER}/, and no active run has a page in a folder below this one; "
             "begin one with: rai-missions run --watch …, or name a journal: rai-missions watch JOURNAL"
         )
     print(
-        f"no run with a page goes on here; this is the newest journal in {FOLDER}/, and only that folder was looked at "
-        f"for journals: {journals[0]}. Name another with: rai-missions watch JOURNAL",
+        f"no run with a page is active here; this is the newest journal in {FOLDER}/, and only that folder was "
+        f"searched for journals: {journals[0]}. Name another with: rai-missions watch JOURNAL",
         file=sys.stderr,
     )
     return journals[0]
 
 
 def _elsewhere() -> list[Path]:
-    """The journals of runs that go on below this folder, the newest run first."""
+    """The journals of active runs below this folder, the newest run first."""
     marks = [path for pattern in RUN_FILES for path in Path().glob(pattern)]
     dated: list[tuple[float, Path]] = []
     for mark in marks:
@@ -72,20 +72,20 @@ def _elsewhere() -> list[Path]:
 
 
 def running_page(journal: Path) -> dict[str, Any] | None:
-    """What the run of a journal says of its own page, if it is there and answers."""
+    """What the run of a journal reports of its own page, if it is there and answers."""
     path = Path(f"{journal}.watch")
     if irregular(path):
         return None
     try:
         about = path.stat()
-        told = json.loads(path.read_text(encoding="utf-8"))
-        if about.st_uid != os.getuid() or stat.S_IMODE(about.st_mode) & 0o077 or not isinstance(told["url"], str):
+        about_page = json.loads(path.read_text(encoding="utf-8"))
+        if about.st_uid != os.getuid() or stat.S_IMODE(about.st_mode) & 0o077 or not isinstance(about_page["url"], str):
             return None
-        place = urlsplit(told["url"])
+        place = urlsplit(about_page["url"])
         if not _is_here(place.hostname or ""):
             return None
         with socket.create_connection((place.hostname or "", place.port or 0), timeout=ANSWERS_S):
-            return dict(told)
+            return dict(about_page)
     except (OSError, ValueError, KeyError, TypeError):
         return None
 

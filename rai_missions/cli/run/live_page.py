@@ -45,7 +45,7 @@ def normalise_watch_args(options: RunOptions) -> RunOptions:
             )
         options = options._replace(mission=options.watch, watch=str(_default_port()))
     if options.watch is None and (options.host or options.tls_cert or options.tls_key):
-        raise UsageError("--host, --tls-cert and --tls-key say where the live page is served; give --watch, too")
+        raise UsageError("--host, --tls-cert and --tls-key are of the live page; give --watch, too")
     if options.watch is not None and options.managed:
         raise UsageError("--watch is of one run; a managed node has many: drop it or --managed")
     return options
@@ -146,7 +146,7 @@ class RunPage:
             self.config = replace(self.config, operator=here)
 
     def run(self, prepared: PreparedRun, run: Callable[[Runner], Result]) -> Result:
-        """Run it by `run`, with the page beside it."""
+        """Run it by `run`, with the page next to it."""
         from rai_missions.node.closed_options import Closed
         from rai_missions.node.run_session import RunSession
         from rai_missions.node.web_operator import PageDesk
@@ -168,7 +168,7 @@ class RunPage:
             return self._course.run(lambda: run(runner))
 
     def _look(self) -> RunScene:
-        """How the run stands; read while it goes on, so the step's number is read first."""
+        """How the run is; read while it continues, so the step's number is read first."""
         from visualize.live import RunScene
 
         course = self._course
@@ -207,7 +207,7 @@ class RunPage:
 
 @contextmanager
 def run_file(journal: str, what: dict[str, Any]) -> Iterator[None]:
-    """Beside a run's journal, while it lasts, where its page is; nobody else on the machine may read it."""
+    """A file next to a run's journal, while it lasts, with the address of its page; no other user may read it."""
     if not journal:
         yield
         return

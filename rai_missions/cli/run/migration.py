@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions run --resume JOURNAL MISSION --migrate MAP`: a run that goes on in a mission that has changed."""
+"""`rai-missions run --resume JOURNAL MISSION --migrate MAP`: a run that resumes in a mission that has changed."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ __all__ = ("migrated",)
 
 
 def migrated(options: RunOptions, named: Named | None) -> RunOptions:
-    """Make the journal of the run in the mission as it is now; from then on it is the one that is gone on with.
+    """Make the journal of the run in the mission as it is now; from then on the run resumes from it.
 
     Raises:
-        DefinitionError: The mission or the map is at fault, or the map does not say enough.
-        UsageError: The run cannot go on, or it is not said which one, or in what.
+        DefinitionError: The mission or the map is at fault, or the map is not complete.
+        UsageError: The run cannot be resumed, or the options do not name it and the mission.
     """
     from rai_missions.profile import load_profile
     from rai_missions.replay.migrate import load_map, migrate
@@ -34,18 +34,18 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
     mission = load(options.mission, python=not options.no_python)
     if faults := faults_of(check(mission, named=set(named or ()))):
         raise DefinitionError(faults, options.mission)
-    to = Path(options.journal) if options.journal else _beside(Path(options.resume))
+    to = Path(options.journal) if options.journal else _free_name(Path(options.resume))
     robot = load_profile(options.robot) if options.robot else None
     done = migrate(
         options.resume, mission, load_map(options.migrate), to=to, robot=robot, named=named, source=options.migrate
     )
-    warn(f"the run of {options.resume} goes on in {to}, as '{mission.name}' {mission.version}")
+    warn(f"the run of {options.resume} resumes in {to}, as '{mission.name}' {mission.version}")
     for note in done.notes:
         warn(f"migrated: {note}")
     return options._replace(resume=str(to), journal=None)
 
 
-def _beside(journal: Path) -> Path:
+def _free_name(journal: Path) -> Path:
     """A name that nothing has yet."""
     numbers = itertools.chain(("",), (f"-{number}" for number in itertools.count(2)))
     names = (journal.with_stem(f"{journal.stem}-migrated{number}") for number in numbers)

@@ -53,7 +53,9 @@ def run_mission(options: RunOptions) -> int:
         raise DefinitionError(faults, options.mission or options.resume or "")
     needed = [name for name, key in mission.blackboard.items() if key.source == "robot" and not key.optional]
     if needed and not options.robot and not options.resume:
-        raise UsageError(f"the mission must hear {', '.join(needed)} from a robot; give its profile: --robot PROFILE")
+        raise UsageError(
+            f"the mission must receive {', '.join(needed)} from a robot; give its profile: --robot PROFILE"
+        )
     lines = _lines(mission, options)
     config = replace(_config(options, mission, lines), named=named)
     warn(_without_effect(options))
@@ -85,7 +87,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[Prepared
             robot = prepared.robot.name if prepared.robot is not None else ""
             lines.begin(
                 robot, ", ".join(sorted(prepared.answerers)), str(config.journal), model=options.model,
-                goes_on=prepared.goes_on, moved_aside=prepared.moved_aside or "",
+                resumption=prepared.goes_on, moved_aside=prepared.moved_aside or "",
             )  # fmt: skip
             lines.watch(prepared.runner.view)
         stack.enter_context(interruptible_run(prepared.runner))
@@ -111,17 +113,17 @@ def _as_json(mission: Mission, result: Result, recording: str | None) -> dict[st
 
 
 def _without_effect(options: RunOptions) -> str:
-    """What was said of a simulated world, where the run opens none; empty if nothing was."""
+    """The options of a simulated world that have no effect, in a sentence; empty where there is none."""
     words = [f"--{word}" for word in ("speed", "seed") if getattr(options, word) is not None]
     if not words:
         return ""
     connector = load_profile(options.robot).connector if options.robot else {"kind": "none"}
     if (options.resume and not options.robot) or (connector["kind"] == "local" and connector.get("world") is not None):
         return ""
-    said = f"{' and '.join(words)} {'has' if len(words) == 1 else 'have'} no effect: the run simulates no world, "
+    text = f"{' and '.join(words)} {'has' if len(words) == 1 else 'have'} no effect: the run simulates no world, "
     if options.robot:
-        return said + f"its robot is reached by a connector of kind '{connector['kind']}' (see: rai-missions world)"
-    return said + "for it has no robot"
+        return text + f"its robot is reached by a connector of kind '{connector['kind']}' (see: rai-missions world)"
+    return text + "for it has no robot"
 
 
 def _run_managed(options: RunOptions) -> int:
@@ -146,7 +148,7 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
     if options.resume:
         if options.set or options.journal:
             word = "--set" if options.set else "--journal"
-            raise UsageError(f"{word} cannot be said with --resume: the run goes on in its journal as it began")
+            raise UsageError(f"{word} does not go with --resume: the run resumes in its journal as it began")
         journal = Path(options.resume)
     else:
         journal = Path(options.journal or _journal_of(mission))
@@ -178,19 +180,19 @@ def _journal_of(mission: Mission) -> str:
 
 
 def _mission(options: RunOptions) -> Mission:
-    """The mission that is named, or that of the run which goes on."""
+    """The mission that is named, or that of the run which resumes."""
     if not options.resume:
         if not options.mission:
-            raise UsageError("name a mission (rai-missions run MISSION), or a run to go on with: --resume JOURNAL")
+            raise UsageError("name a mission (rai-missions run MISSION), or a run to resume: --resume JOURNAL")
         return load(options.mission, python=not options.no_python)
     now = load(options.mission, python=not options.no_python) if options.mission else None
-    with opened(options.resume) as record:  # read whole, and looked at, when the run is taken up
+    with opened(options.resume) as record:  # read whole, and looked at, when the run is resumed
         was = mission_of(record) if record.header.mission or now is None else now
     if now is not None and now != was:
         from visualize import difference
 
         changed = "\n".join(difference(was, now).lines())
-        remedy = "go on without naming a mission, or in this one by a map of what has become of what: --migrate MAP"
+        remedy = "resume without naming a mission, or in this one with a map of its states and keys: --migrate MAP"
         raise UsageError(f"{options.mission} is not the mission of {options.resume}:\n{changed}\n{remedy}")
     return was
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the doctor says of a machine and of a robot; whatever is broken there, it goes on and says so."""
+"""What the doctor reports of a machine and of a robot; whatever is broken there, it continues and reports it."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def robot(**words: object) -> Robot:
     return Robot.model_validate({"name": "beacon", "connector": {"kind": "ros2"}, **words})
 
 
-def test_without_ros_both_ways_to_it_are_told_and_nothing_is_missing() -> None:
+def test_without_ros_both_ways_to_it_are_reported_and_nothing_is_missing() -> None:
     (only,) = ros({}, has_wheels=False)
     assert only.status == "absent"
     assert "source /opt/ros" in only.remedy and "pip install" in only.remedy and "never both" in only.remedy
@@ -82,7 +82,7 @@ def test_a_sourced_ros_and_wheels_are_not_to_meet() -> None:
         ("import sys; sys.exit(3)", "it ended with 3"),
     ],
 )
-def test_an_rclpy_that_does_not_load_ends_nobody_but_its_own_process(
+def test_an_rclpy_that_does_not_load_ends_nothing_but_its_own_process(
     environment: dict[str, str], tmp_path: Path, code: str, message: str
 ) -> None:
     (only,) = ros(broken(environment, tmp_path, code), has_wheels=True)
@@ -96,13 +96,13 @@ def test_a_probe_that_hangs_is_left(environment: dict[str, str], tmp_path: Path)
 
 
 @with_ros
-def test_a_ros_that_works_is_told_with_its_middleware_and_its_reach(environment: dict[str, str]) -> None:
+def test_a_ros_that_works_is_reported_with_its_middleware_and_its_reach(environment: dict[str, str]) -> None:
     found = list(ros(environment, has_wheels=True))
     assert statuses(found) == {"ok"}, found
     reported = "\n".join(map(str, found))
     assert (
         "middleware rmw_" in reported
-        and "nodes of this machine alone meet" in reported
+        and "only nodes of this machine meet" in reported
         and "loopback met after" in reported
     )
 
@@ -114,12 +114,12 @@ def test_a_ros_that_works_is_told_with_its_middleware_and_its_reach(environment:
         ("ROS_AUTOMATIC_DISCOVERY_RANGE", "", "ok", "is not set, which is SUBNET: it multicasts to the network"),
         ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCAL", "missing", "LOCAL is not known"),
         ("ROS_LOCALHOST_ONLY", "1", "ok", "an older word"),
-        ("ROS_DOMAIN_ID", "", "ok", "shared with everybody"),
+        ("ROS_DOMAIN_ID", "", "ok", "shared with all"),
         ("ROS_DOMAIN_ID", "150", "ok", "also given to other programs"),
         ("ROS_DOMAIN_ID", "x", "missing", "is no domain"),
     ],
 )
-def test_what_the_variables_mean_is_said(
+def test_what_the_variables_mean_is_reported(
     environment: dict[str, str], variable: str, value: str, status: str, message: str
 ) -> None:
     from rai_missions.cli.doctor.ros import (  # what follows starts nodes, which some of these cannot have
@@ -144,7 +144,7 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
             "awaited": {"service": "/beacon/awaited"},
         },
         blackboard={"hoped_for": {"topic": "/beacon/hoped_for", "type": "std_msgs/msg/Bool"}},
-        topics={"say": {"topic": "/beacon/say", "type": "std_msgs/msg/String"}},
+        topics={"speech": {"topic": "/beacon/speech", "type": "std_msgs/msg/String"}},
         events={"stop_now": {"topic": "/beacon/flahs", "type": "std_msgs/msg/Empty"}},
     )
     words = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
@@ -160,13 +160,13 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
         assert found[f"{each} is not there"].status == "missing"
     other = found["services/light: service /beacon/light is there as std_srvs/srv/SetBool"]
     assert other.status == "missing" and "std_srvs/srv/Trigger" in other.remedy
-    assert found["topics/say: topic /beacon/say has no listener"].status == "absent"
-    silent = found["events/stop_now: topic /beacon/flahs is published by nobody now"]
+    assert found["topics/speech: topic /beacon/speech has no listener"].status == "absent"
+    silent = found["events/stop_now: topic /beacon/flahs is not published now"]
     assert silent.status == "absent" and not silent.remedy, "an emergency stop is published when it is pressed"
 
 
 @with_ros
-def test_a_field_that_a_type_has_not_is_told(environment: dict[str, str]) -> None:
+def test_a_field_that_a_type_has_not_is_reported(environment: dict[str, str]) -> None:
     source = {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percent"}
     found = list(reach(robot(blackboard={"battery": source}), environment))
     (reported,) = (each for each in found if each.what == "blackboard/battery/field")
@@ -174,7 +174,7 @@ def test_a_field_that_a_type_has_not_is_told(environment: dict[str, str]) -> Non
 
 
 @with_ros
-def test_a_robot_that_is_not_there_and_a_type_that_is_not_here_are_told(environment: dict[str, str]) -> None:
+def test_a_robot_that_is_not_there_and_a_type_that_is_not_here_are_reported(environment: dict[str, str]) -> None:
     profile = robot(actions={"go": {"action": "/go", "type": "nobodys_msgs/action/Go"}})
     types, nothing = reach(profile, environment)
     assert str(types).startswith("missing actions/go/type: nobodys_msgs/action/Go: no ROS package 'nobodys_msgs'")
@@ -186,11 +186,11 @@ def test_a_type_s_name_runs_no_package_that_has_no_such_types(environment: dict[
     (tmp_path / "evil" / "__init__.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
     found = {**environment, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(ROOT)))}
     answer = tried("types", [["evil/msg/Thing", "msg"], ["this/msg/Zen", "msg"]], found)
-    assert answer.said == ["the package 'evil' has no message types", "the package 'this' has no message types"]
+    assert answer.value == ["the package 'evil' has no message types", "the package 'this' has no message types"]
     assert not (tmp_path / "ran").exists()
 
 
-def test_a_broker_that_is_not_there_is_told() -> None:
+def test_a_broker_that_is_not_there_is_reported() -> None:
     pytest.importorskip("paho")
     profile = robot(connector={"kind": "mqtt", "port": 1}, services={"flash": {"service": "flash"}})
     (only,) = reach(profile, dict(os.environ))
@@ -205,7 +205,9 @@ def test_a_broker_that_is_not_there_is_told() -> None:
         ({"kind": "rosbridge"}, "missing", "which is not known"),
     ],
 )
-def test_a_robot_of_another_kind_is_told_by_its_profile(connector: dict[str, str], status: str, message: str) -> None:
+def test_a_robot_of_another_kind_is_reported_by_its_profile(
+    connector: dict[str, str], status: str, message: str
+) -> None:
     (only,) = reach(robot(connector=connector), {})
     assert only.status == status and message in str(only)
 
@@ -217,7 +219,7 @@ def test_everything_that_a_shipped_profile_names_is_looked_for() -> None:
     }
 
 
-def test_a_profile_at_fault_is_told_on_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_profile_at_fault_is_reported_on_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "robot.json").write_text('{"format": 1}')
     assert main(["doctor", "--robot", str(tmp_path / "robot.json")]) == 2
     assert "name" in capsys.readouterr().err

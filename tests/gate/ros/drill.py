@@ -86,7 +86,7 @@ def parties(domain: int, seed: int, log: Path) -> Iterator[tuple[Party, dict[str
     others = {each: Party(script, each, str(domain), str(seed + code)) for code, each in enumerate(("base", *HOLDERS))}
     try:
         gate.lines.wait(
-            lambda reported: any("commands are heard" in str(each[-1]) for each in reported), "the gate stands"
+            lambda reported: any("commands are received" in str(each[-1]) for each in reported), "the gate stands"
         )
         for each in others.values():
             each.lines.wait(lambda reported: ["ready"] in reported, "it is ready")

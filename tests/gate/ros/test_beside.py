@@ -13,7 +13,7 @@ def test_a_node_that_commands_past_the_gate_and_another_gate_are_told_of(tmp_pat
     for graph in graph_in(tmp_path, Graph):
         words = ("gate", "--ros")
         first = graph.start(*words)
-        first.says("stands before /cmd_vel")
+        first.says("guards /cmd_vel")
         second = graph.start(*words, "--name", "/other")
         assert "past this gate" in first.says("another node publishes on /cmd_vel as well")
         assert "/other/{autonomy,agent,operator}/cmd_vel" in second.says("another node publishes on /cmd_vel as well")

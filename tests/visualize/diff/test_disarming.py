@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One edit a case by which the tractor's mission loses its teeth: none of them may be told as nothing."""
+"""One edit a case by which the tractor's mission loses its teeth: none of them may be reported as nothing."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rai_missions.mission.mission import Mission
-from tests.visualize.diff.test_severity import Json, Mutation, asked_of_people, decision, drive_over, row, states
+from tests.visualize.diff.test_severity import Json, Mutation, asked_of_people, decision, drive_over, states, transition
 from tests.visualize.runs import ROOT, document, tractor
 from visualize import Difference, difference
 
@@ -49,7 +49,7 @@ def test_another_name_of_the_mission_is_a_difference() -> None:
 
 
 def succeeded(new: Json, state: str) -> Json:
-    """The row of a state that goes on from its success."""
+    """The transition of a state that continues after its success."""
     found: Json = next(each for each in states(new)[state]["transitions"] if each.get("on") == "succeeded")
     return found
 
@@ -89,25 +89,26 @@ DISARMS: list[tuple[str, Mutation, str, str]] = [
      "crossing: 'entry' changed: 'crossings' is read"),
     ("forgets", lambda new: states(new)["assessing"].update(exit=FORGET), "effect",
      "assessing: 'exit' changed: 'crossings' is read"),
-    ("row_forgets", lambda new: row(new, "assessing", 1).update(do=FORGET), "effect",
-     "assessing: row 'replan': 'do' changed: 'crossings' is read"),
-    ("row_that_only_forgets",
-     lambda new: states(new)["crossing"]["transitions"].append({"after_s": 1, "do": FORGET}), "row",
-     "crossing: row added"),
+    ("transition_forgets", lambda new: transition(new, "assessing", 1).update(do=FORGET), "effect",
+     "assessing: transition 'replan': 'do' changed: 'crossings' is read"),
+    ("transition_that_only_forgets",
+     lambda new: states(new)["crossing"]["transitions"].append({"after_s": 1, "do": FORGET}), "transition",
+     "crossing: transition added"),
     ("halts_no_more", lambda new: states(new)["done"].pop("entry"), "effect",
      "done: 'entry' changed: it is sent to the robot"),
     ("halts_otherwise", lambda new: states(new)["done"]["entry"][0].update(call="carry_on"), "effect",
      "done: 'entry' changed: it is sent to the robot"),
-    ("event_heard_less_often",
+    ("event_received_less_often",
      lambda new: states(new)["working"]["states"]["driving"]["transitions"][0].update(when={"key": "battery", ">": 2}),
-     "row", "driving: row 'anomaly': guard added"),
-    ("raises", lambda new: row(new, "assessing", 1).update(do=[{"raise": "anomaly"}]), "effect",
-     "assessing: row 'replan': 'do' changed: rows receive 'anomaly'"),
-    ("swallows", lambda new: states(new)["assessing"]["transitions"].append({"on": "e_stop"}), "row",
-     "assessing: row added, tried before one that it may keep from firing"),
-    ("success_leads_elsewhere", lambda new: succeeded(new, "replanning").update(to="crossing"), "row",
-     "replanning: row 'succeeded': 'to' changed"),
-    ("success_unheard", lambda new: states(new)["crossing"]["transitions"].pop(1), "row", "crossing: row removed"),
+     "transition", "driving: transition 'anomaly': guard added"),
+    ("raises", lambda new: transition(new, "assessing", 1).update(do=[{"raise": "anomaly"}]), "effect",
+     "assessing: transition 'replan': 'do' changed: transitions receive 'anomaly'"),
+    ("swallows", lambda new: states(new)["assessing"]["transitions"].append({"on": "e_stop"}), "transition",
+     "assessing: transition added, tried before one that it may keep from firing"),
+    ("success_leads_elsewhere", lambda new: succeeded(new, "replanning").update(to="crossing"), "transition",
+     "replanning: transition 'succeeded': 'to' changed"),
+    ("success_unheard", lambda new: states(new)["crossing"]["transitions"].pop(1), "transition",
+     "crossing: transition removed"),
 ]  # fmt: skip
 
 
@@ -144,7 +145,7 @@ def test_what_people_alone_are_asked_is_not() -> None:
     assert found.safety == ()
 
 
-def test_a_newly_offered_option_says_where_it_leads() -> None:
+def test_a_newly_offered_option_reports_where_it_leads() -> None:
     def push(new: Json) -> None:
         states(new)["assessing"]["decision"]["options"]["push"] = {"about": "push it away"}
         states(new)["assessing"]["transitions"].append({"on": "push", "to": "crossing"})
@@ -154,7 +155,7 @@ def test_a_newly_offered_option_says_where_it_leads() -> None:
     assert found.after == "always open, leads to crossing"
 
 
-def test_a_newly_offered_option_of_a_tree_says_what_is_done_then() -> None:
+def test_a_newly_offered_option_of_a_tree_reports_what_is_done_then() -> None:
     def asked(*options: str) -> Mission:
         given = shipped()
         given["states"]["signalling"]["tree"] = {
@@ -168,7 +169,7 @@ def test_a_newly_offered_option_of_a_tree_says_what_is_done_then() -> None:
     assert report[f"{whose}: a model is newly offered 'loud'"] == "always open, then call"
 
 
-def test_what_was_is_told_in_the_old_files_own_words() -> None:
+def test_what_was_is_reported_in_the_old_files_own_words() -> None:
     """Also where a state, a key or an option goes by another name now."""
     text = json.dumps(shipped())
     for was, now in (("crossing", "over"), ("signals", "horns"), ("replan", "around")):
@@ -177,15 +178,15 @@ def test_what_was_is_told_in_the_old_files_own_words() -> None:
     new["invariants"]["nobody_is_driven_over"]["not"]["all"].pop()
     states(new)["assessing"]["decision"]["options"]["signal"]["when"]["<"] = 9
     states(new)["assessing"]["decision"]["fallback"] = "around"
-    row(new, "assessing", 0)["to"] = "resume"
-    row(new, "assessing", 1)["on"] = ["around", "e_stop"]
+    transition(new, "assessing", 0)["to"] = "resume"
+    transition(new, "assessing", 1)["on"] = ["around", "e_stop"]
     states(new)["signalling"]["entry"] = []
     found = difference(Mission.model_validate(shipped()), Mission.model_validate(new))
     report = {each.sentence: each.before for each in found.changes}
     assert {"crossing", "signals"} <= {each.old for each in found.names}
     assert "in crossing" in report["invariant 'nobody_is_driven_over': guard strengthened"]
     assert "signals" in report["assessing: option 'signal': guard weakened"]
-    assert report["assessing: row 'drive_over': 'to' changed"] == "crossing"
+    assert report["assessing: transition 'drive_over': 'to' changed"] == "crossing"
     assert report["signalling: 'entry' changed: 'horns' is read"] == "“signals += 1”"
     for words in report.values():
         assert not {"over", "horns"}.intersection(words.split()), words

@@ -123,7 +123,7 @@ def test_another_name_for_a_key_or_an_event_is_a_rename(given: dict[str, Any], n
 
 
 @given(missions(), missions())
-def test_a_place_is_one_of_the_mission_that_it_is_said_of(old: Mission, new: Mission) -> None:
+def test_a_place_is_one_of_the_mission_that_it_is_reported_of(old: Mission, new: Mission) -> None:
     """A pointer of a change leads somewhere, at least to what holds a field that was left out."""
     for change in difference(old, new).changes:
         assert change.old_place is None or leads(old.written(), change.old_place), change
@@ -143,7 +143,7 @@ def leads(document: Any, pointer: str) -> bool:
 
 
 @given(missions(), missions())
-def test_the_picture_of_two_holds_each_state_and_row_of_both(old: Mission, new: Mission) -> None:
+def test_the_picture_of_two_holds_each_state_and_transition_of_both(old: Mission, new: Mission) -> None:
     found = difference(old, new)
     marks = {node.name: node.mark for node in found.picture.nodes}
     before, after = ({name for _, name, _ in each.walk()} for each in (found.old, found.new))
@@ -151,17 +151,20 @@ def test_the_picture_of_two_holds_each_state_and_row_of_both(old: Mission, new: 
     assert {name for name, mark in marks.items() if mark == "-"} == before - after
     assert marks.keys() == before | after
     arrows = {(edge.source, edge.target) for edge in found.picture.edges}
-    was = [("", row) for row in found.old.transitions]
-    was += [(name, row) for _, name, state in found.old.walk() for row in state.transitions]
-    assert {(name, target) for name, row in was for target in row.to or ("",)} <= arrows
+    was = [("", transition) for transition in found.old.transitions]
+    was += [(name, transition) for _, name, state in found.old.walk() for transition in state.transitions]
+    assert {(name, target) for name, transition in was for target in transition.to or ("",)} <= arrows
     kept = [edge for edge in found.picture.edges if edge.mark != "-"]
-    rows = [*found.new.transitions, *(row for _, _, state in found.new.walk() for row in state.transitions)]
-    assert len(kept) == sum(max(1, len(row.to)) for row in rows)
+    transitions = [
+        *found.new.transitions,
+        *(transition for _, _, state in found.new.walk() for transition in state.transitions),
+    ]
+    assert len(kept) == sum(max(1, len(transition.to)) for transition in transitions)
 
 
 @given(guards(timed=False), guards(timed=False))
 def test_a_weakened_guard_is_true_wherever_it_was(old: Any, new: Any) -> None:
-    """And a strengthened one nowhere else; over every blackboard that the guards can tell apart, unknown included."""
+    """And a strengthened one nowhere else; over every blackboard that the guards can distinguish, unknown included."""
     before, after = Guard.read(old), Guard.read(new)
     how = relation(before, after)
     one, other = (each.compile(Site("/", BOARD)) for each in (before, after))
@@ -173,7 +176,7 @@ def test_a_weakened_guard_is_true_wherever_it_was(old: Any, new: Any) -> None:
 
 
 @given(guards(timed=False), guards(timed=False), st.sampled_from(["all", "any"]))
-def test_one_more_condition_is_never_told_the_wrong_way_round(old: Any, more: Any, word: str) -> None:
+def test_one_more_condition_is_never_reported_the_wrong_way_round(old: Any, more: Any, word: str) -> None:
     before, after = Guard.read(old), Guard.read({word: [old, more]})
     assert relation(before, after) in ("same", "strengthened" if word == "all" else "weakened")
     assert relation(after, before) in ("same", "weakened" if word == "all" else "strengthened")

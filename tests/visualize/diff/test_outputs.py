@@ -50,19 +50,23 @@ def test_json_holds_each_change_and_fits_its_schema(old: Mission, new: Mission) 
 def test_the_page_leads_from_each_change_to_where_it_is_seen(old: Mission, new: Mission) -> None:
     found = difference(old, new)
     data = difference_data(found)
-    rows = [row["place"] for row in data["chart"]["rows"]]
+    transitions = [transition["place"] for transition in data["chart"]["transitions"]]
     states = {state["name"] for state in data["chart"]["states"]}
     assert [each["sentence"] for each in data["changes"]] == [each.sentence for each in found.changes]
     for change in data["changes"]:
-        assert not change["row"] or change["row"] in rows
+        assert not change["transition"] or change["transition"] in transitions
         assert not change["state"] or change["state"] in states
-        assert bool(change["row"]) is ("/transitions/" in change["place"]), change
-    marks = {row["place"].startswith("was:") for row in data["chart"]["rows"] if row.get("mark") == "-"}
+        assert bool(change["transition"]) is ("/transitions/" in change["place"]), change
+    marks = {
+        transition["place"].startswith("was:")
+        for transition in data["chart"]["transitions"]
+        if transition.get("mark") == "-"
+    }
     assert marks <= {True}
 
 
 def evil() -> Mission:
-    """The design's example, changed in all its texts by somebody with plans of his own."""
+    """The design's example, changed in all its texts by an attacker."""
     new = document()
     new["version"] = new["about"] = EVIL
     new["states"]["assessing"]["decision"]["question"] = EVIL
@@ -72,7 +76,7 @@ def evil() -> Mission:
     return Mission.model_validate(new)
 
 
-def test_markdown_is_inert_whatever_a_mission_says() -> None:
+def test_markdown_is_inert_whatever_a_mission_holds() -> None:
     text = markdown(difference(tractor(), evil())).decode()
     shown = HTML.render(text)
     assert "@everyone" in shown
@@ -86,7 +90,7 @@ def test_markdown_is_inert_whatever_a_mission_says() -> None:
     assert {count for count in cells if count > 2} <= {3, 4}
 
 
-def test_markdown_tells_safety_first_and_draws_both() -> None:
+def test_markdown_shows_safety_first_and_draws_both() -> None:
     text = markdown(difference(tractor(), changed())).decode()
     head, _, rest = text.partition("<details>")
     assert "6 safety-relevant changes, 5 others" in head
@@ -107,7 +111,7 @@ def test_a_comment_stays_within_what_its_host_takes() -> None:
     assert b"too large for a comment" in text
 
 
-def test_nothing_changed_is_said_in_a_line() -> None:
+def test_nothing_changed_is_reported_in_a_line() -> None:
     text = markdown(difference(tractor(), tractor())).decode()
     assert text.splitlines()[2] == "No difference in meaning."
     assert len(text.splitlines()) == 3

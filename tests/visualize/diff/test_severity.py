@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a reviewer must not miss is found, weighed and told first; what tightens raises no alarm."""
+"""What a reviewer must not miss is found, weighed and reported first; what tightens raises no alarm."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def drive_over(new: Json) -> Json:
     return found
 
 
-def row(new: Json, state: str, index: int) -> Json:
+def transition(new: Json, state: str, index: int) -> Json:
     found: Json = states(new)[state]["transitions"][index]
     return found
 
@@ -55,7 +55,7 @@ def reverse(new: Json) -> None:
 def by_hand(new: Json) -> None:
     """Another way to the end, past the drive along the alleys."""
     states(new)["by_hand"] = {"action": "drive", "timeout_s": 9, "transitions": [{"on": "succeeded", "to": "done"}]}
-    row(new, "assessing", 1)["to"] = "by_hand"
+    transition(new, "assessing", 1)["to"] = "by_hand"
 
 
 MUST_NOT_BE_MISSED: list[tuple[str, Mutation, str, str]] = [
@@ -89,8 +89,8 @@ MUST_NOT_BE_MISSED: list[tuple[str, Mutation, str, str]] = [
      "assessing: who is asked changed"),
     ("tools", lambda new: decision(new, tools=["look"]), "asked", "assessing: what a model may look with changed"),
     ("way_to_succeeded", by_hand, "success", "by_hand: a new state that leads to 'done'"),
-    ("row_to_succeeded", lambda new: states(new)["crossing"]["transitions"].append({"on": "rejected", "to": "done"}),
-     "success", "crossing: a new row to 'done'"),
+    ("leads_to_succeeded", lambda new: states(new)["crossing"]["transitions"].append({"on": "rejected", "to": "done"}),
+     "success", "crossing: a new transition to 'done'"),
     ("final_succeeds", lambda new: states(new)["aborted"].update(final="succeeded"), "success",
      "aborted: the mission can succeed here now"),
     ("control", lambda new: states(new)["crossing"].update(control="autonomy"), "control",
@@ -105,25 +105,26 @@ MUST_NOT_BE_MISSED: list[tuple[str, Mutation, str, str]] = [
      "key 'battery': 'optional' changed"),
     ("source", lambda new: new["blackboard"]["obstacle"].update(source="mission"), "trust",
      "key 'obstacle': 'source' changed"),
-    ("on_cancel", lambda new: new.update(on_cancel="driving"), "row", "mission: 'on_cancel' changed"),
-    ("protective_row_gone", lambda new: new["transitions"].clear(), "row", "mission: row removed"),
-    ("protective_row_narrower", lambda new: new["transitions"][0]["when"]["all"][1]["any"].pop(), "row",
-     "mission: row 'as soon as': guard narrowed, it fires less often"),
-    ("protective_row_elsewhere", lambda new: new["transitions"][0].update(to="driving"), "row",
-     "mission: row 'as soon as': 'to' changed"),
-    ("row_of_itself_gone", lambda new: states(new)["crossing"]["transitions"].pop(0), "row", "crossing: row removed"),
-    ("row_of_itself_weaker", lambda new: row(new, "crossing", 0).update(when={"fresh": "obstacle"}), "guard",
-     "crossing: row 'as soon as': guard weakened"),
-    ("answer_leads_elsewhere", lambda new: row(new, "assessing", 1).update(to="crossing"), "row",
-     "assessing: row 'replan': 'to' changed"),
-    ("failure_leads_elsewhere", lambda new: row(new, "crossing", 2).update(to="resume"), "row",
-     "crossing: row 'failed or unverified or timed_out': 'to' changed"),
-    ("failure_goes_on", lambda new: states(new)["replanning"]["transitions"].append({"on": "failed", "to": "resume"}),
-     "row", "replanning: row added"),
-    ("event_unheard", lambda new: states(new)["working"]["states"]["driving"]["transitions"].pop(0), "row",
-     "driving: row removed"),
-    ("rows_in_another_order", lambda new: states(new)["crossing"]["transitions"].reverse(), "row",
-     "crossing: rows are tried in another order"),
+    ("on_cancel", lambda new: new.update(on_cancel="driving"), "transition", "mission: 'on_cancel' changed"),
+    ("protective_transition_gone", lambda new: new["transitions"].clear(), "transition", "mission: transition removed"),
+    ("protective_transition_narrower", lambda new: new["transitions"][0]["when"]["all"][1]["any"].pop(), "transition",
+     "mission: transition 'as soon as': guard narrowed, it fires less often"),
+    ("protective_transition_elsewhere", lambda new: new["transitions"][0].update(to="driving"), "transition",
+     "mission: transition 'as soon as': 'to' changed"),
+    ("self_transition_gone", lambda new: states(new)["crossing"]["transitions"].pop(0), "transition",
+     "crossing: transition removed"),
+    ("self_transition_weaker", lambda new: transition(new, "crossing", 0).update(when={"fresh": "obstacle"}), "guard",
+     "crossing: transition 'as soon as': guard weakened"),
+    ("answer_leads_elsewhere", lambda new: transition(new, "assessing", 1).update(to="crossing"), "transition",
+     "assessing: transition 'replan': 'to' changed"),
+    ("failure_leads_elsewhere", lambda new: transition(new, "crossing", 2).update(to="resume"), "transition",
+     "crossing: transition 'failed or unverified or timed_out': 'to' changed"),
+    ("failure_continues", lambda new: states(new)["replanning"]["transitions"].append({"on": "failed", "to": "resume"}),
+     "transition", "replanning: transition added"),
+    ("event_unheard", lambda new: states(new)["working"]["states"]["driving"]["transitions"].pop(0), "transition",
+     "driving: transition removed"),
+    ("transitions_in_another_order", lambda new: states(new)["crossing"]["transitions"].reverse(), "transition",
+     "crossing: transitions are tried in another order"),
     ("something_else", lambda new: states(new)["replanning"].update(action=states(new)["replanning"].pop("call")),
      "form", "replanning: is something else"),
     ("begins_elsewhere", lambda new: new.update(initial="crossing"), "form", "mission: 'initial' changed"),
@@ -134,7 +135,7 @@ MUST_NOT_BE_MISSED: list[tuple[str, Mutation, str, str]] = [
 
 @pytest.mark.parametrize(("change", "topic", "reported"), [each[1:] for each in MUST_NOT_BE_MISSED],
                          ids=[each[0] for each in MUST_NOT_BE_MISSED])  # fmt: skip
-def test_what_a_reviewer_must_not_miss_is_told_first(change: Mutation, topic: str, reported: str) -> None:
+def test_what_a_reviewer_must_not_miss_is_reported_first(change: Mutation, topic: str, reported: str) -> None:
     found = compared(change)
     assert (topic, reported) in [(each.topic, each.sentence) for each in found.safety], "\n".join(found.lines())
     severities = [each.severity for each in found.changes]
@@ -163,12 +164,14 @@ TIGHTENS: dict[str, Mutation] = {
     "timeout_shrank": lambda new: states(new)["crossing"].update(timeout_s=3),
     "words": lambda new: new.update(about="otherwise"),
     "invariant_added": lambda new: new["invariants"].update(more={"fresh": "battery"}),
-    "row_that_gives_up": lambda new: new["transitions"].append({"on": "anomaly", "to": "aborted"}),
-    "protective_row_wider": lambda new: new["transitions"][0]["when"]["all"][1]["any"].append({"fresh": "camera"}),
+    "transition_that_gives_up": lambda new: new["transitions"].append({"on": "anomaly", "to": "aborted"}),
+    "protective_transition_wider": lambda new: new["transitions"][0]["when"]["all"][1]["any"].append(
+        {"fresh": "camera"}
+    ),
     "model_left_out": lambda new: decision(new, ask=["operator", "rules"]),
     "max_age_shrank": lambda new: new["blackboard"]["battery"].update(max_age_s=1),
-    "answer_gives_up": lambda new: row(new, "assessing", 1).update(to="aborted"),
-    "effect": lambda new: row(new, "assessing", 1).update(do=[{"log": "so be it"}]),
+    "answer_gives_up": lambda new: transition(new, "assessing", 1).update(to="aborted"),
+    "effect": lambda new: transition(new, "assessing", 1).update(do=[{"log": "so be it"}]),
     "event_added": lambda new: new["events"].update(rain={}),
     "key_added": lambda new: new["blackboard"].update(rain={"type": "boolean", "initial": False}),
     "same_guard_in_other_words": lambda new: drive_over(new).update(
@@ -178,21 +181,23 @@ TIGHTENS: dict[str, Mutation] = {
 
 
 @pytest.mark.parametrize("change", TIGHTENS.values(), ids=TIGHTENS)
-def test_what_tightens_is_told_but_does_not_alarm(change: Mutation) -> None:
+def test_what_tightens_is_reported_but_does_not_alarm(change: Mutation) -> None:
     found = compared(change)
     assert found.changes
     assert found.safety == (), "\n".join(found.lines())
 
 
-def line(*rows: tuple[str, str]) -> Mission:
-    """A mission of states that go on when they hear `go`."""
-    names = dict.fromkeys([*(name for row in rows for name in row)])
-    found: Json = {name: {"transitions": [{"on": "go", "to": to} for at, to in rows if at == name]} for name in names}
+def line(*transitions: tuple[str, str]) -> Mission:
+    """A mission of states that continue when they receive `go`."""
+    names = dict.fromkeys([*(name for transition in transitions for name in transition)])
+    found: Json = {
+        name: {"transitions": [{"on": "go", "to": to} for at, to in transitions if at == name]} for name in names
+    }
     found |= {"done": {"final": "succeeded"}, "lost": {"final": "failed"}}
-    return Mission.model_validate({"name": "line", "events": ["go"], "initial": rows[0][0], "states": found})
+    return Mission.model_validate({"name": "line", "events": ["go"], "initial": transitions[0][0], "states": found})
 
 
-def test_a_way_around_what_every_way_went_through_is_told() -> None:
+def test_a_way_around_what_every_way_went_through_is_reported() -> None:
     old = line(("ready", "looking"), ("looking", "driving"), ("driving", "done"))
     new = line(("ready", "looking"), ("ready", "driving"), ("looking", "driving"), ("driving", "done"))
     (found,) = (each for each in difference(old, new).safety if each.topic == "success")
@@ -201,14 +206,15 @@ def test_a_way_around_what_every_way_went_through_is_told() -> None:
     assert not [each for each in difference(new, old).changes if each.topic == "success"]
 
 
-def test_a_way_around_inside_a_state_is_told_too() -> None:
+def test_a_way_around_inside_a_state_is_reported_too() -> None:
     """What holds the states succeeds by its own end alone."""
 
-    def inside(*rows: tuple[str, str]) -> Mission:
-        given = line(*rows).written()
+    def inside(*transitions: tuple[str, str]) -> Mission:
+        given = line(*transitions).written()
         given["states"] = {
             "whole": {
-                "initial": rows[0][0], "states": given["states"], "transitions": [{"on": "succeeded", "to": "end"}],
+                "initial": transitions[0][0], "states": given["states"],
+                "transitions": [{"on": "succeeded", "to": "end"}],
             },
             "end": {"final": "succeeded"},
         }  # fmt: skip
@@ -229,7 +235,7 @@ def test_what_every_way_passes_is_what_no_way_avoids(mission: Mission) -> None:
         assert ways.passed(end) & alone == {name for name in alone if end not in ways.ways(without=name)}
 
 
-def test_a_state_from_which_it_may_succeed_again_is_told() -> None:
+def test_a_state_from_which_it_may_succeed_again_is_reported() -> None:
     old = line(("ready", "driving"), ("driving", "done"), ("ready", "stuck"), ("stuck", "lost"))
     new = line(("ready", "driving"), ("driving", "done"), ("ready", "stuck"), ("stuck", "driving"), ("stuck", "lost"))
     results = [each.sentence for each in difference(old, new).safety if each.topic == "success"]
@@ -237,7 +243,7 @@ def test_a_state_from_which_it_may_succeed_again_is_told() -> None:
 
 
 def test_nothing_leads_out_of_a_final_at_the_top() -> None:
-    """Rows of the mission are heard wherever it is, but for where it has ended."""
+    """Transitions of the mission are received wherever it is, but for where it has ended."""
     old = line(("ready", "driving"), ("driving", "lost")).written()
     old["events"] = ["go", "again"]
     new = json.loads(json.dumps(old))
@@ -250,7 +256,7 @@ def test_nothing_leads_out_of_a_final_at_the_top() -> None:
     assert "lost: the mission can still succeed from here now" not in results
 
 
-def test_an_option_that_is_gone_is_told() -> None:
+def test_an_option_that_is_gone_is_reported() -> None:
     new = document()
     del states(new)["assessing"]["decision"]["options"]["signal"]
     del states(new)["assessing"]["transitions"][2]
@@ -303,7 +309,7 @@ def test_all_of_a_hasty_change_is_found() -> None:
     found = difference(tractor(), changed())
     assert found.renamed == (("replanning", "next_alley"),)
     assert [change.mark for change in found.changes].count("+") == 3
-    assert [change.topic for change in found.safety] == ["offered", "guard", "limit", "proof", "trust", "row"]
+    assert [change.topic for change in found.safety] == ["offered", "guard", "limit", "proof", "trust", "transition"]
 
 
 def test_a_difference_is_a_value() -> None:

@@ -13,16 +13,16 @@ from tests.visualize.runs import tractor
 
 
 class Desk:
-    """Keeps the orders, and says of each what it was told to say."""
+    """Keeps the orders, and gives each the reply that was set."""
 
     def __init__(self) -> None:
         self.orders: list[str] = []
-        self.says: tuple[bool, str] | None = (True, "")
+        self.reply: tuple[bool, str] | None = (True, "")
 
     def submit(self, text: str, reported: Any) -> None:
         self.orders.append(text)
-        if self.says is not None:
-            reported(*self.says)
+        if self.reply is not None:
+            reported(*self.reply)
 
 
 @pytest.fixture

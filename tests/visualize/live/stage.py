@@ -26,12 +26,12 @@ PATIENCE_S = 30.0
 
 
 class Run:
-    """A chart that is told what happens, and a feed that is told what it makes of it.
+    """A chart that receives events, and a feed that receives its steps.
 
     Args:
         mission: What runs.
         desk: Who takes orders.
-        about: What the page says of it beside what happens.
+        about: What the page shows of it in addition to its steps.
     """
 
     def __init__(self, mission: Mission, desk: Any = None, about: Mapping[str, Any] | None = None) -> None:
@@ -76,7 +76,7 @@ class Run:
         return step
 
     @property
-    def standing(self) -> dict[str, Any]:
+    def whole(self) -> dict[str, Any]:
         """What every viewer has to end with."""
         board = {key: [entry.value, round(entry.at, 3)] for key, entry in self.chart.view.board.items()}
         return {"mode": self.mode, "control": self.chart.holder, "active": sorted(self.chart.active), "board": board}

@@ -81,7 +81,7 @@ class Watched:
         assert not self._thread.is_alive()
         return self.result[0]
 
-    def told(self) -> str:
+    def journal_text(self) -> str:
         """The journal's events with who did them, and its notes."""
         with read(self.journal) as record:
             steps = [f"{step.event.kind} {step.event.name} by {step.event.data.get('by')}" for step in record.steps()]
@@ -113,7 +113,7 @@ def test_every_act_is_an_event_in_the_journal_with_who_did_it(watched: Callable[
     until(lambda: one.runner.view.holder == "autonomy", "control is handed back")
     assert one.order(command="e_stop", by="Anna\n\u202e<script>")[0] == 200
     assert one.end().outcome == "aborted"
-    reported = one.told()
+    reported = one.journal_text()
     for line in (
         "command pause by operator Anna (page)", "command resume by operator (page)",
         "control operator by operator (page)", "control autonomy by operator Bert (page)",
@@ -122,7 +122,7 @@ def test_every_act_is_an_event_in_the_journal_with_who_did_it(watched: Callable[
         assert line in reported, reported
 
 
-def test_what_is_refused_says_why_and_stands_in_the_journal(watched: Callable[..., Watched]) -> None:
+def test_what_is_refused_reports_why_and_is_in_the_journal(watched: Callable[..., Watched]) -> None:
     one = watched()
     assert one.order(command="resume") == (409, "only a paused mission can be resumed; it is running")
     for words, why in (
@@ -138,10 +138,10 @@ def test_what_is_refused_says_why_and_stands_in_the_journal(watched: Callable[..
         "refused: control king by operator (page): nobody called 'king'",
         "refused: answer left by operator (page): question 99 is not open",
     ):
-        until(lambda line=line: line in one.told(), line)  # type: ignore[misc]
+        until(lambda line=line: line in one.journal_text(), line)  # type: ignore[misc]
 
 
-def test_the_operator_answers_what_is_asked_and_the_run_goes_on(watched: Callable[..., Watched]) -> None:
+def test_the_operator_answers_what_is_asked_and_the_run_continues(watched: Callable[..., Watched]) -> None:
     one = watched()
     viewer = Viewer(one.page)
     one.post("ask")
@@ -193,13 +193,13 @@ def test_who_joins_after_a_pause_sees_the_time_that_a_question_has_left(watched:
     one.post("ask")
     until_ = one.asked(viewer)["until"]
     viewer.cut()
-    until(lambda: one.page.viewers == 0 and one._watch._feed._wake is None, "nobody looks")  # type: ignore[union-attr]
+    until(lambda: one.page.viewers == 0 and one._watch._feed._wake is None, "no one looks")  # type: ignore[union-attr]
     assert one.order(command="pause") == (200, "")
     joins = Viewer(one.page)
     until(lambda: joins.sees(mode="paused"), f"{joins.seen}")
     paused_at = joins.seen["paused_at"]
     joins.cut()
-    until(lambda: one.page.viewers == 0 and one._watch._feed._wake is None, "nobody looks")  # type: ignore[union-attr]
+    until(lambda: one.page.viewers == 0 and one._watch._feed._wake is None, "no one looks")  # type: ignore[union-attr]
     assert one.order(command="resume") == (200, "")
     late = Viewer(one.page)
     with read(one.journal) as record:
@@ -209,7 +209,7 @@ def test_who_joins_after_a_pause_sees_the_time_that_a_question_has_left(watched:
     late.cut()
 
 
-def test_a_question_for_somebody_else_is_not_the_page_s_to_answer(watched: Callable[..., Watched]) -> None:
+def test_a_question_for_someone_else_is_not_the_page_s_to_answer(watched: Callable[..., Watched]) -> None:
     thinks = type("Thinks", (), {"ask": lambda *_: None, "withdraw": lambda *_: None})()
     one = watched(answerers={"agent": thinks})
     viewer = Viewer(one.page)
@@ -235,18 +235,18 @@ def test_the_run_file_is_its_owner_s_alone_and_goes_with_the_run(tmp_path: Path)
         with run_file(str(journal), {"url": "http://127.0.0.1:1/#token=x"}):
             path = tmp_path / "a.journal.watch"
             assert stat.S_IMODE(path.stat().st_mode) == 0o600
-            assert running_page(journal) is None  # nobody listens there
+            assert running_page(journal) is None  # no server is there
             with LivePage(PageAddress(port=0))._socket as listening:
                 path.write_text(json.dumps({"url": f"http://127.0.0.1:{listening.getsockname()[1]}/#token=x"}))
                 assert running_page(journal) is not None
                 path.chmod(0o644)
-                assert running_page(journal) is None  # somebody else may have written it
+                assert running_page(journal) is None  # another user may have written it
         assert not path.exists()
     finally:
         os.umask(before)
 
 
-def test_watch_prints_the_page_of_the_run_that_goes_on(
+def test_watch_prints_the_page_of_the_run_that_continues(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -286,12 +286,12 @@ def test_watch_finds_a_run_that_writes_its_journal_elsewhere_below(
     assert (reported.out, reported.err) == (f"watch: {url}b\n", "")
     assert find_journal(None) == Path("journals/old.journal")
     assert (
-        "newest journal in journals/, and only that folder was looked at for journals: journals/old"
+        "newest journal in journals/, and only that folder was searched for journals: journals/old"
         in capsys.readouterr().err
     )
 
 
-def test_watch_without_any_run_says_how_to_begin_one(
+def test_watch_without_any_run_reports_how_to_begin_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -317,7 +317,7 @@ def test_a_port_in_use_stops_a_run_before_it_begins(tmp_path: Path, capsys: pyte
         (["m.json", "--watch", "--managed"], "--watch is of one run"),
     ],
 )
-def test_words_that_do_not_go_together_are_told(words: list[str], why: str) -> None:
+def test_words_that_do_not_go_together_are_reported(words: list[str], why: str) -> None:
     with pytest.raises(UsageError, match=why):
         normalise_watch_args(run.read(words)["options"])
 

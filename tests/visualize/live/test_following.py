@@ -41,10 +41,10 @@ def test_a_journal_that_grows_is_followed(tmp_path: Path, page: LivePage) -> Non
         for act in ("obstacle", "anomaly", "agent", "replan", "pause", "resume", "kill"):
             play(run, act)
             journal.write(run.steps[-1], since=run.chart.at)
-        wanted = {name: item for name, item in run.standing.items() if name != "board"}
+        wanted = {name: item for name, item in run.whole.items() if name != "board"}
         until(lambda: viewer.sees(**wanted), f"{viewer.seen} becomes {wanted}")
     assert viewer.sees(outcome="aborted", why="killed by x", faults=[])
-    assert viewer.seen["board"]["obstacle"] == run.standing["board"]["obstacle"]
+    assert viewer.seen["board"]["obstacle"] == run.whole["board"]["obstacle"]
     viewer.cut()
 
 
@@ -83,7 +83,7 @@ def test_a_run_that_has_ended_is_shown_as_it_ended_and_takes_no_orders(tmp_path:
     viewer.cut()
 
 
-def test_a_chain_that_is_broken_is_told_and_the_rest_is_shown(tmp_path: Path, page: LivePage) -> None:
+def test_a_chain_that_is_broken_is_reported_and_the_rest_is_shown(tmp_path: Path, page: LivePage) -> None:
     path = journal_of(tmp_path / "a.journal", tractor(), answered(tractor()))
     database = sqlite3.connect(path)
     with database:
@@ -114,14 +114,14 @@ def test_what_is_no_journal_or_has_no_mission_is_refused_at_once(tmp_path: Path)
         JournalFeed(tmp_path / "b.journal")
 
 
-def test_a_journal_that_goes_away_is_told(tmp_path: Path, page: LivePage) -> None:
+def test_a_journal_that_disappears_is_reported(tmp_path: Path, page: LivePage) -> None:
     path = journal_of(tmp_path / "a.journal", tractor(), answered(tractor())[:3])
     feed = JournalFeed(path)
     page.start(Mission.model_validate(feed.mission.written()), feed)
     viewer = Viewer(page)
     until(lambda: viewer.sees(mode="running"), f"{viewer.seen}")
     path.unlink()
-    until(lambda: "there is no such file" in "".join(viewer.seen["faults"]), "it is told")
+    until(lambda: "there is no such file" in "".join(viewer.seen["faults"]), "it is reported")
     viewer.cut()
 
 
@@ -163,7 +163,7 @@ def test_a_run_that_has_ended_was_not_cut_short(tmp_path: Path) -> None:
     assert (feed._scene.outcome, feed._scene.cut) == ("aborted", "")
 
 
-def test_a_journal_that_is_written_again_goes_on(tmp_path: Path) -> None:
+def test_a_journal_that_is_written_again_continues(tmp_path: Path) -> None:
     path = journal_of(tmp_path / "a.journal", tractor(), answered(tractor())[:3])
     feed = JournalFeed(path)
     assert feed._read()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run that goes on beside its page, and is recorded: what was asked before the old process died can be answered."""
+"""A run that resumes with its page, and is recorded: what was asked before the old process died can be answered."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def cut_short(journal: Path, *names: tuple[str, str]) -> None:
 
 
 @pytest.mark.parametrize("is_paused", [False, True])
-def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_goes_on(
+def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_continues(
     tmp_path: Path, is_paused: bool
 ) -> None:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
@@ -60,7 +60,7 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_go
         if is_paused:
             assert viewer.sees(mode="paused", paused_at=2.0)
             assert ask(page, "POST", "/orders", b'{"command": "resume"}')[0] == 200
-            until(lambda: viewer.sees(mode="running"), "it goes on")
+            until(lambda: viewer.sees(mode="running"), "it continues")
         answer = f'{{"command": "answer", "question": {question["number"]}, "option": "left"}}'
         assert ask(page, "POST", "/orders", answer.encode())[2] == {"success": True, "why": ""}
         thread.join(30)

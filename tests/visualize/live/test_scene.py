@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Following a run step by step leads to where it stands, however it is followed."""
+"""Following a run step by step leads to the same view, however it is followed."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def shown(scene: RunScene) -> dict[str, Any]:
 
 
 @given(st.sampled_from([tractor(), errand()]), st.lists(ACTS, max_size=25))
-def test_what_is_followed_is_where_the_run_stands(mission: Mission, acts: list[str]) -> None:
+def test_what_is_followed_is_where_the_run_is(mission: Mission, acts: list[str]) -> None:
     run = Run(mission)
     followed = run.look()
     run.start()
@@ -59,7 +59,7 @@ def test_what_is_followed_is_where_the_run_stands(mission: Mission, acts: list[s
         play(run, act)
     for step in run.steps:
         followed.take(step)
-    assert shown(followed) == run.standing
+    assert shown(followed) == run.whole
     assert followed.outcome == (run.chart.outcome or "")
     asked = set(followed.questions)
     assert asked == {n for n in run.chart.awaited if any(s.question and s.question.number == n for s in run.steps)}
@@ -74,16 +74,16 @@ def test_a_look_in_the_middle_and_the_steps_around_it_lead_to_the_same(
     for act in acts[:at]:
         play(run, act)
     followed = run.look()
-    followed.seq = max(0, followed.seq - older)  # the engine went on while it was looked at
+    followed.seq = max(0, followed.seq - older)  # the engine continued while it was looked at
     for act in acts[at:]:
         play(run, act)
     for step in run.steps[max(0, at - back - older) :]:
         followed.take(step)
-    assert shown(followed) == run.standing
+    assert shown(followed) == run.whole
 
 
 @given(st.lists(ACTS, max_size=20), st.data())
-def test_changes_told_at_any_moments_add_up_to_the_whole(acts: list[str], data: st.DataObject) -> None:
+def test_changes_reported_at_any_moments_add_up_to_the_whole(acts: list[str], data: st.DataObject) -> None:
     run = Run(tractor())
     followed = run.look()
     seen = followed.whole()
@@ -131,7 +131,7 @@ def test_no_value_makes_a_message_long_or_no_json(value: Any) -> None:
     assert len(json.dumps(bounded(["x" * 10**6] * 1000))) < 50 * 6 * LONGEST
 
 
-def test_a_picture_is_told_by_its_name_alone() -> None:
+def test_a_picture_is_reported_by_its_name_alone() -> None:
     image = Image("camera@1", 4, 3, "rgb8", lambda: (_ for _ in ()).throw(AssertionError("it was looked at")))
     assert bounded({"seen": image}) == {"seen": {"picture": "camera@1", "width": 4, "height": 3}}
 

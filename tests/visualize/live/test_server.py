@@ -74,7 +74,7 @@ def test_another_site_is_refused_even_with_the_token(run: Run, method: str, path
     assert run.desk.orders == []
 
 
-def test_no_other_site_is_ever_told_that_it_may_ask(run: Run) -> None:
+def test_no_other_site_is_ever_allowed_to_believe_that_it_may_ask(run: Run) -> None:
     status, headers, _ = ask(run.page, "OPTIONS", "/orders", Origin="http://evil.example", X_Mission_Token="")
     assert status == 403
     assert not [name for name in headers if name.lower().startswith("access-control")]
@@ -95,7 +95,7 @@ def test_every_answer_forbids_to_be_framed_run_or_guessed(run: Run, path: str) -
 def test_an_order_goes_to_the_desk_as_it_came_and_its_receipt_comes_back(run: Run) -> None:
     text = '{"command": "pause", "by": "\\u202e<b>"}'
     assert ask(run.page, "POST", "/orders", text.encode())[::2] == (200, {"success": True, "why": ""})
-    run.desk.says = (False, "it is not running")
+    run.desk.reply = (False, "it is not running")
     assert ask(run.page, "POST", "/orders", b"{")[::2] == (409, {"success": False, "why": "it is not running"})
     assert run.desk.orders == [text, "{"]
 
@@ -145,7 +145,7 @@ def test_a_page_without_a_desk_only_looks(run: Run) -> None:
         assert ask(other.page, "GET", "/mission")[2]["acts"] is False
 
 
-def test_a_picture_is_encoded_when_somebody_looks_and_not_before(run: Run) -> None:
+def test_a_picture_is_encoded_when_someone_looks_and_not_before(run: Run) -> None:
     made: list[int] = []
 
     def pixels() -> bytes:
@@ -154,7 +154,7 @@ def test_a_picture_is_encoded_when_somebody_looks_and_not_before(run: Run) -> No
 
     run.write("camera", Image("camera@1", 4, 3, "rgb8", pixels))
     viewer = Viewer(run.page)
-    until(lambda: "camera" in viewer.seen.get("board", {}), "the picture is told of")
+    until(lambda: "camera" in viewer.seen.get("board", {}), "the picture is reported")
     assert made == []
     for _ in range(5):
         status, headers, body = ask(run.page, "GET", "/picture?key=camera")
@@ -173,7 +173,7 @@ def test_a_picture_is_encoded_when_somebody_looks_and_not_before(run: Run) -> No
 def test_what_is_no_picture_by_its_first_bytes_is_not_sent(run: Run, data: bytes) -> None:
     viewer = Viewer(run.page)
     run.write("camera", Image("camera@1", 4, 3, "png", data))
-    until(lambda: "camera" in viewer.seen.get("board", {}), "the picture is told of")
+    until(lambda: "camera" in viewer.seen.get("board", {}), "the picture is reported")
     status, headers, reported = ask(run.page, "GET", "/picture?key=camera")
     assert (status, headers["Content-Type"]) == (404, "application/json")
     assert reported["why"] == "its bytes are neither PNG nor JPEG"
@@ -183,7 +183,7 @@ def test_what_is_no_picture_by_its_first_bytes_is_not_sent(run: Run, data: bytes
 @pytest.mark.parametrize(
     "query", ["", "?key=battery", "?key=nothing", "?key=camera&question=9999", "?question=x&key=camera"]
 )
-def test_a_picture_that_is_not_there_is_told(run: Run, query: str) -> None:
+def test_a_picture_that_is_not_there_is_reported(run: Run, query: str) -> None:
     assert ask(run.page, "GET", f"/picture{query}")[0] == 404
 
 
@@ -195,7 +195,7 @@ def test_a_picture_that_is_not_there_is_told(run: Run, query: str) -> None:
         b"POST /orders HTTP/1.1\r\nHost: localhost:{port}\r\nContent-Length: -1\r\n\r\n",
     ],
 )  # fmt: skip
-def test_what_is_no_request_of_ours_is_refused_and_the_page_goes_on(run: Run, sent: bytes) -> None:
+def test_what_is_no_request_of_ours_is_refused_and_the_page_continues(run: Run, sent: bytes) -> None:
     with socket.create_connection(("127.0.0.1", run.page.port), timeout=10) as line:
         line.sendall(sent.replace(b"{port}", str(run.page.port).encode()))
         reported = line.recv(200)
@@ -204,7 +204,7 @@ def test_what_is_no_request_of_ours_is_refused_and_the_page_goes_on(run: Run, se
 
 
 @pytest.mark.parametrize("message", [b"", b"GET / HTTP/1.1\r\nHost: x\r\n"])
-def test_who_knocks_and_says_nothing_is_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch, message: bytes) -> None:
+def test_who_knocks_and_sends_nothing_is_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch, message: bytes) -> None:
     monkeypatch.setattr(impatient, "SPEAKS_WITHIN_S", 0.2)
     with socket.create_connection(("127.0.0.1", run.page.port), timeout=30) as line:
         line.sendall(message)
@@ -223,7 +223,7 @@ def test_a_viewer_is_not_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
     viewer.cut()
 
 
-def test_a_port_in_use_is_told_with_a_way_out(run: Run) -> None:
+def test_a_port_in_use_is_reported_with_a_way_out(run: Run) -> None:
     with pytest.raises(UsageError, match=rf"port {run.page.port} is in use on 127.0.0.1.*--watch PORT.*0 for any"):
         LivePage(PageAddress(port=run.page.port))
 
@@ -234,7 +234,7 @@ def test_another_address_than_loopback_wants_tls(host: str) -> None:
         LivePage(PageAddress(host, 0))
 
 
-def test_an_address_that_is_not_there_or_a_certificate_that_is_none_is_told(tmp_path: Path) -> None:
+def test_an_address_that_is_not_there_or_a_certificate_that_is_none_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="both a certificate and its key"):
         LivePage(PageAddress(port=0, certificate="a.pem"))
     with pytest.raises(UsageError, match=r"TLS cannot use .*a\.pem"):

@@ -37,4 +37,4 @@ def test_the_page_stops_the_robot_while_the_disk_hangs_over_a_note_of_what_it_wa
     answers.set()
     asks.join(30)
     assert one.end().outcome == "aborted"
-    assert "refused: control king" in one.told()
+    assert "refused: control king" in one.journal_text()

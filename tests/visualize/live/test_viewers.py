@@ -18,7 +18,7 @@ from visualize.live import hub
 
 
 def ends_with(viewer: Viewer, run: Run) -> None:
-    until(lambda: viewer.sees(**run.standing), f"{viewer.seen} becomes {run.standing}; {viewer.error}")
+    until(lambda: viewer.sees(**run.whole), f"{viewer.seen} becomes {run.whole}; {viewer.error}")
 
 
 def test_a_viewer_sees_what_is_so_and_each_change(run: Run) -> None:
@@ -27,7 +27,7 @@ def test_a_viewer_sees_what_is_so_and_each_change(run: Run) -> None:
     run.send("anomaly")
     ends_with(viewer, run)
     assert "assessing" in viewer.seen["active"]
-    assert viewer.seen["steps"][-1]["rows"] == ["/states/working/states/driving/transitions/0"]
+    assert viewer.seen["steps"][-1]["transitions"] == ["/states/working/states/driving/transitions/0"]
     play(run, "agent")
     ends_with(viewer, run)
     [question] = viewer.seen["questions"]
@@ -61,7 +61,7 @@ def test_whatever_is_cut_a_viewer_that_comes_back_ends_with_what_is_so(acts: lis
         comes.cut()
 
 
-def test_who_comes_back_soon_hears_what_was_missed_and_not_all_of_it(run: Run) -> None:
+def test_who_comes_back_soon_receives_what_was_missed_and_not_all_of_it(run: Run) -> None:
     stays, comes = Viewer(run.page), Viewer(run.page)
     ends_with(comes, run)
     comes.cut()
@@ -76,7 +76,7 @@ def test_who_comes_back_soon_hears_what_was_missed_and_not_all_of_it(run: Run) -
 
 
 @pytest.mark.parametrize("last", ["", "x", "abc-5", "00000000-1", "-1", "9" * 40, "a-b-c", "٣-٣"])
-def test_who_says_nonsense_of_where_it_was_hears_all(run: Run, last: str) -> None:
+def test_who_names_a_position_of_nonsense_receives_all(run: Run, last: str) -> None:
     viewer = Viewer(run.page)
     viewer.cut()
     viewer.kinds.clear()
@@ -88,14 +88,14 @@ def test_who_says_nonsense_of_where_it_was_hears_all(run: Run, last: str) -> Non
     viewer.cut()
 
 
-def test_a_viewer_that_was_away_for_longer_than_is_kept_hears_all(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_viewer_that_was_away_for_longer_than_is_kept_receives_all(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     viewer = Viewer(run.page)
     ends_with(viewer, run)
     viewer.cut()
     stays = Viewer(run.page)
     for number in range(hub.RING + 5):
         run.send("anomaly" if number % 2 else "nonsense")
-        until(lambda: len(stays.seen.get("steps", [])) > 0, "it is told")
+        until(lambda: len(stays.seen.get("steps", [])) > 0, "it is reported")
     run._made(run.chart.write("battery", 0.6))
     viewer.come()
     ends_with(viewer, run)
@@ -125,7 +125,7 @@ def test_ten_viewers_see_the_same(run: Run) -> None:
     until(lambda: run.page.viewers == 0, "those who went are counted out")
 
 
-def test_one_viewer_too_many_is_told_so(run: Run) -> None:
+def test_one_viewer_too_many_is_reported_so(run: Run) -> None:
     viewers = [Viewer(run.page) for _ in range(hub.MOST_VIEWERS)]
     until(lambda: run.page.viewers == hub.MOST_VIEWERS, "all are in")
     status, _, reported = ask(run.page, "GET", "/events")
@@ -135,7 +135,7 @@ def test_one_viewer_too_many_is_told_so(run: Run) -> None:
         viewer.cut()
 
 
-def test_a_viewer_that_does_not_read_is_dropped_and_holds_nobody_up(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_viewer_that_does_not_read_is_dropped_and_holds_no_one_up(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hub, "MOST_WAITING", 16)
     reads = Viewer(run.page)
     with socket.create_connection(("127.0.0.1", run.page.port)) as stalled:
@@ -156,7 +156,7 @@ def test_a_viewer_that_does_not_read_is_dropped_and_holds_nobody_up(run: Run, mo
 
 def test_without_a_viewer_nothing_is_made_of_a_step(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     def encoded(*_: Any) -> Any:
-        raise AssertionError("something was made for nobody")
+        raise AssertionError("something was made for no viewer")
 
     monkeypatch.setattr("visualize.live.run_view.line", encoded)
     monkeypatch.setattr("visualize.live.run_view.bounded", encoded)
@@ -170,7 +170,7 @@ def test_without_a_viewer_nothing_is_made_of_a_step(run: Run, monkeypatch: pytes
     viewer.cut()
 
 
-def test_the_end_of_the_page_is_told(run: Run) -> None:
+def test_the_end_of_the_page_is_reported(run: Run) -> None:
     viewer = Viewer(run.page)
     ends_with(viewer, run)
     run.send("kill", "command", by="operator (page)")
@@ -180,7 +180,7 @@ def test_the_end_of_the_page_is_told(run: Run) -> None:
     viewer.cut()
 
 
-def test_a_line_on_which_nothing_happens_is_heard_to_be_alive(run: Run) -> None:
+def test_a_line_on_which_nothing_happens_is_known_to_be_alive(run: Run) -> None:
     viewer = Viewer(run.page)
     until(lambda: viewer.kinds.count("beat") >= 2, f"it beats; {viewer.kinds}")
     viewer.cut()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wrong with a mission or a journal is on the page where that helps, else it is told."""
+"""What is wrong with a mission or a journal is on the page where that helps, else it is reported."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_picture_is_what_its_first_bytes_say() -> None:
     assert "uri" not in gallery.shown[short]
 
 
-def test_pictures_that_are_too_many_are_left_out_and_that_is_told() -> None:
+def test_pictures_that_are_too_many_are_left_out_and_that_is_reported() -> None:
     gallery = Gallery(budget=20)
     first = gallery.add(Image("a", 1, 1, "jpeg", b"\xff\xd8\xff first"))
     second = gallery.add(Image("b", 1, 1, "jpeg", b"\xff\xd8\xff second, and longer"))
@@ -99,7 +99,7 @@ def test_pictures_that_are_too_many_are_left_out_and_that_is_told() -> None:
     assert gallery.shown[second]["why"].startswith("left out")
 
 
-def test_a_picture_whose_bytes_were_not_kept_is_told() -> None:
+def test_a_picture_whose_bytes_were_not_kept_is_reported() -> None:
     def lost() -> bytes:
         raise UsageError("the journal keeps pictures that a question showed")
 
@@ -118,7 +118,7 @@ def test_draw_writes_the_page_from_several_journals(tmp_path: Path, capsys: pyte
     assert [run["name"] for run in data_of(page.read_bytes())["runs"]] == ["a.journal", "b.journal"]
 
 
-def test_draw_says_on_stderr_that_a_journal_was_altered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_draw_reports_on_stderr_that_a_journal_was_altered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = broken(journal_of(tmp_path / "a.journal", tractor(), answered(tractor())))
     given = ["draw", str(ROOT / "tests/data/tractor_design.json"), "-o", str(tmp_path / "a.html")]
     assert main([*given, "--journal", str(path)]) == 0
@@ -129,7 +129,7 @@ def test_draw_says_on_stderr_that_a_journal_was_altered(tmp_path: Path, capsys: 
 
 
 @pytest.mark.parametrize("ending", ["html", "svg"])
-def test_draw_says_on_stderr_that_a_mission_does_not_check(
+def test_draw_reports_on_stderr_that_a_mission_does_not_check(
     ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     written = document()
@@ -158,7 +158,7 @@ def test_a_torn_journal_is_called_damaged(
     assert not page.exists()
 
 
-def test_draw_says_what_keeps_a_journal_from_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_draw_reports_what_keeps_a_journal_from_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = tmp_path / "review.html"
     given = ["draw", str(ROOT / "missions/tractor/mission.json"), "-o", str(page)]
     assert main([*given, "--journal", str(tmp_path / "none.journal")]) == 2

@@ -63,7 +63,7 @@ def test_no_script_reads_text_as_markup() -> None:
         assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(|new Function", text), path
 
 
-def test_every_script_is_in_a_page_and_says_its_licence() -> None:
+def test_every_script_is_in_a_page_and_names_its_licence() -> None:
     assert {path.name for path in ASSETS.glob("*.js")} == {*SCRIPTS, "changes.js"}  # that one is of the page of `diff`
     for path in ASSETS.iterdir():
         if path.suffix != ".html":

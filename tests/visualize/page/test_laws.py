@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Laws of the page's data: it is the mission, all of it, once; what it plays is the run; what a lens says is so."""
+"""Laws of the page's data: it is the mission, all of it, once; what it plays is the run; a lens reports the truth."""
 
 from __future__ import annotations
 
@@ -28,23 +28,31 @@ from visualize.page.as_json import plain
 from visualize.page.lenses import asked_of
 from visualize.page.reachability import Roads
 
-LENSES = ("say", "operator", "stops", "invariants")
+LENSES = ("model", "operator", "stops", "invariants")
 
 
 @given(missions())
-def test_every_state_and_every_row_is_in_the_data_once(mission: Mission) -> None:
+def test_every_state_and_every_transition_is_in_the_data_once(mission: Mission) -> None:
     chart = data_of(review(mission))["chart"]
-    rows = Counter(
+    transitions = Counter(
         (place, source, target)
         for place, source, written in [
             *((f"{place}/transitions", name, state.transitions) for place, name, state in mission.walk()),
             ("/transitions", "", mission.transitions),
         ]
-        for place, source, targets in [(f"{place}/{index}", source, row.to) for index, row in enumerate(written)]
+        for place, source, targets in [
+            (f"{place}/{index}", source, transition.to) for index, transition in enumerate(written)
+        ]
         for target in targets or ("",)
     )
     assert Counter(state["name"] for state in chart["states"]) == Counter(name for _, name, _ in mission.walk())
-    assert Counter((row["place"], row.get("source", ""), row.get("target", "")) for row in chart["rows"]) == rows
+    assert (
+        Counter(
+            (transition["place"], transition.get("source", ""), transition.get("target", ""))
+            for transition in chart["transitions"]
+        )
+        == transitions
+    )
 
 
 @given(missions())
@@ -84,7 +92,7 @@ def test_what_is_played_is_what_the_chart_was_at_every_step(mission: Mission, ev
 
 
 @given(missions(), st.lists(st.sampled_from(EVENTS), max_size=5))
-def test_coverage_counts_each_row_that_a_journal_took(mission: Mission, events: list[str]) -> None:
+def test_coverage_counts_each_transition_that_a_journal_took(mission: Mission, events: list[str]) -> None:
     steps = run(mission, events)
     with TemporaryDirectory() as folder:
         path = journal_of(Path(folder) / "a.journal", mission, steps)
@@ -92,7 +100,7 @@ def test_coverage_counts_each_row_that_a_journal_took(mission: Mission, events: 
     taken = Counter(place for step in steps for move in step.moves for place in move.taken)
     entered = Counter(name for step in steps for name in step.entered)
     assert data["coverage"] == {
-        "rows": {place: [times, times] for place, times in taken.items()},
+        "transitions": {place: [times, times] for place, times in taken.items()},
         "states": {name: [times, times] for name, times in entered.items()},
     }
 
@@ -114,20 +122,20 @@ def test_a_run_enters_nothing_that_is_out_of_reach(mission: Mission, events: lis
 def test_a_lens_names_what_there_is(mission: Mission) -> None:
     data = review_data(mission)
     states = {state["name"] for state in data["chart"]["states"]}
-    rows = {row["place"] for row in data["chart"]["rows"]}
+    transitions = {transition["place"] for transition in data["chart"]["transitions"]}
     options = {place for who in ("agent", "operator") for each in asked_of(mission, who) for place in each.options()}
     assert tuple(lens["name"] for lens in data["lenses"]) == LENSES
     for lens in data["lenses"]:
         assert set(lens["states"]) <= states
-        assert set(lens["rows"]) <= rows
+        assert set(lens["transitions"]) <= transitions
         assert set(lens["options"]) <= options
         items = [item for section in lens["sections"] for item in section["items"]]
         assert {item["state"] for item in items if "state" in item} <= states
-        assert {item["row"] for item in items if "row" in item} <= rows
+        assert {item["transition"] for item in items if "transition" in item} <= transitions
 
 
 @given(missions())
-def test_the_say_of_a_model_lights_its_decisions_with_every_option_and_every_bound(mission: Mission) -> None:
+def test_the_lens_of_the_model_lights_its_decisions_with_every_option_and_every_bound(mission: Mission) -> None:
     lens = review_data(mission)["lenses"][0]
     reported = " ".join(item["text"] for section in lens["sections"] for item in section["items"])
     for each in asked_of(mission, "agent"):
@@ -156,16 +164,16 @@ def test_no_answer_of_the_tractors_model_leads_to_success_at_once() -> None:
     assert "an answer leads there at once" in reported["aborted"]
 
 
-def test_an_option_that_ends_the_mission_says_so_and_one_behind_another_row_says_where() -> None:
+def test_an_option_that_ends_the_mission_reports_it_and_one_behind_another_transition_reports_where() -> None:
     lens = review_data(load(ROOT / "missions/tractor/mission.json"))["lenses"][0]
     reported = [item["text"] for section in lens["sections"] for item in section["items"]]
     assert "abort: always open; leads to given_up, which ends the mission" in reported
     assert "given_up (aborted): an answer leads there at once" in reported
-    assert "stopped (aborted): an answer leads there at once where the rows behind it hold already" in reported
+    assert "stopped (aborted): an answer leads there at once where the transitions behind it hold already" in reported
 
 
 def ends_of(change: Callable[[dict[str, Any]], Any]) -> list[str]:
-    """What the first lens says of the ends of the tractor's mission, changed."""
+    """What the first lens reports of the ends of the tractor's mission, changed."""
     given = document()
     change(given["states"])
     lens = review_data(Mission.model_validate(given))["lenses"][0]
@@ -173,7 +181,7 @@ def ends_of(change: Callable[[dict[str, Any]], Any]) -> list[str]:
 
 
 def abort_to(states: dict[str, Any], target: str) -> None:
-    next(row for row in states["assessing"]["transitions"] if row["on"] == "abort")["to"] = target
+    next(transition for transition in states["assessing"]["transitions"] if transition["on"] == "abort")["to"] = target
 
 
 def through_a_room(states: dict[str, Any]) -> None:
@@ -188,7 +196,7 @@ def through_a_wait(states: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("change", [lambda states: abort_to(states, "done"), through_a_wait, through_a_room])
-def test_an_answer_that_may_end_the_mission_as_succeeded_is_told(change: Callable[[dict[str, Any]], Any]) -> None:
+def test_an_answer_that_may_end_the_mission_as_succeeded_is_reported(change: Callable[[dict[str, Any]], Any]) -> None:
     reported = ends_of(change)
     assert any(each.startswith("done (succeeded): an answer leads there at once") for each in reported)
     assert reported[-1].startswith("where alleys_driven ≥ alleys")
@@ -213,7 +221,7 @@ def test_time_that_passes_may_lead_to_an_end() -> None:
     ({"ask": ["agent"]}, "at most 20 s"),
     ({"ask": ["agent", "operator"], "within_s": 4}, "at most 20 s, 4 s at most for an attempt"),
 ])  # fmt: skip
-def test_how_the_time_of_a_decision_is_split_is_told(asked: dict[str, Any], message: str) -> None:
+def test_how_the_time_of_a_decision_is_split_is_reported(asked: dict[str, Any], message: str) -> None:
     given = document()
     given["states"]["assessing"]["decision"] |= {"deadline_s": 20, **asked}
     texts = [item["text"] for each in review_data(Mission.model_validate(given))["lenses"][0]["sections"]
@@ -236,7 +244,7 @@ def test_a_question_has_its_evidence_its_picture_its_answers_and_the_verdicts() 
     assert "'drive_over' was not offered" in second["refused"][0]
 
 
-def test_an_option_whose_guard_was_unknown_says_so() -> None:
+def test_an_option_whose_guard_was_unknown_reports_it() -> None:
     chart = Chart(tractor(), ticker=PyTrees())
     chart.write("battery", 0.8, at=0.0)
     steps = [chart.start(at=0.0), chart.send(Event("anomaly", 3.0))]

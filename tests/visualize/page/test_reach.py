@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is said to be out of reach is out of reach: held against every run of missions, as far as they are explored."""
+"""What is reported as out of reach is out of reach: held against every run of missions, as far as they are explored."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ class Moving(Space):
 
 
 def hold(mission: Mission) -> None:
-    """Whatever a run enters after a row is in reach of where the row leads."""
+    """Whatever a run enters after a transition is in reach of where the transition leads."""
     space = Moving(Environment(mission, default_ticker(mission)), MOST)
     space.explore()
     roads = Roads(mission)
-    to = {place: row.to for rows in roads.rows.values() for place, row in rows}
+    to = {place: transition.to for transitions in roads.transitions.values() for place, transition in transitions}
     reach: dict[frozenset[str], frozenset[str]] = {}
     for number in range(space.states):
         entered: set[str] = set()
@@ -77,7 +77,7 @@ def reached(roads: Roads, leads: frozenset[str], known: dict[frozenset[str], fro
 
 @lenient
 @given(missions())
-def test_no_run_enters_what_is_said_to_be_out_of_reach(mission: Mission) -> None:
+def test_no_run_enters_what_is_reported_to_be_out_of_reach(mission: Mission) -> None:
     hold(mission)
 
 
@@ -97,7 +97,7 @@ def _regions(draw: st.DrawFn, prefix: str, everywhere: list[str]) -> Json:
 
 @st.composite
 def sided(draw: st.DrawFn) -> Mission:
-    """Two regions beside each other in an `each`, entered by one name, by two, by default or by a history."""
+    """Two regions next to each other in an `each`, entered by one name, by two, by default or by a history."""
     inside = [f"{prefix}{number}" for prefix in "ab" for number in range(3)]
     outside = ["before", "done", "aborted", "work"]
     a, b = (_regions(draw, prefix, [*inside, *outside]) for prefix in "ab")
@@ -126,7 +126,7 @@ def sided(draw: st.DrawFn) -> Mission:
 
 @lenient
 @given(sided())
-def test_no_run_enters_what_is_said_to_be_out_of_reach_of_regions_and_items(mission: Mission) -> None:
+def test_no_run_enters_what_is_reported_to_be_out_of_reach_of_regions_and_items(mission: Mission) -> None:
     hold(mission)
 
 

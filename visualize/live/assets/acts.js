@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the operator may do: each button an order, and what became of it in words.
 
-const GOES_ON = ["ready", "running", "paused", "canceling"];
+const UNFINISHED = ["ready", "running", "paused", "canceling"];
 const SURE_MS = 4000;
 
 class Acts {
-  /** @param host element  @param line Line  @param told {said(words, kind)} */
-  constructor(host, line, told) {
-    Object.assign(this, { host, line, told });
+  /** @param host element  @param line Line  @param listener {notify(words, kind)} */
+  constructor(host, line, listener) {
+    Object.assign(this, { host, line, listener });
     const button = (id, words, title, order) => make("button", { type: "button", "data-act": id, title, on: { click: () => order() } }, words);
-    this.who = make("input", { id: "who", placeholder: "your name", title: "stands in the journal beside what you do", maxlength: "40", autocomplete: "off" });
+    this.who = make("input", { id: "who", placeholder: "your name", title: "recorded in the journal with what you do", maxlength: "40", autocomplete: "off" });
     this.who.value = remembered("operator");
     this.who.addEventListener("input", () => remember("operator", this.who.value));
     this.buttons = {
       pause: button("pause", "pause", "timers keep the time left, goals are canceled and begun again", () => this.order({ command: "pause" })),
-      resume: button("resume", "resume", "go on", () => this.order({ command: "resume" })),
+      resume: button("resume", "resume", "continue the mission", () => this.order({ command: "resume" })),
       cancel: button("cancel", "cancel", "leave everything in good order and end the mission", () => this.sure("cancel", "really cancel?", { command: "cancel" })),
-      take: button("take", "take control", "commands of everybody else are refused until you give it back", () => this.order({ command: "control", to: "operator" })),
+      take: button("take", "take control", "commands of all others are refused until you give it back", () => this.order({ command: "control", to: "operator" })),
       autonomy: button("autonomy", "control to autonomy", "give control back to the autonomy stack", () => this.order({ command: "control", to: "autonomy" })),
       agent: button("agent", "control to agent", "give control back to the mission's agent", () => this.order({ command: "control", to: "agent" })),
       stop: button("e_stop", "E-STOP", "stop everything now, before it is even written down", () => this.order({ command: "e_stop" })),
@@ -27,7 +27,7 @@ class Acts {
 
   /** Shows what may be done now. */
   show({ mode, control }, reached, wanted = new Set()) {
-    const on = GOES_ON.includes(mode), { pause, resume, cancel, take, autonomy, agent, stop } = this.buttons;
+    const on = UNFINISHED.includes(mode), { pause, resume, cancel, take, autonomy, agent, stop } = this.buttons;
     pause.hidden = mode === "paused";
     resume.hidden = mode !== "paused";
     pause.disabled = !reached || mode !== "running";
@@ -67,14 +67,14 @@ class Acts {
   async order(order) {
     const name = this.who.value.trim();
     const what = order.option ? `answer '${order.option}'` : order.command.replace("_", "-") + (order.to ? ` to ${order.to}` : "");
-    this.told.said(`${what}: sent …`, "sent");
-    const late = () => this.told.said(`${what}: NO ANSWER – it may or may not have arrived; use the robot's own stop`, "alarm");
+    this.listener.notify(`${what}: sent …`, "sent");
+    const late = () => this.listener.notify(`${what}: NO ANSWER – it may or may not have arrived; use the robot's own stop`, "alarm");
     const given = { ...order, by: name ? `operator ${name} (page)` : "operator (page)" };
     const { fate, why } = await this.line.order(given, late);
-    if (fate === "done") this.told.said(`${what}: done${why ? `, ${why}` : ""}`, "good");
-    else if (fate === "refused") this.told.said(`${what}: refused. ${why}`, "bad");
-    else if (fate === "waiting") this.told.said(`${what}: NOT TAKEN YET – ${why}`, "alarm");
-    else if (fate === "undelivered") this.told.said(`${what}: not delivered; the run cannot be reached. Use the robot's own stop`, "alarm");
+    if (fate === "done") this.listener.notify(`${what}: done${why ? `, ${why}` : ""}`, "good");
+    else if (fate === "refused") this.listener.notify(`${what}: refused. ${why}`, "bad");
+    else if (fate === "waiting") this.listener.notify(`${what}: NOT TAKEN YET – ${why}`, "alarm");
+    else if (fate === "undelivered") this.listener.notify(`${what}: not delivered; the run cannot be reached. Use the robot's own stop`, "alarm");
   }
 }
 

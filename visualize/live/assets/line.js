@@ -7,9 +7,9 @@ const ANSWERS_MS = 2000, LASTING = ["e_stop", "cancel"];
 const UNREACHED = "the run does not answer";
 
 class Line {
-  /** @param token text  @param told {message(kind, data), line(word, why)} */
-  constructor(token, told) {
-    Object.assign(this, { token, told, last: "", wait: FIRST_MS, over: false, clock: null });
+  /** @param token text  @param listener {message(kind, data), line(word, why)} */
+  constructor(token, listener) {
+    Object.assign(this, { token, listener, last: "", wait: FIRST_MS, over: false, clock: null });
   }
 
   headers(more) {
@@ -24,13 +24,13 @@ class Line {
     }
   }
 
-  /** When an order is given, by the server's clock as it was last heard. */
+  /** When an order is given, by the server's clock as of its last message. */
   sent() {
-    return this.clock ? { "X-Mission-Sent": String(this.clock.sent + (performance.now() - this.clock.heard) / 1000) } : {};
+    return this.clock ? { "X-Mission-Sent": String(this.clock.sent + (performance.now() - this.clock.received) / 1000) } : {};
   }
 
-  /** Gives an order; its fate is done, refused, waiting, unanswered or undelivered. `late` hears once that no answer has come so
-   *  far: then a stop and a cancel go on trying to get through, and any other order is taken back as far as it can be. */
+  /** Gives an order; its fate is done, refused, waiting, unanswered or undelivered. `late` is called once where no answer has
+   *  come in time: a stop and a cancel then keep trying to get through, and any other order is taken back if it can be. */
   async order(order, late) {
     const cut = new AbortController();
     let isLate = false;
@@ -55,9 +55,9 @@ class Line {
     while (!this.over) {
       try {
         await this.once();
-        if (!this.over) this.told.line("away", "the line is down; trying again");
+        if (!this.over) this.listener.line("away", "the line is down; trying again");
       } catch {
-        this.told.line("away", "the line is down; trying again");
+        this.listener.line("away", "the line is down; trying again");
       }
       if (this.over) break;
       await new Promise((done) => setTimeout(done, this.wait * (0.75 + Math.random() / 2)));
@@ -69,35 +69,35 @@ class Line {
     const cut = new AbortController();
     this.cut = cut;
     let watch = 0;
-    const heard = (most = SILENT_MS) => {
+    const expectWithin = (most = SILENT_MS) => {
       clearTimeout(watch);
       watch = setTimeout(() => cut.abort(), most);
     };
-    heard(OPENS_MS);
+    expectWithin(OPENS_MS);
     try {
       const answer = await fetch("/events", { headers: this.headers(this.last ? { "Last-Event-ID": this.last } : {}), cache: "no-store", signal: cut.signal, redirect: "error" });
       if (!answer.ok) return await this.refused(answer);
-      heard();
-      this.told.line("live", "");
+      expectWithin();
+      this.listener.line("live", "");
       this.wait = FIRST_MS;
-      await this.read(answer.body.pipeThrough(new TextDecoderStream()).getReader(), heard);
+      await this.read(answer.body.pipeThrough(new TextDecoderStream()).getReader(), expectWithin);
     } finally {
       clearTimeout(watch);
     }
   }
 
   async refused(answer) {
-    const why = (await answer.json().catch(() => ({}))).why || `the server said ${answer.status}`;
+    const why = (await answer.json().catch(() => ({}))).why || `the server answered ${answer.status}`;
     this.over = answer.status === 401 || answer.status === 403;
-    this.told.line(this.over ? "refused" : "away", why);
+    this.listener.line(this.over ? "refused" : "away", why);
   }
 
-  async read(reader, heard) {
+  async read(reader, expectWithin) {
     let text = "";
     for (;;) {
       const { done, value } = await reader.read();
       if (done) return;
-      heard();
+      expectWithin();
       text += value;
       let end;
       while ((end = text.indexOf("\n\n")) >= 0) {
@@ -110,8 +110,8 @@ class Line {
   message(block) {
     const fields = Object.fromEntries(block.split("\n").map((each) => [each.slice(0, each.indexOf(": ")), each.slice(each.indexOf(": ") + 2)]));
     const kind = fields.event, data = JSON.parse(fields.data);
-    if (typeof data.sent === "number") this.clock = { sent: data.sent, heard: performance.now() };
-    this.told.message(kind, data);
+    if (typeof data.sent === "number") this.clock = { sent: data.sent, received: performance.now() };
+    this.listener.message(kind, data);
     if (fields.id) this.last = fields.id;
     if (kind === "end") this.over = true;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live page put together: what comes over the line is kept as it stands, and drawn at most once a frame.
+// The live page put together: what comes over the line is kept as it is, and drawn at most once a frame.
 
 const FADES_MS = 4000, TICK_MS = 200;
 const HANDOVER_MS = 1000; // one that is acknowledged sooner is no news
@@ -14,13 +14,13 @@ class Live {
     this.dirty = new Set();
     this.reached = false;
     this.word = ["away", "connecting …"];
-    this.clock = { now: 0, heard: null };
+    this.clock = { now: 0, received: null };
     this.asked = new Map();
   }
 
   async begin() {
     const answer = await this.line.get("/mission");
-    if (!answer.ok) return needed((await answer.json().catch(() => ({}))).why || `the server said ${answer.status}`);
+    if (!answer.ok) return needed((await answer.json().catch(() => ({}))).why || `the server answered ${answer.status}`);
     this.data = await answer.json();
     byId("entry").hidden = true;
     this.build();
@@ -38,7 +38,7 @@ class Live {
     this.board = new Board(byId("board"), chart.keys);
     this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
     this.tail = new Tail(byId("steps"), { go });
-    if (acts) this.acts = new Acts(byId("acts"), this.line, { said: (words, kind) => this.said(words, kind) });
+    if (acts) this.acts = new Acts(byId("acts"), this.line, { notify: (words, kind) => this.notify(words, kind) });
     byId("name").textContent = shown(chart.name);
     byId("version").textContent = shown(chart.version);
     byId("where").textContent = shown([this.data.run && `run ${this.data.run}`, this.data.journal].filter(Boolean).join(" · "));
@@ -64,8 +64,8 @@ class Live {
   // -- what comes -------------------------------------------------------------------------------------------------
 
   message(kind, data) {
-    this.clock = { now: data.now, heard: performance.now() };
-    if (kind === "end") return this.lineIs("over", "this page was closed; the run may go on");
+    this.clock = { now: data.now, received: performance.now() };
+    if (kind === "end") return this.lineIs("over", "this page was closed; the run may continue");
     if (kind === "state") this.restart(data);
     else if (kind === "change") this.change(data);
   }
@@ -84,7 +84,7 @@ class Live {
       this.state.board = { ...this.state.board, ...board };
       this.mark("board");
     }
-    for (const step of steps || []) for (const row of step.rows || []) this.taken.set(row, performance.now());
+    for (const step of steps || []) for (const transition of step.transitions || []) this.taken.set(transition, performance.now());
     if (steps) {
       this.tail.add(steps);
       this.mark("active");
@@ -106,14 +106,14 @@ class Live {
     return Boolean(this.state.outcome || this.state.cut);
   }
 
-  /** Seconds since anything was heard. */
+  /** Seconds since the last message. */
   get silent() {
-    return this.clock.heard === null ? 0 : (performance.now() - this.clock.heard) / 1000;
+    return this.clock.received === null ? 0 : (performance.now() - this.clock.received) / 1000;
   }
 
-  /** The run's clock now, as far as it can be told from here; it counts on while the line is away, for the run may, too. */
+  /** The run's clock now, as far as it is known here; it counts on while the line is away, for the run may continue. */
   get now() {
-    return this.clock.now + (GOES_ON.includes(this.state.mode) && !this.isOver ? this.silent : 0);
+    return this.clock.now + (UNFINISHED.includes(this.state.mode) && !this.isOver ? this.silent : 0);
   }
 
   // -- what is shown ----------------------------------------------------------------------------------------------
@@ -140,10 +140,10 @@ class Live {
 
   light() {
     const active = new Set(this.state.active), recent = performance.now() - FADES_MS;
-    for (const [row, at] of this.taken) if (at < recent) this.taken.delete(row);
+    for (const [transition, at] of this.taken) if (at < recent) this.taken.delete(transition);
     this.chart.show({ active, taken: new Set(this.taken.keys()) });
-    for (const { group, rows } of this.chart.arrows) {
-      const at = Math.max(0, ...rows.map((row) => this.taken.get(row) || 0));
+    for (const { group, transitions } of this.chart.arrows) {
+      const at = Math.max(0, ...transitions.map((transition) => this.taken.get(transition) || 0));
       if (at) for (const fading of group.getAnimations({ subtree: true })) fading.currentTime = performance.now() - at;
     }
     if (this.taken.size) {
@@ -166,7 +166,7 @@ class Live {
     const { mode, control, outcome, why, cut, faults, open_goals: loose } = this.state;
     const away = !this.reached && !this.isOver;
     this.lineWord();
-    byId("mode").textContent = cut ? "cut short" : away && GOES_ON.includes(mode) ? `${mode}?` : mode;
+    byId("mode").textContent = cut ? "cut short" : away && UNFINISHED.includes(mode) ? `${mode}?` : mode;
     byId("mode").dataset.mode = cut ? "cut" : mode;
     byId("control").textContent = control;
     byId("control").dataset.control = control;
@@ -176,7 +176,7 @@ class Live {
     const warnings = [...(moving.length ? [`the robot may still move: ${moving.join(", ")}`] : []), ...faults];
     byId("banner").hidden = !warnings.length;
     byId("banner").replaceChildren(...warnings.slice(0, 4).map((fault) => make("div", {}, "⚠ ", fault)));
-    document.body.classList.toggle("unheard", away);
+    document.body.classList.toggle("disconnected", away);
     document.body.classList.toggle("over", this.isOver);
     document.title = shown(`${outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
     const waiting = this.waiting();
@@ -184,7 +184,7 @@ class Live {
     if (this.acts) this.acts.show(this.state, this.reached, new Set(waiting.map(([, wanted]) => wanted)));
   }
 
-  /** The active states that do nothing until somebody else has control, and who. */
+  /** The active states that do nothing until another has control, and who. */
   waiting() {
     if (this.state.mode !== "running" || this.isOver) return [];
     const { states } = this.chart.model;
@@ -196,13 +196,13 @@ class Live {
     const words = waiting.map(([name, wanted]) => `${name} waits until control is with ${wanted}`).join(", ");
     const { held_by: by, held_since: since, control } = this.state;
     const held = by && !this.isOver ? `held by ${by} since ${Number(since || 0).toFixed(1)} s, until the operator gives control back with the buttons above` : "";
-    const told = held ? `${held}${words ? `: ${words}` : ""}.` : words ? `${words}; ${control} has it. The mission does not ask for it back: give it with the buttons above.` : "";
-    if (told === this.told) return;
-    this.told = told;
-    clearTimeout(this.telling);
-    const tell = () => { byId("waits").textContent = shown(told); };
-    if (told && !byId("waits").textContent) this.telling = setTimeout(tell, HANDOVER_MS);
-    else tell();
+    const text = held ? `${held}${words ? `: ${words}` : ""}.` : words ? `${words}; ${control} has it. The mission does not ask for it back: give it with the buttons above.` : "";
+    if (text === this.waitText) return;
+    this.waitText = text;
+    clearTimeout(this.waitTimer);
+    const write = () => { byId("waits").textContent = shown(text); };
+    if (text && !byId("waits").textContent) this.waitTimer = setTimeout(write, HANDOVER_MS);
+    else write();
   }
 
   lineWord() {
@@ -229,7 +229,7 @@ class Live {
     const made = new Asked(question, Boolean(this.acts) && this.data.answers, {
       answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, option, parameters }),
       picture: (canvas, query) => this.cameras.picture(canvas, query),
-      said: (words) => this.said(words, "bad"), go: (name) => this.go("state", name),
+      notify: (words) => this.notify(words, "bad"), go: (name) => this.go("state", name),
     });
     this.asked.set(question.number, made);
     byId("asked").append(made.element);
@@ -238,34 +238,35 @@ class Live {
   tick() {
     if (!this.board) return;
     this.board.tick(this.now);
-    const heard = this.reached || this.isOver || this.clock.heard === null ? "" : `last heard ${this.silent.toFixed(0)} s ago`;
-    if (byId("heard").textContent !== heard) byId("heard").textContent = heard;
+    const silence = this.reached || this.isOver || this.clock.received === null ? "" : `last message ${this.silent.toFixed(0)} s ago`;
+    if (byId("silence").textContent !== silence) byId("silence").textContent = silence;
     const now = this.state.mode === "paused" && this.state.paused_at !== null ? this.state.paused_at : this.now;
     for (const each of this.asked.values()) each.tick(now, this.reached && !this.isOver, this.now, this.state.board, this.state.closed[each.question.number] || {});
     if (this.reached) this.cameras.look(this.state.board);
   }
 
-  said(words, kind) {
-    const element = byId("said");
+  /** Puts a notice over the page. */
+  notify(words, kind) {
+    const element = byId("notice");
     element.hidden = false;
     element.className = kind;
     element.textContent = shown(words);
     clearTimeout(this.quiet);
-    const stays = { good: 4000, bad: 15000 }[kind]; // an alarm stays until something else is said
+    const stays = { good: 4000, bad: 15000 }[kind]; // an alarm stays until the next notice
     if (stays) this.quiet = setTimeout(() => { element.hidden = true; }, stays);
   }
 
   select(kind, name, places) {
     if (kind === "state") this.details.state(name);
-    else if (kind === "row") this.details.rows(places || [name]);
+    else if (kind === "transition") this.details.transitions(places || [name]);
     else this.details.nothing();
-    this.chart.show({ selected: kind === "state" || kind === "row" ? `${kind} ${name}` : null });
+    this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
     if (kind) tab("details");
   }
 
   go(kind, name) {
-    const row = kind === "row" ? (this.chart.model.rows.get(name) || [])[0] : null;
-    const state = kind === "state" ? name : row ? row.source || row.target : "";
+    const transition = kind === "transition" ? (this.chart.model.transitions.get(name) || [])[0] : null;
+    const state = kind === "state" ? name : transition ? transition.source || transition.target : "";
     if (!this.chart.model.states.has(state)) return;
     this.chart.reveal(state);
     this.chart.center(state);
@@ -315,4 +316,4 @@ byId("entry").addEventListener("submit", (event) => {
 addEventListener("hashchange", () => { if (location.hash.includes("token=")) location.reload(); });
 const token = tokenHere();
 if (token) open(token);
-else needed("This page shows a run to who has its token");
+else needed("This page shows a run to those who have its token");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beside the chart: the blackboard with its ages, the cameras, and the journal's tail.
+// Next to the chart: the blackboard with its ages, the cameras, and the journal's tail.
 
 const MOST_STEPS = 100, LOOK_MS = 250;
 
@@ -8,7 +8,7 @@ class Board {
     this.keys = keys;
     this.cells = new Map();
     host.replaceChildren(...Object.entries(keys).map(([name, key]) => {
-      const cells = { value: make("td", {}, "unknown"), age: make("td", {}, "never heard") };
+      const cells = { value: make("td", {}, "unknown"), age: make("td", {}, "never received") };
       cells.row = make("tr", { class: "unknown", "data-key": name, title: key.about || "" }, make("td", {}, make("code", {}, name)), cells.value, cells.age);
       this.cells.set(name, cells);
       return cells.row;
@@ -20,11 +20,11 @@ class Board {
       const entry = board[name];
       if (cells.entry === entry) continue;
       cells.entry = entry;
-      cells.value.textContent = entry ? shown(said(entry[0])) : "unknown";
+      cells.value.textContent = entry ? shown(valueText(entry[0])) : "unknown";
     }
   }
 
-  /** Ages count here, between what the run says. */
+  /** Ages count on here between two messages of the run. */
   tick(now) {
     for (const [name, cells] of this.cells) {
       if (!cells.entry) continue;
@@ -85,9 +85,9 @@ class Cameras {
 }
 
 class Tail {
-  /** @param host element  @param told {go(kind, name)} */
-  constructor(host, told) {
-    Object.assign(this, { host, told });
+  /** @param host element  @param listener {go(kind, name)} */
+  constructor(host, listener) {
+    Object.assign(this, { host, listener });
   }
 
   begin(steps) {
@@ -114,15 +114,15 @@ class Tail {
   }
 
   link(name) {
-    return make("a", { href: hashOf({ state: name }), on: { click: (event) => { event.preventDefault(); this.told.go("state", name); } } }, name);
+    return make("a", { href: hashOf({ state: name }), on: { click: (event) => { event.preventDefault(); this.listener.go("state", name); } } }, name);
   }
 }
 
 /** What a step was about, and who did it. */
 function happened({ kind, name, number, data = {} }) {
-  const by = data.by ? ` by ${said(data.by)}` : "";
+  const by = data.by ? ` by ${valueText(data.by)}` : "";
   if (kind === "command") return name === "start" ? "start" : `${name === "kill" ? "e-stop" : name}${by}`;
-  if (kind === "proposal") return `${data.by && data.by !== name ? said(data.by) : name} answers question ${number}${data.option ? `: ${said(data.option)}` : data.absent ? " not: absent" : ""}`;
+  if (kind === "proposal") return `${data.by && data.by !== name ? valueText(data.by) : name} answers question ${number}${data.option ? `: ${valueText(data.option)}` : data.absent ? " not: absent" : ""}`;
   if (kind === "control") return `control to ${name}${by}`;
   if (kind === "accepted" || kind === "result" || kind === "feedback") return `${name} (number ${number})`;
   if (kind === "tick") return "time";

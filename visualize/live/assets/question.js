@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A question that is open: what is known, what is offered, how long there is, and the fields that an answer needs.
-// Rule: it is built once a question, so that nothing typed is lost while the run goes on.
+// Rule: it is built once a question, so that nothing typed is lost while the run continues.
 
 const SETTLES_MS = 500;
 
 class Asked {
-  /** @param question data  @param can whether it may be answered here  @param told {answer(question, option, parameters), picture(canvas, query), go(name)} */
-  constructor(question, can, told) {
-    Object.assign(this, { question, told, since: performance.now() });
+  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), picture(canvas, query), go(name)} */
+  constructor(question, can, listener) {
+    Object.assign(this, { question, listener, since: performance.now() });
     this.left = make("b", {});
     this.shown = [];
     this.offered = make("p", { class: "muted" });
@@ -25,7 +25,7 @@ class Asked {
     this.offerAll();
   }
 
-  /** What the run says of it now; fields that somebody is filling stay as they are unless what is offered has changed. */
+  /** What the run reports of it now; fields that a person is filling in stay as they are unless the options have changed. */
   update(question) {
     const same = JSON.stringify(question.options) === JSON.stringify(this.question.options);
     this.question = question;
@@ -39,26 +39,26 @@ class Asked {
   }
 
   state() {
-    return make("a", { href: hashOf({ state: this.question.state }), on: { click: (event) => { event.preventDefault(); this.told.go(this.question.state); } } }, this.question.state);
+    return make("a", { href: hashOf({ state: this.question.state }), on: { click: (event) => { event.preventDefault(); this.listener.go(this.question.state); } } }, this.question.state);
   }
 
   evidence(each) {
     const picture = each.picture ? make("canvas", { class: "shot", width: "0", height: "0", role: "img", "aria-label": `${each.key} as it was shown` }) : null;
-    if (picture) this.told.picture(picture, { key: each.key, question: String(this.question.number) });
+    if (picture) this.listener.picture(picture, { key: each.key, question: String(this.question.number) });
     const then = make("td", {}), now = make("div", { class: "present" });
-    this.shown.push({ each, then, now, text: each.fresh ? said(each.value) : "unknown" });
+    this.shown.push({ each, then, now, text: each.fresh ? valueText(each.value) : "unknown" });
     return make("tr", { class: each.fresh ? "fresh" : "stale", "data-evidence": each.key }, make("td", {}, make("code", {}, each.key)),
-      make("td", {}, picture || (each.fresh ? said(each.value) : "unknown"), now), then);
+      make("td", {}, picture || (each.fresh ? valueText(each.value) : "unknown"), now), then);
   }
 
   /** How long ago it was shown so, and what is so now where that is newer. */
   tickEvidence(now, board) {
     const asked = ago(now - this.question.at);
     for (const { each, then, now: present, text } of this.shown) {
-      const unheard = each.age_s === null, entry = board[each.key];
-      write(then, `${unheard ? "never heard" : `${Number(each.age_s).toFixed(1)} s old`} as asked, ${asked}`);
-      const isNewer = entry && (unheard || entry[1] > this.question.at - each.age_s + 0.01);
-      const value = !isNewer ? "" : each.picture ? "a newer picture" : said(entry[0]);
+      const unreceived = each.age_s === null, entry = board[each.key];
+      write(then, `${unreceived ? "never received" : `${Number(each.age_s).toFixed(1)} s old`} as asked, ${asked}`);
+      const isNewer = entry && (unreceived || entry[1] > this.question.at - each.age_s + 0.01);
+      const value = !isNewer ? "" : each.picture ? "a newer picture" : valueText(entry[0]);
       const words = !isNewer ? "" : value === text ? `the same ${ago(now - entry[1])}` : `now ${value} (${ago(now - entry[1])})`;
       write(present, words);
       present.className = value === text ? "present muted" : "present changed";
@@ -72,7 +72,7 @@ class Asked {
     const reason = make("div", { class: "reason", role: "status" });
     this.buttons.push({ button, reason, name: option.name });
     if (!fields.length) {
-      button.addEventListener("click", () => this.told.answer(this.question, option.name, {}));
+      button.addEventListener("click", () => this.listener.answer(this.question, option.name, {}));
       return make("div", { class: "offer" }, button, reason);
     }
     const send = (event) => {
@@ -81,15 +81,15 @@ class Asked {
       try {
         for (const field of fields) field.read(parameters);
       } catch (error) {
-        this.told.said(error.message);
+        this.listener.notify(error.message);
         return;
       }
-      this.told.answer(this.question, option.name, parameters);
+      this.listener.answer(this.question, option.name, parameters);
     };
     return make("form", { class: "offer", on: { submit: send } }, fields.map((field) => field.element), button, reason);
   }
 
-  /** The time left; `now` is the run's, and stands still while it is paused, as `clock` does not. */
+  /** The time left; `now` is the run's, and does not advance while it is paused, as `clock` does not. */
   tick(now, reached, clock, board, closed) {
     this.tickEvidence(clock, board);
     const { at, until } = this.question;
@@ -130,8 +130,8 @@ function fieldsOf(schema) {
 function fieldOf(name, of, needed) {
   const choices = Array.isArray(of.enum) ? of.enum : of.type === "boolean" ? [true, false] : null;
   const input = choices
-    ? make("select", { name }, needed ? "" : make("option", { value: "" }, "–"), choices.map((each, index) => make("option", { value: String(index) }, said(each))))
-    : make("input", { name, type: "text", autocomplete: "off", placeholder: of.default !== undefined ? said(of.default) : "" });
+    ? make("select", { name }, needed ? "" : make("option", { value: "" }, "–"), choices.map((each, index) => make("option", { value: String(index) }, valueText(each))))
+    : make("input", { name, type: "text", autocomplete: "off", placeholder: of.default !== undefined ? valueText(of.default) : "" });
   const read = (parameters) => {
     if (input.value === "") {
       if (needed && of.default === undefined) throw new Error(`'${name}' is needed`);
@@ -140,7 +140,7 @@ function fieldOf(name, of, needed) {
     }
     parameters[name] = choices ? choices[Number(input.value)] : valueOf(name, of, input.value);
   };
-  return { element: make("label", {}, `${name}${of.description ? ` (${said(of.description)})` : ""} `, input), read };
+  return { element: make("label", {}, `${name}${of.description ? ` (${valueText(of.description)})` : ""} `, input), read };
 }
 
 function valueOf(name, of, text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in the box of a state, measured: texts, the cells of a decision's options, and a tree.
+// What is in the box of a state, measured: texts, the cells of a decision's options, and a tree.
 
 const LOOKS = {
   "": ["wait", "plain"], action: ["action", "action"], call: ["call", "call"], decision: ["decision", "decision"],
@@ -8,7 +8,7 @@ const LOOKS = {
 };
 const LINE = 210, CELL = 128, PAD = 10, LEAD = 1.28;
 
-/** A column of texts: what is added stands below what was. */
+/** A column of texts: what is added is below what was. */
 class Column {
   constructor(limit) {
     this.limit = limit;
@@ -36,11 +36,11 @@ function marked(mark, text) {
   return mark ? `${mark} ${text}` : text;
 }
 
-/** A row in words: `on anomaly [guard] / effects`. */
-function rowWords(row) {
-  const on = row.trigger && !row.trigger.startsWith("after ") ? "on " : "";
-  const guard = row.guard ? (row.trigger ? ` [${row.guard}]` : ` ${row.guard}`) : "";
-  return marked(row.mark, `${on}${row.when}${guard}`) + ((row.do || []).length ? ` / ${row.do.join("; ")}` : "");
+/** A transition in words: `on anomaly [guard] / effects`. */
+function transitionWords(transition) {
+  const on = transition.trigger && !transition.trigger.startsWith("after ") ? "on " : "";
+  const guard = transition.guard ? (transition.trigger ? ` [${transition.guard}]` : ` ${transition.guard}`) : "";
+  return marked(transition.mark, `${on}${transition.when}${guard}`) + ((transition.do || []).length ? ` / ${transition.do.join("; ")}` : "");
 }
 
 function lookOf(state) {
@@ -58,8 +58,8 @@ function headed(column, state) {
 
 function footed(column, state, staying) {
   if (state.control) column.add(`control: ${state.control}`, 10, { tone: "muted" });
-  const lost = (row) => (row.target && row.target !== state.name ? ` → ${row.target}, which is not there` : "");
-  staying.slice(0, 3).forEach((row) => column.add(`↻ ${rowWords(row)}${lost(row)}`, 10, { most: 2 }));
+  const lost = (transition) => (transition.target && transition.target !== state.name ? ` → ${transition.target}, which is not there` : "");
+  staying.slice(0, 3).forEach((transition) => column.add(`↻ ${transitionWords(transition)}${lost(transition)}`, 10, { most: 2 }));
   if (staying.length > 3) column.add(`↻ ${staying.length - 3} more that stay`, 10);
 }
 
@@ -127,7 +127,7 @@ function spread(box, across) {
   }
 }
 
-/** A state that holds others, closed: what is inside is told in numbers. */
+/** A state that holds others, closed: what is inside is given in numbers. */
 function closedBox(state, staying, inside) {
   const column = new Column(LINE);
   headed(column, state);
@@ -147,26 +147,26 @@ function openHead(state, staying) {
   return { w: column.w + 2 * PAD + 18, h: column.h + PAD, texts: column.texts };
 }
 
-/** Rows as they stand on an arrow; those that say the same are counted. */
-function arrowBox(rows, quiet) {
+/** The transitions of an arrow; those with the same words are counted. */
+function arrowBox(transitions, quiet) {
   const column = new Column(150);
   const same = new Map();
-  for (const row of rows) push(same, rowWords(row), row);
-  [...same.values()].slice(0, 3).forEach(([row, ...more], index) => {
+  for (const transition of transitions) push(same, transitionWords(transition), transition);
+  [...same.values()].slice(0, 3).forEach(([transition, ...more], index) => {
     if (index) column.space(3);
-    const trigger = row.trigger && !row.trigger.startsWith("after ") ? `on ${row.trigger}` : row.when;
-    column.add(marked(row.mark, quiet ? "" : trigger) + (more.length ? ` (${more.length + 1} rows)` : ""), 10, { bold: true, most: 2 });
-    if (row.guard) column.add(row.trigger ? `[${row.guard}]` : row.guard, 10, { most: 3 });
-    if ((row.do || []).length) column.add(`/ ${row.do.join("; ")}`, 10, { tone: "muted", most: 2 });
+    const trigger = transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}` : transition.when;
+    column.add(marked(transition.mark, quiet ? "" : trigger) + (more.length ? ` (${more.length + 1} transitions)` : ""), 10, { bold: true, most: 2 });
+    if (transition.guard) column.add(transition.trigger ? `[${transition.guard}]` : transition.guard, 10, { most: 3 });
+    if ((transition.do || []).length) column.add(`/ ${transition.do.join("; ")}`, 10, { tone: "muted", most: 2 });
   });
-  if (same.size > 3) column.add(`and ${same.size - 3} more kinds of row`, 10, { bold: true });
+  if (same.size > 3) column.add(`and ${same.size - 3} more kinds of transition`, 10, { bold: true });
   return { w: column.w + (column.w ? 8 : 0), h: column.h + (column.h ? 4 : 0), texts: column.texts };
 }
 
-/** The mission's own rows, tried from everywhere. */
-function anywhereBox(rows) {
+/** The mission's own transitions, tried from everywhere. */
+function anywhereBox(transitions) {
   const column = new Column(250);
   column.add("From every state", 12, { bold: true });
-  rows.forEach((row) => column.add(`• ${rowWords(row)}${row.target ? ` → ${row.target}` : " (stays)"}`, 10, { most: 3 }));
+  transitions.forEach((transition) => column.add(`• ${transitionWords(transition)}${transition.target ? ` → ${transition.target}` : " (stays)"}`, 10, { most: 3 }));
   return { w: column.w + 2 * PAD, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
 }

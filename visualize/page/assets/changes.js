@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What changed between two missions, beside the chart of both: what a reviewer must not miss comes first.
-// Rule: each change leads to its place in the chart, and a state or row says what changed of it.
+// What changed between two missions, next to the chart of both: what a reviewer must not miss comes first.
+// Rule: each change leads to its place in the chart, and the details of a state or transition list what changed in it.
 
 const MARKED = { "+": "added", "-": "removed", "~": "changed" };
 
@@ -16,8 +16,8 @@ class Changes {
     this.dress();
     this.follow();
     this.draw();
-    const chosen = page.at.row ? ["row", page.at.row] : page.at.state ? ["state", page.at.state] : null;
-    if (chosen) this.beside(...chosen);
+    const chosen = page.at.transition ? ["transition", page.at.transition] : page.at.state ? ["state", page.at.state] : null;
+    if (chosen) this.annotate(...chosen);
     page.tab(chosen ? "details" : "changes");
   }
 
@@ -29,7 +29,7 @@ class Changes {
     byId("keys").querySelector("dl").append(make("dt", {}, "s, d"), make("dd", {}, "what is safety-relevant, what changed"));
   }
 
-  /** Stands beside what the page does when something is chosen. */
+  /** Adds to what the page does when something is chosen. */
   follow() {
     const { page } = this, tab = page.tab.bind(page), select = page.select.bind(page);
     page.tab = (name) => {
@@ -39,7 +39,7 @@ class Changes {
     };
     page.select = (kind, name, places) => {
       select(kind, name, places);
-      if (kind === "state" || kind === "row") this.beside(kind, name, places);
+      if (kind === "state" || kind === "transition") this.annotate(kind, name, places);
     };
   }
 
@@ -58,7 +58,7 @@ class Changes {
   }
 
   item(change) {
-    const [kind, name] = change.row ? ["row", change.row] : ["state", change.state];
+    const [kind, name] = change.transition ? ["transition", change.transition] : ["state", change.state];
     const words = [make("b", { class: "mark", title: MARKED[change.mark] }, change.mark === "-" ? "−" : change.mark, make("span", { class: "away" }, ` ${MARKED[change.mark]} `)), change.sentence];
     const lead = name ? make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.page.go(kind, name); } } }, words) : make("span", {}, words);
     return make("li", { class: change.severity, "data-place": change.place }, lead,
@@ -67,10 +67,10 @@ class Changes {
       make("div", {}, make("code", { class: "muted" }, change.place || "/")));
   }
 
-  /** What changed of what is chosen, above all else that is told of it. */
-  beside(kind, name, places) {
+  /** What changed in what is chosen, above its other details. */
+  annotate(kind, name, places) {
     const wanted = new Set(places || [name]);
-    const found = this.changes.filter((each) => (kind === "state" ? each.state === name : wanted.has(each.row)));
+    const found = this.changes.filter((each) => (kind === "state" ? each.state === name : wanted.has(each.transition)));
     if (found.length) byId("details").prepend(make("section", { class: "part" }, make("h3", {}, "What changed here"), make("ul", { class: "changes" }, found.map((change) => this.item(change)))));
   }
 }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chart: a mission's states and rows, drawn from data, with states of highlight put over it.
-// Rule: what is lit, dimmed, active or taken is told by `show`, and changes no place; opening and closing does.
+// The chart: a mission's states and transitions, drawn from data, with states of highlight put over it.
+// Rule: what is lit, dimmed, active or taken is set by `show`, and changes no place; opening and closing does.
 
 const OPEN_AT_FIRST = 45, READABLE = 0.9; // the smallest text is 10 high, and must be 9 on the screen
 
 class Chart {
-  /** @param host element  @param data chart data  @param told {select(kind, name, places)}  @param findings [{place, sentence}] */
-  constructor(host, data, told, findings = []) {
+  /** @param host element  @param data chart data  @param listener {select(kind, name, places)}  @param findings [{place, sentence}] */
+  constructor(host, data, listener, findings = []) {
     this.host = host;
-    this.told = told;
+    this.listener = listener;
     this.model = new Model(data);
     this.open = new Set();
     this.faults = this.faulty(findings);
@@ -92,7 +92,7 @@ class Chart {
   }
 
   staying(name) {
-    return (this.model.away.get(name) || []).filter((row) => !row.target || row.target === name || !this.model.states.has(row.target));
+    return (this.model.away.get(name) || []).filter((transition) => !transition.target || transition.target === name || !this.model.states.has(transition.target));
   }
 
   // What the layout asks for: the boxes of what is seen.
@@ -118,7 +118,7 @@ class Chart {
   }
 
   arrow(bundle, quiet) {
-    return arrowBox(bundle.rows, quiet);
+    return arrowBox(bundle.transitions, quiet);
   }
 
   drawn(item) {
@@ -131,10 +131,10 @@ class Chart {
   }
 
   sign(item, left, top) {
-    const select = item.kind === "stub" ? () => this.told.select("state", item.name) : () => this.told.select("own", "");
+    const select = item.kind === "stub" ? () => this.listener.select("state", item.name) : () => this.listener.select("own", "");
     const group = draw("g", { class: `sign ${item.kind}`, transform: `translate(${left},${top})`, on: { click: select } },
       draw("rect", { width: item.w, height: item.h, rx: item.kind === "stub" ? item.h / 2 : 3 }), texts(item.box.texts, 8, 4));
-    if (item.kind === "stub") this.arrows.push({ group, rows: item.bundle.rows.map((row) => row.place), start: false });
+    if (item.kind === "stub") this.arrows.push({ group, transitions: item.bundle.transitions.map((transition) => transition.place), start: false });
     else this.anyGroup = group;
     return group;
   }
@@ -146,7 +146,7 @@ class Chart {
       class: `state ${look}${item.inner ? " open" : ""}${state.region ? " region" : ""}${marks(state.mark)}`, "data-state": item.name,
       transform: `translate(${left},${top})`, role: "button", "aria-label": `${word} ${item.name}`,
       on: {
-        click: (event) => { event.stopPropagation(); this.told.select("state", item.name); },
+        click: (event) => { event.stopPropagation(); this.listener.select("state", item.name); },
         dblclick: (event) => { event.stopPropagation(); this.toggle(item.name); },
       },
     }, draw("title", {}, [state.name, state.title, state.about, ...(state.lines || [])].filter(Boolean).join("\n")), outline(state, item));
@@ -180,17 +180,17 @@ class Chart {
 
   arrowOf(bundle) {
     const d = pathOf(bundle.points), first = bundle.segments[0];
-    const places = bundle.rows.map((row) => row.place);
-    const mark = bundle.rows.every((row) => row.mark === (bundle.rows[0] || {}).mark) ? (bundle.rows[0] || {}).mark : "~";
-    const select = (event) => { event.stopPropagation(); if (places.length) this.told.select("row", places[0], places); };
-    const group = draw("g", { class: `arrow${bundle.start ? " begin" : ""}${marks(mark)}`, "data-rows": places.join(" "), on: { click: select } },
-      draw("title", {}, bundle.start ? `begins with ${bundle.to.name}` : bundle.rows.map((row) => `${row.source || "every state"} → ${row.target}: ${rowWords(row)}`).join("\n")),
+    const places = bundle.transitions.map((transition) => transition.place);
+    const mark = bundle.transitions.every((transition) => transition.mark === (bundle.transitions[0] || {}).mark) ? (bundle.transitions[0] || {}).mark : "~";
+    const select = (event) => { event.stopPropagation(); if (places.length) this.listener.select("transition", places[0], places); };
+    const group = draw("g", { class: `arrow${bundle.start ? " begin" : ""}${marks(mark)}`, "data-transitions": places.join(" "), on: { click: select } },
+      draw("title", {}, bundle.start ? `begins with ${bundle.to.name}` : bundle.transitions.map((transition) => `${transition.source || "every state"} → ${transition.target}: ${transitionWords(transition)}`).join("\n")),
       draw("path", { class: "grip", d }), draw("path", { class: "line", d, "marker-end": "url(#tip)" }));
     const label = first.way.find((bend) => bend.kind === "label");
     if (label) group.append(draw("g", { class: "label", transform: `translate(${label.X - label.w / 2 + 9},${label.Y})` }, texts(label.texts, 0, 0)));
     const [x, y] = label ? [label.X - label.w / 2 + 1, label.Y - 2] : bundle.points[0].map((value, axis) => value + (axis ? 11 : 4));
     group.append(draw("text", { class: "count", x, y }));
-    this.arrows.push({ group, rows: places, start: Boolean(bundle.start) });
+    this.arrows.push({ group, transitions: places, start: Boolean(bundle.start) });
     return group;
   }
 
@@ -212,16 +212,16 @@ class Chart {
       if (!this.open.has(name)) group.querySelector(":scope > .count").textContent = times ? `${times}×` : "";
     }
     for (const cell of this.layer.querySelectorAll("[data-option]")) cell.classList.toggle("lit", Boolean(lens && lens.options.has(cell.dataset.option)));
-    for (const { group, rows } of this.arrows) {
-      group.classList.toggle("lit", Boolean(lens && rows.some((row) => lens.rows.has(row))));
-      group.classList.toggle("taken", rows.some((row) => taken.has(row)));
-      group.classList.toggle("selected", rows.some((row) => state.selected === `row ${row}`));
-      const times = counts ? rows.reduce((all, row) => all + sum(counts.rows[row]), 0) : 0;
+    for (const { group, transitions } of this.arrows) {
+      group.classList.toggle("lit", Boolean(lens && transitions.some((transition) => lens.transitions.has(transition))));
+      group.classList.toggle("taken", transitions.some((transition) => taken.has(transition)));
+      group.classList.toggle("selected", transitions.some((transition) => state.selected === `transition ${transition}`));
+      const times = counts ? transitions.reduce((all, transition) => all + sum(counts.transitions[transition]), 0) : 0;
       group.classList.toggle("visited", times > 0);
       const count = group.querySelector(":scope > .count");
       if (count) count.textContent = times ? `${times}×` : "";
     }
-    if (this.anyGroup) this.anyGroup.classList.toggle("lit", Boolean(lens && (this.model.away.get("") || []).some((row) => lens.rows.has(row.place))));
+    if (this.anyGroup) this.anyGroup.classList.toggle("lit", Boolean(lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place))));
   }
 
   /** States and all that is around them. */

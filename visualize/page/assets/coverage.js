@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often each row was taken over all the runs given, and which never was; sorted by any column.
+// How often each transition was taken over all the runs given, and which never was; sorted by any column.
 
 class Coverage {
-  /** @param host element  @param data the page's data  @param model Model  @param told {go(kind, name)} */
-  constructor(host, data, model, told) {
-    Object.assign(this, { host, data, model, told, by: "order", down: false, seen: false });
-    this.rows = [...model.rows.values()].map(([row, ...more], order) => {
-      const counts = data.coverage.rows[row.place] || [];
-      return { order, row, from: row.source || "every state", words: rowWords({ ...row, do: [] }), to: [row, ...more].map((each) => each.target || "(stays)").join(", "), taken: sum(counts), runs: counts.filter(Boolean).length };
+  /** @param host element  @param data the page's data  @param model Model  @param listener {go(kind, name)} */
+  constructor(host, data, model, listener) {
+    Object.assign(this, { host, data, model, listener, by: "order", down: false, seen: false });
+    this.transitions = [...model.transitions.values()].map(([transition, ...more], order) => {
+      const counts = data.coverage.transitions[transition.place] || [];
+      return { order, transition, from: transition.source || "every state", words: transitionWords({ ...transition, do: [] }), to: [transition, ...more].map((each) => each.target || "(stays)").join(", "), taken: sum(counts), runs: counts.filter(Boolean).length };
     });
   }
 
   draw() {
-    const never = this.rows.filter((each) => !each.taken), states = this.model.data.states.filter((state) => state.kind !== "history"); // a history is never active itself
+    const never = this.transitions.filter((each) => !each.taken), states = this.model.data.states.filter((state) => state.kind !== "history"); // a history is never active itself
     const unseen = states.filter((state) => !(state.name in this.data.coverage.states));
-    const sorted = [...this.rows].sort((a, b) => this.compare(a, b));
+    const sorted = [...this.transitions].sort((a, b) => this.compare(a, b));
     const runs = this.data.runs.length;
-    const head = [["order", "#"], ["from", "state"], ["words", "row"], ["to", "to"], ...(runs ? [["taken", "taken"], ["runs", `runs of ${runs}`]] : [])];
+    const head = [["order", "#"], ["from", "state"], ["words", "transition"], ["to", "to"], ...(runs ? [["taken", "taken"], ["runs", `runs of ${runs}`]] : [])];
     this.host.replaceChildren(
-      make("h2", {}, runs ? "Coverage" : "Rows"),
-      runs ? make("p", {}, `${this.rows.length - never.length} of ${this.rows.length} rows were taken, ${states.length - unseen.length} of ${states.length} states entered, in ${runs === 1 ? "one run" : `${runs} runs`}.`) : "",
+      make("h2", {}, runs ? "Coverage" : "Transitions"),
+      runs ? make("p", {}, `${this.transitions.length - never.length} of ${this.transitions.length} transitions were taken, ${states.length - unseen.length} of ${states.length} states entered, in ${runs === 1 ? "one run" : `${runs} runs`}.`) : "",
       make("table", { class: "sorted" }, make("thead", {}, make("tr", {}, head.map(([by, words]) => make("th", { "aria-sort": this.by === by ? (this.down ? "descending" : "ascending") : "none" },
         make("button", { type: "button", "data-sort": by, on: { click: () => this.sort(by) } }, words, this.by === by ? (this.down ? " ▾" : " ▴") : ""))))),
       make("tbody", {}, sorted.map((each) => make("tr", { class: !runs || each.taken ? "" : "never" }, make("td", {}, String(each.order + 1)), make("td", {}, each.from),
-        make("td", {}, make("a", { href: hashOf({ row: each.row.place }), on: { click: (event) => { event.preventDefault(); this.told.go("row", each.row.place); } } }, each.words)),
+        make("td", {}, make("a", { href: hashOf({ transition: each.transition.place }), on: { click: (event) => { event.preventDefault(); this.listener.go("transition", each.transition.place); } } }, each.words)),
         make("td", {}, each.to), runs ? [make("td", { class: "number" }, each.taken ? String(each.taken) : "never"), make("td", { class: "number" }, String(each.runs))] : "")))));
     if (runs && unseen.length) this.host.append(listed("States never entered", unseen.map((state) => make("li", {}, state.name))));
     this.seen = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that is written of a state or a row: its definition, what leads here and away, its keys and its times.
+// All that is written of a state or a transition: its definition, what leads here and away, its keys and its times.
 
 class Details {
   /** @param host element  @param model Model  @param more {findings, coverage, runs, go(kind, name)} */
@@ -18,7 +18,7 @@ class Details {
       make("h2", {}, data.name, " ", make("small", {}, data.compared ? `${data.compared} → ${data.version}` : data.version)),
       make("p", {}, data.about || ""),
       data.notes.length ? listed("Note", data.notes.map((note) => make("li", {}, note))) : "",
-      make("p", { class: "muted" }, `${counted(data.states.length, "state")}, ${counted(new Set(data.rows.map((row) => row.place)).size, "row")}, ${kinds.join(", ")}, ${counted(data.invariants.length, "invariant")}. Choose a state or a row.`),
+      make("p", { class: "muted" }, `${counted(data.states.length, "state")}, ${counted(new Set(data.transitions.map((transition) => transition.place)).size, "transition")}, ${kinds.join(", ")}, ${counted(data.invariants.length, "invariant")}. Choose a state or a transition.`),
       this.faults(this.findings),
       this.runs.length ? listed("Runs", this.runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.steps.length} steps, ${run.outcome || "not ended"}`, run.why ? ` – ${run.why}` : "",
         run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault))))) : "",
@@ -33,8 +33,8 @@ class Details {
   }
 
   own() {
-    const rows = this.model.away.get("") || [];
-    return rows.length ? this.rowList("From every state", rows) : "";
+    const transitions = this.model.away.get("") || [];
+    return transitions.length ? this.transitionList("From every state", transitions) : "";
   }
 
   state(name) {
@@ -52,9 +52,9 @@ class Details {
       state.lines ? listed("What holds here", [...state.lines, ...(state.control ? [`control: ${state.control}`] : [])].map((line) => make("li", {}, line))) : "",
       state.choices ? this.choices("Options", state.choices) : "",
       ...(state.twigs || []).filter((twig) => twig.choices).map((twig) => this.choices(twig.text, twig.choices)),
-      this.rowList("Leads away, tried in this order", away),
+      this.transitionList("Leads away, tried in this order", away),
       this.above(name),
-      this.rowList("Leads here", here),
+      this.transitionList("Leads here", here),
       begins.length ? listed("Begins here", begins.map((parent) => make("li", {}, parent ? this.link("state", parent) : "the mission"))) : "",
       this.times(state),
       this.keyTable([...new Set([...(state.reads || []), ...(state.writes || [])])], "Keys", state),
@@ -71,23 +71,23 @@ class Details {
     return this.model.data.initials.filter(([, target]) => target === name).map(([parent]) => parent);
   }
 
-  /** Rows of the states around, which are tried after its own. */
+  /** Transitions of the states around, which are tried after its own. */
   above(name) {
-    const rows = [...this.model.chain(name).slice(0, -1).reverse(), ""].flatMap((each) => this.model.away.get(each) || []);
-    return this.rowList("Tried after those, from the states around", rows);
+    const transitions = [...this.model.chain(name).slice(0, -1).reverse(), ""].flatMap((each) => this.model.away.get(each) || []);
+    return this.transitionList("Tried after those, from the states around", transitions);
   }
 
-  rowList(title, rows) {
-    if (!rows.length) return "";
-    return listed(title, rows.map((row) => make("li", {},
-      this.link("row", row.place, rowWords(row)), row.target ? [" → ", this.link("state", row.target)] : " (stays)",
-      row.source ? "" : make("span", { class: "muted" }, " from every state"),
-      row.source && title.startsWith("Leads here") ? [" from ", this.link("state", row.source)] : "", this.taken(row.place))));
+  transitionList(title, transitions) {
+    if (!transitions.length) return "";
+    return listed(title, transitions.map((transition) => make("li", {},
+      this.link("transition", transition.place, transitionWords(transition)), transition.target ? [" → ", this.link("state", transition.target)] : " (stays)",
+      transition.source ? "" : make("span", { class: "muted" }, " from every state"),
+      transition.source && title.startsWith("Leads here") ? [" from ", this.link("state", transition.source)] : "", this.taken(transition.place))));
   }
 
   taken(place) {
     if (!this.runs.length) return "";
-    const times = sum((this.coverage.rows || {})[place]);
+    const times = sum((this.coverage.transitions || {})[place]);
     return make("span", { class: times ? "taken" : "never" }, times ? ` ${times}×` : " never taken");
   }
 
@@ -123,36 +123,36 @@ class Details {
       }))));
   }
 
-  row(place) {
-    const rows = this.model.rows.get(place);
-    if (!rows) return this.nothing();
-    const [row] = rows, source = row.source ? this.model.states.get(row.source) : null;
+  transition(place) {
+    const transitions = this.model.transitions.get(place);
+    if (!transitions) return this.nothing();
+    const [transition] = transitions, source = transition.source ? this.model.states.get(transition.source) : null;
     const number = Number(place.split("/").pop());
-    const written = row.source ? ((source || {}).definition || {}).transitions : this.model.data.own;
-    const option = (row.options || []).map((name) => ((source || {}).choices || []).find((choice) => choice.name === name)).filter(Boolean);
+    const written = transition.source ? ((source || {}).definition || {}).transitions : this.model.data.own;
+    const option = (transition.options || []).map((name) => ((source || {}).choices || []).find((choice) => choice.name === name)).filter(Boolean);
     this.host.replaceChildren(
-      make("h2", {}, rowWords({ ...row, do: [] }), " ", make("small", {}, "row")),
+      make("h2", {}, transitionWords({ ...transition, do: [] }), " ", make("small", {}, "transition")),
       make("p", { class: "muted" }, make("code", {}, place)),
-      make("p", {}, row.source ? ["from ", this.link("state", row.source)] : "from every state", rows.some((each) => each.target) ? [" to ", rows.map((each, index) => [index ? ", " : "", this.link("state", each.target)])] : ", which is not left"),
-      row.about ? make("p", {}, row.about) : "",
+      make("p", {}, transition.source ? ["from ", this.link("state", transition.source)] : "from every state", transitions.some((each) => each.target) ? [" to ", transitions.map((each, index) => [index ? ", " : "", this.link("state", each.target)])] : ", which is not left"),
+      transition.about ? make("p", {}, transition.about) : "",
       listed("What must hold", [
-        make("li", {}, make("b", {}, "trigger: "), row.trigger || "none: as soon as its guard holds"),
-        make("li", {}, make("b", {}, "guard: "), row.guard || "none"),
+        make("li", {}, make("b", {}, "trigger: "), transition.trigger || "none: as soon as its guard holds"),
+        make("li", {}, make("b", {}, "guard: "), transition.guard || "none"),
         ...option.map((choice) => make("li", {}, make("b", {}, `option ${choice.name}: `), choice.guard ? `offered when ${choice.guard}` : "always open")),
-        row.internal ? make("li", {}, "internal: the state is neither left nor entered") : "",
+        transition.internal ? make("li", {}, "internal: the state is neither left nor entered") : "",
       ]),
-      (row.do || []).length ? listed("On the way", row.do.map((each) => make("li", {}, each))) : "",
+      (transition.do || []).length ? listed("On the way", transition.do.map((each) => make("li", {}, each))) : "",
       this.faults(this.findings.filter((each) => each.place === place || each.place.startsWith(`${place}/`))),
       this.runs.length ? make("p", {}, "In the runs given:", this.taken(place)) : "",
-      defined(row.definition || (written || [])[number]),
+      defined(transition.definition || (written || [])[number]),
     );
   }
 
-  /** Several rows that one arrow stands for. */
-  rows(places) {
-    if (places.length === 1) return this.row(places[0]);
-    const rows = places.map((place) => this.model.rows.get(place)[0]);
-    this.host.replaceChildren(make("h2", {}, `${rows.length} rows `, make("small", {}, "one arrow")), this.rowList("Leads here by", rows));
+  /** Several transitions that one arrow represents. */
+  transitions(places) {
+    if (places.length === 1) return this.transition(places[0]);
+    const transitions = places.map((place) => this.model.transitions.get(place)[0]);
+    this.host.replaceChildren(make("h2", {}, `${transitions.length} transitions `, make("small", {}, "one arrow")), this.transitionList("Leads here by", transitions));
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Elements, made without ever reading a text as markup.
-// Rule: whatever a mission, a model or a robot said becomes a text node or an attribute's value, and passes `shown`.
+// Rule: whatever a mission, a model or a robot reports becomes a text node or an attribute's value, and passes `shown`.
 
 const SVG = "http://www.w3.org/2000/svg";
 const UNDRAWN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u202a-\u202e\u2066-\u2069]/g;
@@ -38,7 +38,7 @@ function byId(id) {
   return document.getElementById(id);
 }
 
-/** A picture that the page holds; anything but a PNG or JPEG is told in words. */
+/** A picture that the page holds; anything but a PNG or JPEG is replaced by words. */
 function pictured(entry, words) {
   if (!entry || !PICTURE.test(entry.uri || "")) return make("p", { class: "muted" }, "no picture: ", (entry || {}).why || "it is not in the page");
   const image = make("img", { alt: words, title: words });
@@ -46,12 +46,12 @@ function pictured(entry, words) {
   return image;
 }
 
-/** A value in a line, as a person would say it. */
-function said(value, places = 3) {
+/** A value in a line, in words. */
+function valueText(value, places = 3) {
   if (value === null || value === undefined) return "unknown";
   if (typeof value === "number") return Number.isInteger(value) ? String(value) : String(Number(value.toFixed(places)));
   if (typeof value === "boolean" || typeof value === "string") return String(value);
-  if (Array.isArray(value)) return "[" + value.map((each) => said(each, places)).join(", ") + "]";
+  if (Array.isArray(value)) return "[" + value.map((each) => valueText(each, places)).join(", ") + "]";
   if (value.picture !== undefined) return `picture ${value.picture}`;
-  return Object.entries(value).map(([name, each]) => `${name} ${said(each, places) || "none"}`).join(", ");
+  return Object.entries(value).map(([name, each]) => `${name} ${valueText(each, places) || "none"}`).join(", ");
 }

@@ -14,12 +14,12 @@ class Model {
     for (const state of data.states) this.children.get(state.parent || "").push(state.name);
     this.away = new Map();
     this.here = new Map();
-    for (const row of data.rows) {
-      push(this.away, row.source || "", row);
-      if (row.target) push(this.here, row.target, row);
+    for (const transition of data.transitions) {
+      push(this.away, transition.source || "", transition);
+      if (transition.target) push(this.here, transition.target, transition);
     }
-    this.rows = new Map();
-    for (const row of data.rows) push(this.rows, row.place, row);
+    this.transitions = new Map();
+    for (const transition of data.transitions) push(this.transitions, transition.place, transition);
   }
 
   /** The states around one, outermost first, itself last. */
@@ -29,7 +29,7 @@ class Model {
     return found;
   }
 
-  /** Who must hold control while a state is active: what the innermost around it says. */
+  /** Who must hold control while a state is active: what the innermost state around it demands. */
   wanted(name) {
     return this.chain(name).reduce((wanted, each) => (this.states.get(each) || {}).control || wanted, "");
   }
@@ -107,15 +107,15 @@ class View {
     const found = new Map();
     const own = this.model.away.get("") || [];
     if (own.length) this.anywhere = this.item(this.root, "any", "");
-    for (const row of this.model.data.rows) {
-      if (!row.target) continue;
-      const from = row.source ? this.seen(row.source) : this.anywhere;
-      const to = this.seen(row.target);
+    for (const transition of this.model.data.transitions) {
+      if (!transition.target) continue;
+      const from = transition.source ? this.seen(transition.source) : this.anywhere;
+      const to = this.seen(transition.target);
       if (!from || !to || from === to) continue;
-      const option = from.name === row.source && (row.options || []).length === 1 ? row.options[0] : "";
+      const option = from.name === transition.source && (transition.options || []).length === 1 ? transition.options[0] : "";
       const key = `${from.kind}${from.name}>${to.name}>${option}`;
-      if (!found.has(key)) found.set(key, { key, from, to, option, rows: [], quiet: false });
-      found.get(key).rows.push(row);
+      if (!found.has(key)) found.set(key, { key, from, to, option, transitions: [], quiet: false });
+      found.get(key).transitions.push(transition);
     }
     const into = new Map();
     for (const bundle of found.values()) into.set(bundle.to, (into.get(bundle.to) || 0) + 1);
@@ -126,7 +126,7 @@ class View {
     for (const [parent, target] of this.model.data.initials) {
       const scope = parent ? (this.items.get(parent) || {}).inner : this.root;
       const to = this.seen(target);
-      if (scope && to) found.set(`start ${parent}>${target}`, { key: "", from: this.start(scope, parent), to, option: "", rows: [], quiet: true, start: true });
+      if (scope && to) found.set(`start ${parent}>${target}`, { key: "", from: this.start(scope, parent), to, option: "", transitions: [], quiet: true, start: true });
     }
     this.bundles = [...found.values()];
     this.bundles.forEach((bundle) => this.cut(bundle));
@@ -168,7 +168,7 @@ class View {
     bundle.segments = [segment];
   }
 
-  /** The place inside an open box from which its own rows lead into it. */
+  /** The place inside an open box from which its own transitions lead into it. */
   tab(item) {
     return item.inner.items.find((each) => each.kind === "tab") || this.item(item.inner, "tab", item.name);
   }

@@ -121,7 +121,7 @@ function fix(segment) {
   segment.offB = segment.portB ? segment.portB.x + b.inner.left - b.w / 2 : 0;
 }
 
-/** Several arrows at one side of a box stand apart, in the order of where they come from. */
+/** Several arrows at one side of a box are spread, in the order of where they come from. */
 function spreadEnds(item) {
   if (item.kind === "port" || item.kind === "start") return;
   for (const links of [item.ups, item.downs]) {
@@ -175,7 +175,7 @@ function across([x0, y0], [x1, y1], gutter) {
   return [[x0, y0 + 8], [gutter, y0 + 8], [gutter, y1 - 8], [x1, y1 - 8]];
 }
 
-/** Points as the path of an SVG: straight where they stand above one another, else a curve that begins and ends upright. */
+/** Points as the path of an SVG: straight where they are above one another, else a curve that begins and ends upright. */
 function pathOf(points) {
   const parts = [`M${round(points[0])}`];
   for (let index = 1; index < points.length; index += 1) {

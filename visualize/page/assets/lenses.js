@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The switches: each dims all but what answers one question, and says the answer in words beside the chart.
+// The switches: each dims all but what answers one question, and gives the answer in words next to the chart.
 
 class Lenses {
-  /** @param bar element  @param host element  @param lenses data  @param told {show(lens), go(kind, name)} */
-  constructor(bar, host, lenses, told) {
-    Object.assign(this, { bar, host, lenses, told, on: "" });
+  /** @param bar element  @param host element  @param lenses data  @param listener {show(lens), go(kind, name)} */
+  constructor(bar, host, lenses, listener) {
+    Object.assign(this, { bar, host, lenses, listener, on: "" });
     this.buttons = new Map(lenses.map((lens) => [lens.name, make("button", {
       type: "button", "aria-pressed": "false", title: `${lens.title} (${lens.key})`, "data-lens": lens.name, on: { click: () => this.turn(lens.name) },
     }, lens.title)]));
@@ -18,7 +18,7 @@ class Lenses {
     const lens = this.lenses.find((each) => each.name === this.on);
     this.host.hidden = !lens;
     this.host.replaceChildren(...(lens ? this.words(lens) : []));
-    this.told.show(lens ? { states: new Set(lens.states), rows: new Set(lens.rows), options: new Set(lens.options) } : null, lens);
+    this.listener.show(lens ? { states: new Set(lens.states), transitions: new Set(lens.transitions), options: new Set(lens.options) } : null, lens);
   }
 
   byKey(key) {
@@ -29,10 +29,10 @@ class Lenses {
 
   words(lens) {
     return [make("h2", {}, lens.title), ...lens.sections.map((section) => listed(section.heading, section.items.map((item) => make("li", {},
-      item.row ? this.link("row", item.row, item.text) : item.state ? this.link("state", item.state, item.text) : item.text))))];
+      item.transition ? this.link("transition", item.transition, item.text) : item.state ? this.link("state", item.state, item.text) : item.text))))];
   }
 
   link(kind, name, words) {
-    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.told.go(kind, name); } } }, words);
+    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.listener.go(kind, name); } } }, words);
   }
 }

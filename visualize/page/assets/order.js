@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layers of one scope: which box stands on which, in which order, and how far to the right.
+// The layers of one scope: which box is on which, in which order, and how far to the right.
 // Sources: layers and dummies as Sugiyama, Tagawa and Toda (1981); places within a layer by isotonic regression.
 
 const APART = 26, CLOSE = 14, SWEEPS = 8, PULLS = 8;
 
-/** Gives every item a rank (even; labels and bends stand between) and every segment a way, up or down. */
+/** Gives every item a rank (even; labels and bends are between) and every segment a way, up or down. */
 function rankScope(scope) {
   const inner = scope.items.filter((item) => item.kind !== "port");
   const out = new Map(inner.map((item) => [item, []]));
@@ -31,7 +31,7 @@ function ends(segment) {
   return segment.up ? { high: segment.b, low: segment.a } : { high: segment.a, low: segment.b };
 }
 
-/** Turns the arrows that close a circle; returns the items so that each stands before those it leads to. */
+/** Turns the arrows that close a circle; returns the items so that each is before those it leads to. */
 function orient(items, out) {
   const seen = new Map(), order = [];
   const first = { start: 0, tab: 1, any: 3 };
@@ -51,7 +51,7 @@ function orient(items, out) {
   return order;
 }
 
-/** What nothing leads to stands right above what it leads to. */
+/** What nothing leads to is right above what it leads to. */
 function settle(items, segments) {
   const above = new Set(), next = new Map();
   for (const segment of segments) {
@@ -65,7 +65,7 @@ function settle(items, segments) {
   for (const item of items) item.rank -= least;
 }
 
-/** Items without arrows stand in rows of their own. */
+/** Items without arrows get rows of their own. */
 function shelve(loose, others) {
   const across = loose.length <= 4 ? 4 : Math.ceil(Math.sqrt(loose.length * 1.4));
   loose.forEach((item, index) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The review page put together: what the keys, the search and the address say, and who is told of it.
+// The review page put together: what the keys, the search and the address ask for, and which part shows it.
 
 class Page {
   constructor(data) {
@@ -11,7 +11,7 @@ class Page {
     const go = (kind, name) => this.go(kind, name);
     this.details = new Details(byId("details"), this.model, { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
     this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), go }) : null;
-    this.coverage = new Coverage(byId("rows"), data, this.model, { go });
+    this.coverage = new Coverage(byId("transitions"), data, this.model, { go });
     this.lenses = new Lenses(byId("lenses"), byId("lens"), data.lenses, { show: (lens) => this.lit(lens), go });
     this.dress();
     this.listen();
@@ -26,7 +26,7 @@ class Page {
     byId("version").textContent = shown(chart.version);
     byId("player").hidden = !this.player;
     byId("tab-step").hidden = !this.player;
-    byId("tab-rows").textContent = runs.length ? "Coverage" : "Rows";
+    byId("tab-transitions").textContent = runs.length ? "Coverage" : "Transitions";
     if (runs.length) this.chart.show({ counts: this.data.coverage });
     const faults = [...this.findings.filter((each) => each.severity === "error").map((each) => each.sentence), ...runs.flatMap((run) => run.faults.map((fault) => `${run.name}: ${fault}`))];
     byId("banner").hidden = !faults.length;
@@ -43,7 +43,7 @@ class Page {
     click("theme", () => this.theme());
     click("help", () => byId("keys").showModal());
     click("keys-close", () => byId("keys").close());
-    for (const name of ["details", "step", "rows"]) click(`tab-${name}`, () => this.tab(name));
+    for (const name of ["details", "step", "transitions"]) click(`tab-${name}`, () => this.tab(name));
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     byId("search").addEventListener("input", () => this.search(byId("search").value));
     byId("search").addEventListener("keydown", (event) => this.searched(event));
@@ -90,11 +90,11 @@ class Page {
   }
 
   tab(name) {
-    for (const each of ["details", "step", "rows"]) {
+    for (const each of ["details", "step", "transitions"]) {
       byId(each).hidden = each !== name;
       byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
     }
-    if (name === "rows" && !this.coverage.seen) this.coverage.draw();
+    if (name === "transitions" && !this.coverage.seen) this.coverage.draw();
   }
 
   lit(lens) {
@@ -111,17 +111,17 @@ class Page {
   /** What was chosen in the chart. */
   select(kind, name, places) {
     if (kind === "state") this.details.state(name);
-    else if (kind === "row") this.details.rows(places || [name]);
+    else if (kind === "transition") this.details.transitions(places || [name]);
     else this.details.nothing();
-    this.chart.show({ selected: kind === "state" || kind === "row" ? `${kind} ${name}` : null });
-    this.write({ state: kind === "state" ? name : "", row: kind === "row" ? name : "" });
+    this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
+    this.write({ state: kind === "state" ? name : "", transition: kind === "transition" ? name : "" });
     if (kind) this.tab("details");
   }
 
-  /** To a state or row that is named: it is opened, shown and chosen. */
+  /** To a state or transition that is named: it is opened, shown and chosen. */
   go(kind, name) {
-    const row = kind === "row" ? (this.model.rows.get(name) || [])[0] : null;
-    const state = kind === "state" ? name : row ? row.source || row.target : "";
+    const transition = kind === "transition" ? (this.model.transitions.get(name) || [])[0] : null;
+    const state = kind === "state" ? name : transition ? transition.source || transition.target : "";
     if (!this.model.states.has(state)) return;
     this.chart.reveal(state);
     this.chart.center(state);
@@ -130,7 +130,7 @@ class Page {
 
   search(words) {
     const wanted = words.trim().toLowerCase();
-    const texts_ = (state) => [state.name, state.title, state.about, state.kind, state.outcome, ...(state.lines || []), ...(state.choices || []).flatMap((each) => [each.name, each.about, each.guard]), ...(state.twigs || []).map((each) => each.text), ...(this.model.away.get(state.name) || []).map(rowWords)];
+    const texts_ = (state) => [state.name, state.title, state.about, state.kind, state.outcome, ...(state.lines || []), ...(state.choices || []).flatMap((each) => [each.name, each.about, each.guard]), ...(state.twigs || []).map((each) => each.text), ...(this.model.away.get(state.name) || []).map(transitionWords)];
     const hits = wanted ? [...this.model.states.values()].filter((state) => texts_(state).some((text) => (text || "").toLowerCase().includes(wanted))) : [];
     this.hits = hits.map((state) => state.name);
     this.hit = -1;
@@ -163,7 +163,7 @@ class Page {
     this.following = true;
     if (asked.get("lens")) this.lenses.turn(asked.get("lens"), true);
     if (this.player) this.player.turn(Number(asked.get("run")), Number(asked.get("step")));
-    if (asked.get("row")) this.go("row", asked.get("row"));
+    if (asked.get("transition")) this.go("transition", asked.get("transition"));
     else if (asked.get("state")) this.go("state", asked.get("state"));
     else if (this.player) this.tab("step");
     this.following = false;

@@ -4,9 +4,9 @@
 const TRUTH = [["✗", "false", "no"], ["✓", "true", "yes"], ["?", "unknown", "maybe"]];
 
 class Player {
-  /** @param bar element  @param host element  @param data the page's data  @param model Model  @param told {step(frame), go(kind, name)} */
-  constructor(bar, host, data, model, told) {
-    Object.assign(this, { bar, host, data, model, told, index: 0, number: 0, due: false });
+  /** @param bar element  @param host element  @param data the page's data  @param model Model  @param listener {step(frame), go(kind, name)} */
+  constructor(bar, host, data, model, listener) {
+    Object.assign(this, { bar, host, data, model, listener, index: 0, number: 0, due: false });
     this.replays = new Map();
     this.choice = make("select", { "aria-label": "run", on: { change: () => this.turn(Number(this.choice.value), 0) } },
       data.runs.map((run, index) => make("option", { value: String(index) }, `${run.name}${run.outcome ? ` – ${run.outcome}` : ""}`)));
@@ -53,7 +53,7 @@ class Player {
     this.now.textContent = shown(`step ${step.seq} · ${step.at.toFixed(2)} s · ${this.index + 1} of ${this.replay.length}`);
     this.slider.setAttribute("aria-valuetext", this.now.textContent);
     this.host.replaceChildren(this.faults(run), this.event(step), this.asked(step), this.ended(step), this.moves(step), this.guards(step), this.board(step, frame), this.does(step), this.questions(run));
-    this.told.step({ active: frame.active, taken: new Set(step.moves.flatMap(([rows]) => rows)), index: this.index, run: this.number });
+    this.listener.step({ active: frame.active, taken: new Set(step.moves.flatMap(([transitions]) => transitions)), index: this.index, run: this.number });
   }
 
   faults(run) {
@@ -61,9 +61,9 @@ class Player {
   }
 
   event(step) {
-    const { event } = step, said_ = event.data && Object.keys(event.data).length ? `: ${said(event.data)}` : "";
+    const { event } = step, details = event.data && Object.keys(event.data).length ? `: ${valueText(event.data)}` : "";
     return make("section", {}, make("h2", {}, `Step ${step.seq} `, make("small", {}, `${step.at.toFixed(2)} s`)),
-      make("p", {}, make("b", {}, event.kind === "event" ? "event " : event.kind === "tick" ? "" : `${event.kind} `), event.kind === "tick" ? "time has passed" : event.name, event.number ? ` (number ${event.number})` : "", said_));
+      make("p", {}, make("b", {}, event.kind === "event" ? "event " : event.kind === "tick" ? "" : `${event.kind} `), event.kind === "tick" ? "time has passed" : event.name, event.number ? ` (number ${event.number})` : "", details));
   }
 
   ended(step) {
@@ -73,33 +73,33 @@ class Player {
   }
 
   moves(step) {
-    if (!step.moves.length) return make("p", { class: "muted" }, "no row was taken");
-    return listed("Taken", step.moves.map(([rows, exited, entered, trigger]) => make("li", {},
+    if (!step.moves.length) return make("p", { class: "muted" }, "no transition was taken");
+    return listed("Taken", step.moves.map(([transitions, exited, entered, trigger]) => make("li", {},
       trigger ? [make("b", {}, trigger), ": "] : "", exited.length ? [exited.join(", "), " → "] : "", entered.map((name, index) => [index ? ", " : "", this.link("state", name)]),
-      rows.map((place) => make("div", { class: "muted" }, this.link("row", place, this.named(place)))))));
+      transitions.map((place) => make("div", { class: "muted" }, this.link("transition", place, this.named(place)))))));
   }
 
   /** A guard's place in words. */
   named(place) {
-    const rows = this.model.rows.get(place);
-    if (rows) return `${rows[0].source || "every state"}: ${rowWords({ ...rows[0], do: [] })}`;
+    const transitions = this.model.transitions.get(place);
+    if (transitions) return `${transitions[0].source || "every state"}: ${transitionWords({ ...transitions[0], do: [] })}`;
     return place;
   }
 
   guards(step) {
     if (!step.guards.length) return "";
     return make("section", {}, make("h3", {}, "Guards that were looked at"), make("ul", { class: "guards" }, step.guards.map(([place, value]) =>
-      make("li", { class: TRUTH[value][2] }, make("b", { title: TRUTH[value][1] }, `${TRUTH[value][0]} ${TRUTH[value][1]} `), this.model.rows.has(place) ? this.link("row", place, this.named(place)) : place))));
+      make("li", { class: TRUTH[value][2] }, make("b", { title: TRUTH[value][1] }, `${TRUTH[value][0]} ${TRUTH[value][1]} `), this.model.transitions.has(place) ? this.link("transition", place, this.named(place)) : place))));
   }
 
   board(step, frame) {
     const names = Object.keys(this.model.data.keys), written = new Set(step.writes.map(([name]) => name));
     const rows = names.map((name) => {
       const entry = frame.board.get(name);
-      if (!entry) return make("tr", { class: "unknown" }, make("td", {}, make("code", {}, name)), make("td", {}, "unknown"), make("td", {}, "never heard"));
+      if (!entry) return make("tr", { class: "unknown" }, make("td", {}, make("code", {}, name)), make("td", {}, "unknown"), make("td", {}, "never received"));
       const [value, stamp] = entry, stale = this.replay.stale(name, stamp, step.at), age = Math.max(0, step.at - stamp);
       return make("tr", { class: `${stale ? "stale" : "fresh"}${written.has(name) ? " written" : ""}`, "data-key": name }, make("td", {}, make("code", {}, name)),
-        make("td", {}, said(value)), make("td", {}, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
+        make("td", {}, valueText(value)), make("td", {}, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
     });
     return make("section", {}, make("h3", {}, "Blackboard"), make("table", { class: "board" }, make("tbody", {}, rows)));
   }
@@ -125,11 +125,11 @@ class Player {
     return make("section", { class: "question" }, make("h3", {}, `Question ${question.number} to ${question.asked}`, question.attempt > 1 ? `, attempt ${question.attempt}` : ""),
       make("p", {}, this.link("state", question.owner.split("#")[0]), " asks “", question.text || "", "”"),
       make("table", { class: "board" }, make("tbody", {}, question.evidence.map((each) => make("tr", { class: each.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, each.key)),
-        make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`) : each.fresh ? said(each.value) : "unknown"),
-        make("td", {}, each.age_s === null ? "never heard" : `${Number(each.age_s).toFixed(2)} s old`))))),
+        make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`) : each.fresh ? valueText(each.value) : "unknown"),
+        make("td", {}, each.age_s === null ? "never received" : `${Number(each.age_s).toFixed(2)} s old`))))),
       this.offered(question),
       (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
-      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.asked} said: `), this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${said(question.until, 2)} s`));
+      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.asked} answered: `), this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
   }
 
   offered(question) {
@@ -148,8 +148,8 @@ class Player {
 
   proposal(given) {
     const { option, why, parameters } = given || {};
-    if (option === undefined) return said(given || {});
-    return `${said(option)}${parameters && Object.keys(parameters).length ? ` (${said(parameters)})` : ""}${why ? ` – “${said(why)}”` : ""}`;
+    if (option === undefined) return valueText(given || {});
+    return `${valueText(option)}${parameters && Object.keys(parameters).length ? ` (${valueText(parameters)})` : ""}${why ? ` – “${valueText(why)}”` : ""}`;
   }
 
   questions(run) {
@@ -160,6 +160,6 @@ class Player {
   }
 
   link(kind, name, words) {
-    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.told.go(kind, name); } } }, words || name);
+    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.listener.go(kind, name); } } }, words || name);
   }
 }

@@ -29,7 +29,7 @@ class Replay {
     for (const [key, value, stamp] of writes) frame.board.set(key, [value, stamp]);
   }
 
-  /** What a step itself says. */
+  /** What a step itself recorded. */
   step(index) {
     const [seq, at, event, moves, guards, writes, more] = this.run.steps[index], pool = this.run.pool;
     return { seq, at, event: pool[event], moves: pool[moves], guards: pool[guards], writes: pool[writes], more: pool[more] };

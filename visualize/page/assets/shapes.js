@@ -10,7 +10,7 @@ function texts(lines, x, y) {
     draw("text", { x: line.x, y: line.y, "font-size": line.size, class: `${line.tone}${line.bold ? " bold" : ""}` }, line.whole ? draw("title", {}, line.whole) : "", line.text)));
 }
 
-/** A state's form; finals have a double line, what holds others stands upon another. */
+/** A state's form; finals have a double line, what holds others is drawn on another. */
 function outline(state, item) {
   const { w, h } = item, look = lookOf(state)[1];
   if (state.kind === "final") {

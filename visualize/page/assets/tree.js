@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A behaviour tree inside its state: what arranges stands above what it arranges, in the order in which it is tried.
+// A behaviour tree inside its state: what arranges is above what it arranges, in the order in which it is tried.
 
 const TWIG = 132, BETWEEN = 10, DOWN = 24;
 
