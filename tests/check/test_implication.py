@@ -21,6 +21,9 @@ LOW, ARMED = {"key": "battery", "<": 0.2}, {"key": "armed", "==": True}
         ({"any": [LOW, {"key": "battery", "<": 0.1}]}, {"key": "battery", "<": 0.5}, True),
         (LOW, {"any": [ARMED, {"key": "battery", "<": 0.5}]}, True),
         ({"key": "battery", "==": "low"}, {"key": "battery", "<": 0.5}, False),
+        ({"key": "n", "in": [1, 2]}, {"key": "n", "in": [True, 2]}, False),
+        ({"key": "n", "<": {"key": "m"}}, {"key": "n", "<": {"key": "m"}}, True),
+        ({"key": "n", "==": ["a", "b"]}, {"key": "n", "==": "ab"}, False),
     ],
 )
 def test_a_guard_is_found_to_follow(one: Any, other: Any, follows: bool) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.step import CancelGoal, Handover, StartGoal, Step
+from rai_missions.engine.step import CallService, CancelGoal, Handover, StartGoal, Step
 from rai_missions.event import Event
 from tests.rigs.charts import mission, row, sent, ticked
 
@@ -103,6 +103,16 @@ def test_a_rejection_after_the_state_was_left_frees_the_resources() -> None:
     made, number = started(driving())
     sent(made, "e")
     assert starts(says(made, "rejected", number))
+
+
+def test_a_start_that_waited_and_fails_at_once_is_handled_in_the_step_that_frees_the_resources() -> None:
+    keys = {"goal": {"type": "string", "source": "robot", "optional": True}}
+    states = driving()
+    states["other"]["goal"] = {"to": {"from": "goal"}}
+    made, number = started(states, blackboard=keys)
+    says(made, "accepted", number)
+    assert sent(made, "e").entered == ("other",)
+    assert says(made, "canceled", number).entered == ("lost",)
 
 
 def test_a_late_success_of_the_old_goal_is_not_the_new_state_s_success() -> None:
@@ -220,6 +230,12 @@ def test_cancel_leads_through_on_cancel_and_ends_canceled_whatever_it_reaches() 
     assert made.send(Event("cancel", 1.0, {}, "command")).ignored
     step = sent(made, "parked")
     assert (step.outcome, step.why) == ("canceled", "canceled by operator")
+
+
+def test_what_runs_in_on_cancel_begins_with_the_cancel() -> None:
+    made, _ = started({**driving(), "park": {"call": "brake"}}, on_cancel="park")
+    step = made.send(Event("cancel", 1.0, {"by": "operator"}, "command"))
+    assert [each.service for each in step.effects if isinstance(each, CallService)] == ["brake"]
 
 
 def test_a_cancel_that_takes_too_long_ends_canceled_all_the_same() -> None:

@@ -295,6 +295,22 @@ def test_an_outcome_that_waited_is_handled_though_control_came_back_in_a_pause()
     assert given_back_in_a_pause(made).entered == ("b",)
 
 
+def test_a_question_for_which_control_came_back_elsewhere_in_a_pause_asks_for_it() -> None:
+    asked = {
+        "question": "?",
+        "options": {"no": {"about": "n"}},
+        "ask": ["operator"],
+        "deadline_s": 20,
+        "fallback": "no",
+    }
+    made = agents({"q": {"control": "agent", "decision": asked, "transitions": [row("no", "c")]}, "c": {}})
+    made.start(0.0)
+    taken(made, 1.0)
+    commanded(made, "pause", 2.0)
+    given(made, "autonomy", 3.0)
+    assert of(commanded(made, "resume", 4.0), Handover) == [Handover("agent")]
+
+
 @pytest.mark.parametrize("name", ["call_failed", "uncertain"])
 def test_an_event_of_the_engine_that_waited_is_handled_though_control_came_back_in_a_pause(name: str) -> None:
     here = {"control": "agent", "entry": [{"call": "horn"}], "transitions": [row(name, "b")]}

@@ -69,3 +69,12 @@ def test_a_round_that_a_row_leaves_is_not_begun_again() -> None:
     made = Chart(mission({"tour": each, "away": {}}, blackboard=keys, initial="tour"))
     made.start(0.0)
     assert made.active == {"away"}
+
+
+def test_an_item_that_does_not_fit_ends_its_each_whatever_was_raised_before() -> None:
+    each = {"each": "stops", "as": "stop", "initial": "x", "states": {"x": {}}, "transitions": [row("failed", "no")]}
+    made = Chart(mission(
+        {"day": {"entry": [{"raise": "began"}], "initial": "tour", "states": {"tour": each}}, "no": {}},
+        blackboard={"stops": {"type": "list", "initial": [1]}, "stop": {"type": "string"}}, events=["began"],
+    ))  # fmt: skip
+    assert made.start(0.0).entered == ("day", "tour", "no")

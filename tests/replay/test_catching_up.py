@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,13 +30,21 @@ WINDOW_S = 2.0
 ENDS: Json = {"early": {"final": "canceled"}, "late": {"final": "failed"}}
 
 
-def resumed(path: Path, states: Json, moments: Mapping[float, Callable[[Rig], object]], **words: Any) -> list[Step]:
-    """The steps of a run that was killed at 0 s, in its first state and with a battery that was known."""
+def resumed(
+    path: Path,
+    states: Json,
+    moments: Mapping[float, Callable[[Rig], object]],
+    before: Iterable[Event] = (),
+    **words: Any,
+) -> list[Step]:
+    """The steps of a run that was killed at 0 s, with a battery that was known and after what came `before`."""
     killed = mission({**states, **ENDS})
     chart = Chart(killed, default_ticker(killed))
     with Journal.create(path, Header(dump(killed), dump_profile(robot()), run="run")) as journal:
         journal.write(chart.start(), since=0.0)
         journal.write(chart.write("battery", 0.5), since=0.0)
+        for event in before:
+            journal.write(chart.send(event), since=0.0)
     taken = open_run(path)
     with Journal.open(path) as journal:
         rig = Rig(killed, journal=journal, begin=taken.resumption, **words)
@@ -124,15 +132,28 @@ def test_a_question_that_is_asked_again_has_the_time_that_was_left(tmp_path: Pat
     assert reached(steps)[0] == "early"
 
 
+def moving(settle_s: float, *, is_leaf: bool = False) -> Json:
+    """A state, or the leaf of a tree, that moves until it is there."""
+    move = {"action": "move", "achieved": {"key": "there", "==": True}, "settle_s": settle_s}
+    ends = [{"on": "succeeded", "to": "early"}, {"on": ["unverified", "failed"], "to": "late"}]
+    return {"moving": {**({"tree": move} if is_leaf else move), "transitions": ends}}
+
+
+def is_there(rig: Rig) -> None:
+    rig.publish("/there", data=True)
+
+
 @pytest.mark.parametrize("settle_s", [0, 0.5])
 def test_a_result_that_comes_before_its_facts_is_no_failure(tmp_path: Path, settle_s: float) -> None:
-    ends = [{"on": "succeeded", "to": "early"}, {"on": "unverified", "to": "late"}]
-    moving = {"moving": {"action": "move", "achieved": {"key": "there", "==": True}, "settle_s": settle_s,
-                         "transitions": ends}}  # fmt: skip
-    moments: dict[float, Callable[[Rig], object]] = {
-        0.5: lambda rig: rig.move.report("succeeded"), 1.5: lambda rig: rig.publish("/there", data=True),
-    }  # fmt: skip
-    assert reached(resumed(tmp_path / "run.journal", moving, moments)) == ("early", 1.5)
+    moments = {0.5: lambda rig: rig.move.report("succeeded"), 1.5: is_there}
+    assert reached(resumed(tmp_path / "run.journal", moving(settle_s), moments)) == ("early", 1.5)
+
+
+@pytest.mark.parametrize("is_leaf", [False, True])
+def test_a_result_whose_facts_were_awaited_is_no_failure(tmp_path: Path, is_leaf: bool) -> None:
+    before = [Event("succeeded", 0.0, {}, "result", 1)]
+    steps = resumed(tmp_path / "run.journal", moving(0.5, is_leaf=is_leaf), {1.5: is_there}, before)
+    assert reached(steps) == ("early", 1.5)
 
 
 def test_a_step_that_asks_for_nothing_late_states_it_to_a_replay(tmp_path: Path) -> None:

@@ -263,6 +263,30 @@ def test_a_handover_that_is_never_acknowledged_is_a_rejected_start() -> None:
     assert result.why == "driving: rejected (agent was not given control in time)" and rig.move.goals == []
 
 
+def test_an_operator_from_whom_the_robot_does_not_take_control_keeps_it_and_the_start_waits() -> None:
+    from tests.rigs.runs import robot
+
+    states = {
+        "by_hand": {"control": "operator", "transitions": [{"on": "go", "to": "driving"}]},
+        **DRIVING,
+        "driving": {**DRIVING["driving"], "control": "autonomy", "handover_s": 3},
+    }
+    holder = {"topic": "/holder", "type": "std_msgs/msg/String"}
+    rig = Rig(states, robot=robot(control={"operator": "/give", "autonomy": "/take"}, holder=holder))
+
+    def hand(to: str) -> dict[str, Any]:
+        rig.connector.publish(*holder.values(), {"data": to})
+        return {"success": to == "operator", "message": "not now"}
+
+    rig.connector.serve("/give", "std_srvs/srv/Trigger", lambda _: hand("operator"))
+    rig.connector.serve("/take", "std_srvs/srv/Trigger", lambda _: {"success": False, "message": "not now"})
+    rig.stage.play(
+        {0.1: lambda: hand("autonomy"), 1.0: lambda: rig.post("go"), 9.0: lambda: rig.runner.cancel("the test")}
+    )
+    result = rig.run()
+    assert (result.why, result.state) == ("canceled by the test", ("driving",)) and rig.move.goals == []
+
+
 def test_an_answer_from_outside_counts_like_any_other_and_ends_the_thinking() -> None:
     model = LateAnswerer()
     rig = Rig(ASKING, answerers={"agent": model}, clock=WallClock())
