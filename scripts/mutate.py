@@ -16,6 +16,7 @@ import ast
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -24,7 +25,8 @@ import time
 import tomllib
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from queue import SimpleQueue
@@ -275,6 +277,21 @@ def rounds_of(tests: list[tuple[float, str]]) -> Iterator[list[tuple[float, str]
         yield chosen
 
 
+@dataclass(frozen=True)
+class Tried:
+    """How a mutant came out.
+
+    Args:
+        result: `found`, `found: time`, `not found` or `equivalent`.
+        by: The test that failed.
+        seconds: How long it took.
+    """
+
+    result: str
+    by: str = ""
+    seconds: float = 0.0
+
+
 class Copies:
     """Copies of the checkout, one for each mutant that is tried at the same time."""
 
@@ -290,48 +307,50 @@ class Copies:
                     shutil.copy2(ROOT / name, copy / name)
             self.free.put(copy)
 
-    def try_in_rounds(self, mutant: Mutant, tests: list[tuple[float, str]]) -> tuple[str, float]:
-        """Tries a mutant with its quick tests, then with the others; how that ended, and after how many seconds."""
-        result, spent = "not found", 0.0
+    def try_in_rounds(self, mutant: Mutant, tests: list[tuple[float, str]]) -> Tried:
+        """Tries a mutant with its quick tests, then with the others."""
+        tried, began = Tried("not found"), time.monotonic()
         for chosen in rounds_of(tests):
             limit_s = LIMIT_S + LIMIT_FACTOR * sum(seconds for seconds, _ in chosen)
-            result, seconds = self.try_one(mutant, [name for _, name in chosen], limit_s)
-            spent += seconds
-            if result != "not found":
+            tried = self.try_one(mutant, [name for _, name in chosen], limit_s)
+            if tried.result != "not found":
                 break
-        return result, spent
+        return replace(tried, seconds=round(time.monotonic() - began, 1))
 
-    def try_one(self, mutant: Mutant, tests: list[str], limit_s: float) -> tuple[str, float]:
-        """`found`, `found: time` or `not found`, and how many seconds that took."""
+    def try_one(self, mutant: Mutant, tests: list[str], limit_s: float) -> Tried:
+        """Tries a mutant with these tests."""
         copy = self.free.get()
         target = copy / mutant.file
-        whole, began = target.read_text(encoding="utf-8"), time.monotonic()
+        whole = target.read_text(encoding="utf-8")
         target.write_text(lines_of(mutant)[0], encoding="utf-8")
         try:
-            result = {None: "found: time", 0: "not found"}.get(self.run(copy, tests, limit_s), "found")
+            status, output = self.run(copy, tests, limit_s)
         finally:
             target.write_text(whole, encoding="utf-8")
             self.free.put(copy)
-        return result, time.monotonic() - began
+        failed = (re.match(r"(?:FAILED|ERROR) (.*?)(?: - |$)", line) for line in output.splitlines())
+        by = next((match[1] for match in failed if match), "")
+        return Tried({None: "found: time", 0: "not found"}.get(status, "found"), by)
 
     @staticmethod
-    def run(copy: Path, tests: list[str], limit_s: float) -> int | None:
-        """The exit status of the tests in a copy; None where they are not over in time."""
+    def run(copy: Path, tests: list[str], limit_s: float) -> tuple[int | None, str]:
+        """The exit status of the tests in a copy, None where they are not over in time; and what they print."""
         command = [
             sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", "--timeout", "120", *tests,
         ]  # fmt: skip
-        process = subprocess.Popen(
-            command, cwd=copy, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            start_new_session=True,
-            env={**os.environ, "PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_PROFILE": "first"},
-        )  # fmt: skip
-        try:
-            return process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            return None
-        finally:
+        environment = {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_PROFILE": "first"}
+        with tempfile.TemporaryFile("w+", errors="replace") as output:
+            process = subprocess.Popen(
+                command, cwd=copy, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.DEVNULL,
+                start_new_session=True, env={**os.environ, **environment},
+            )  # fmt: skip
+            status: int | None = None
+            with suppress(subprocess.TimeoutExpired):
+                status = process.wait(limit_s)
             subprocess.run(["pkill", "-9", "-s", str(process.pid)], check=False)
             process.wait()
+            output.seek(0)
+            return status, output.read()
 
 
 def main() -> int:
@@ -354,7 +373,7 @@ def main() -> int:
     done = {(row["file"], tuple(row["before"]), tuple(row["after"])): row for row in map(json.loads, lines)}
     covered = Covered(given.results.parent, parts, given.jobs)
     copies = Copies(given.jobs)
-    if copies.run(copies.folder / "0/checkout", ["--collect-only", *covered.every()], 300):
+    if copies.run(copies.folder / "0/checkout", ["--collect-only", *covered.every()], 300)[0]:
         print("pytest does not find the tests by their names", file=sys.stderr)
         return 2
     rows: list[dict[str, Any]] = []
@@ -364,23 +383,15 @@ def main() -> int:
         row = done.get((mutant.file, tuple(before), tuple(after)))
         if row is None:
             if (mutant.file, "\n".join(before).strip(), "\n".join(after).strip()) in equivalent:
-                row = {**asdict(mutant), "before": before, "after": after, "result": "equivalent", "seconds": 0}
+                tried = Tried("equivalent")
             else:
-                result, seconds = copies.try_in_rounds(mutant, covered.tests(mutant))
-                row = {
-                    **asdict(mutant),
-                    "before": before,
-                    "after": after,
-                    "result": result,
-                    "seconds": round(seconds, 1),
-                }
+                tried = copies.try_in_rounds(mutant, covered.tests(mutant))
+            row = {**asdict(mutant), "before": before, "after": after, **asdict(tried)}
             with given.results.open("a") as file:
                 file.write(json.dumps(row) + "\n")
         rows.append(row)
-        print(
-            f"{len(rows)}/{len(mutants)} {row['result']:<11} {row['seconds']:6.1f} s  {mutant.file}:{mutant.line}",
-            flush=True,
-        )
+        outcome = f"{row['result']:<11} {row['seconds']:6.1f} s  {mutant.file}:{mutant.line}  {row['by']}"
+        print(f"{len(rows)}/{len(mutants)} {outcome}", flush=True)
 
     try:
         with ThreadPoolExecutor(given.jobs) as pool:
