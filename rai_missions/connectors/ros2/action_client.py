@@ -129,13 +129,16 @@ class ClientGoal:
     def _ask_early(self, leave: Work) -> None:
         """It may run already: the word of its acceptance may be late. What the server reports to this means nothing."""
         self._leaves.append(leave)
-        early = ClientGoalHandle(self._client.client, self._uuid, None)
-        early.cancel_goal_async().add_done_callback(lambda _future: leave())
+        self._unanswered().cancel_goal_async().add_done_callback(lambda _future: leave())
 
     def cancel_blindly(self) -> None:
         """Ask for its end whether or not it was accepted, and although no one waits for it."""
         if self._is_sent:
-            self._ask(self._handle or ClientGoalHandle(self._client.client, self._uuid, None), lambda: None)
+            self._ask(self._handle or self._unanswered(), lambda: None)
+
+    def _unanswered(self) -> ClientGoalHandle:
+        """A handle of the goal, whether or not a server has accepted it."""
+        return ClientGoalHandle(self._client.client, self._uuid, None)
 
     def end(self, how: End, data: dict[str, Any] | None = None, why: str = "") -> None:
         """It is over; the first end counts. Where there may be a second server, it counts once none is executing it."""
@@ -160,7 +163,7 @@ class ClientGoal:
         now = time.monotonic()
         if self.sightings.is_active:
             self._quiet_since = now
-            self._claim()
+            self._accept(self._unanswered())  # one server has rejected it, another is executing it
             if self._is_unwanted and now >= self._pressed_at:
                 self._pressed_at = now + PRESS_S
                 self._ask_to_cancel(self._handle)
@@ -172,12 +175,17 @@ class ClientGoal:
         worst: End = next((each for each in WORST_FIRST if each in found), how)
         self._conclude(worst, data, why or ("" if worst == how else "its servers ended it in different ways"))
 
-    def _claim(self) -> None:
-        """One server has rejected the goal, another is executing it."""
-        if self._handle is None:
-            self._handle = ClientGoalHandle(self._client.client, self._uuid, None)
-            self._deliver(Report(self.goal_id, "accepted", {}))
-            self._ask_for_result()
+    def _accept(self, handle: Any) -> None:
+        """A server has accepted the goal, by its answer or as its status messages show; the first of them counts."""
+        if self._handle is not None:
+            return
+        self._handle = handle
+        self._deliver(Report(self.goal_id, "accepted", {}))
+        for feedback in self._early:
+            self._advance(feedback)
+        self._ask_for_result()
+        if self._is_unwanted:
+            self._ask_to_cancel(handle)
 
     def share(self) -> None:
         """A second server was seen."""
@@ -227,20 +235,22 @@ class ClientGoal:
             self._handle = handle
             self._ask_to_cancel(handle)  # no one owns it any more
         else:
-            self._handle = handle
-            self._deliver(Report(self.goal_id, "accepted", {}))
-            for feedback in self._early:
-                self._advance(feedback)
-            self._ask_for_result()
-            if self._is_unwanted:
-                self._ask_to_cancel(handle)
+            self._accept(handle)
 
     def _ask_for_result(self) -> None:
         self._handle.get_result_async().add_done_callback(self._finished)
 
+    def sight(self, stamp: int, status: int) -> None:
+        """A status message has the goal; arguments as `Sightings.follow` has them."""
+        self.sightings.follow(stamp, status)
+
     def look(self) -> None:
-        """Ask once more for a result that should have come: a busy server forgets requests."""
-        if self._held is None and self._handle is not None and self._handle.status in ENDS:
+        """See to an answer that should have come: one to a client that its server has only just met is dropped."""
+        if self._held is not None or not self.sightings:
+            return
+        if self._handle is None:
+            self._accept(self._unanswered())
+        elif not self.sightings.is_active:
             if self._is_overdue:
                 self._ask_for_result()
             self._is_overdue = True
@@ -258,7 +268,7 @@ class ClientGoal:
         if response is not None and self.is_over:
             self._client.caught(self)
         elif response is not None:
-            how = ENDS.get(response.status) or ENDS.get(self._handle.status)
+            how = ENDS.get(response.status) or next((ENDS[each] for each in self.sightings.ends if each in ENDS), None)
             if how is None:
                 self._may_run = False
                 self.end("lost", why=f"the server of {self._client.action} knows nothing of the goal")
@@ -300,7 +310,7 @@ class ClientGoal:
         """What the server reports about a goal that was lost. That it is ending is not yet its end."""
         is_unknown = response.return_code == CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID
         if is_ending:
-            handle = self._handle or ClientGoalHandle(self._client.client, self._uuid, None)
+            handle = self._handle or self._unanswered()
             handle.get_result_async().add_done_callback(self._finished)
         elif is_unknown and are_replaced(self.peers, self._client.peers()):
             self._client.caught(self, is_replaced=True)

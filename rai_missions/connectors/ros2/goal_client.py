@@ -142,7 +142,7 @@ class GoalClient:
     def _sighted(self, goal_id: bytes, stamp: int, status: int) -> None:
         if (goal := self._ours.get(goal_id)) is None:
             return
-        goal.sightings.follow(stamp, status)
+        goal.sight(stamp, status)
         if goal in self._lost and not goal.sightings.is_active:
             self.caught(goal)
         elif goal.is_over and goal.sightings.is_active:

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from action_msgs.msg import GoalStatus, GoalStatusArray
-from rclpy.action.client import ClientGoalHandle
+from action_msgs.msg import GoalStatusArray
 from rclpy.qos import qos_profile_action_status_default
 
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.ros2.action_client import ClientGoal, End
 from rai_missions.connectors.ros2.node_thread import Work
+from rai_missions.connectors.ros2.rivals import statuses_in
 
 __all__ = ("RecoveredGoal",)
-
-RUNNING = frozenset({GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING})
 
 
 class RecoveredGoal(ClientGoal):
@@ -41,7 +39,7 @@ class RecoveredGoal(ClientGoal):
             self.end("lost", why=f"no server offers {client.action}")
             return
         self.peers, self._is_sent = client.peers(), True
-        self._handle = ClientGoalHandle(client.client, self._uuid, None)
+        self._handle = self._unanswered()
         self._ears = (
             client.observe("feedback", client.cls.Impl.FeedbackMessage, 10, self._on_feedback),
             client.observe("status", GoalStatusArray, qos_profile_action_status_default, self._on_status),
@@ -52,14 +50,24 @@ class RecoveredGoal(ClientGoal):
             self._ask_to_cancel(self._handle)
 
     def _on_feedback(self, message: Any) -> None:
-        if bytes(message.goal_id.uuid) == bytes(self._uuid.uuid):
+        if bytes(message.goal_id.uuid) == self.uuid:
             self._advance(message)
 
     def _on_status(self, message: Any) -> None:
-        mine = [each.status for each in message.status_list if each.goal_info.goal_id == self._uuid]
-        if mine and mine[0] in RUNNING and not self._is_known and not self.is_over:
+        for goal_id, stamp, status in statuses_in(message):
+            if goal_id == self.uuid:
+                self.sight(stamp, status)
+
+    def sight(self, stamp: int, status: int) -> None:
+        super().sight(stamp, status)
+        if self.sightings.is_active and not self._is_known and not self.is_over:
             self._is_known = True
             self._deliver(Report(self.goal_id, "accepted", {}))
+
+    def look(self) -> None:
+        """Ask again until a server has answered, or is seen to execute the goal."""
+        if self._held is None and not self.sightings.is_active:
+            self._ask_for_result()
 
     def _finished(self, future: Any) -> None:
         was_over = self.is_over

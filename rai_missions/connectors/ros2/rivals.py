@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import uuid
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -18,7 +18,7 @@ from unique_identifier_msgs.msg import UUID
 
 from rai_missions.connectors.ros2.node_thread import guarded
 
-__all__ = ("ACTIVE", "ObservedClient", "Sightings")
+__all__ = ("ACTIVE", "ObservedClient", "Sightings", "statuses_in")
 
 ACTIVE = frozenset({GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING})
 KEPT = 1000
@@ -44,6 +44,10 @@ class Sightings:
             status: One of `GoalStatus`.
         """
         self._statuses[stamp] = status
+
+    def __bool__(self) -> bool:
+        """A status message has had the goal."""
+        return bool(self._statuses)
 
     @property
     def is_active(self) -> bool:
@@ -117,10 +121,15 @@ class ObservedClient(ActionClient):  # type: ignore[misc]
             number = taken["cancel"][0]
             _keep(self._cancel_answers, number, self._cancel_answers.get(number, 0) + 1)
         if "status" in taken:
-            for each in taken["status"].status_list:
-                stamp = each.goal_info.stamp
-                goal_id = bytes(each.goal_info.goal_id.uuid)
-                self._on_status(goal_id, stamp.sec * 10**9 + stamp.nanosec, each.status)
+            for sighting in statuses_in(taken["status"]):
+                self._on_status(*sighting)
+
+
+def statuses_in(message: Any) -> Iterator[tuple[bytes, int, int]]:
+    """Of each goal in an `action_msgs/msg/GoalStatusArray`: its id, the stamp of its acceptance in ns, its status."""
+    for each in message.status_list:
+        stamp = each.goal_info.stamp
+        yield bytes(each.goal_info.goal_id.uuid), stamp.sec * 10**9 + stamp.nanosec, each.status
 
 
 def _keep(kept: OrderedDict[int, Any], number: int, value: Any) -> None:

@@ -26,6 +26,8 @@ STARTS_WITHIN_S = 120.0
 """A process that loads ROS takes two seconds, and far longer where many others want the same cores."""
 LASTS = 100
 """From here on, an order is the hundredths of a second that a goal lasts."""
+DROPPED = "feed"
+"""Of goals whose id begins so every second reply is dropped, beginning with the first, as a middleware does."""
 FIBONACCI, TRIGGER = "test_msgs/action/Fibonacci", "std_srvs/srv/Trigger"
 
 
@@ -93,6 +95,38 @@ def say(*what: Any) -> None:
 TALKING = threading.Lock()
 
 
+class Dropping:
+    """A server's handle that drops every second reply about some goals, beginning with the first of each kind."""
+
+    def __init__(self, handle: Any) -> None:
+        self._rclpy, self._goal_ids, self._replies = handle, dict[int, str](), Counter[tuple[str, str]]()
+
+    def expect(self, header: Any, goal_id: str) -> None:
+        """A request has come, whose reply will carry this header."""
+        self._goal_ids[id(header)] = goal_id
+
+    def __enter__(self) -> Any:
+        return self._rclpy.__enter__()
+
+    def __exit__(self, *fault: object) -> Any:
+        return self._rclpy.__exit__(*fault)
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self._rclpy, name)
+        if name not in ("send_goal_response", "send_result_response"):
+            return found
+
+        def reply(header: Any, response: Any) -> None:
+            goal_id = self._goal_ids.pop(id(header), "")
+            self._replies[name, goal_id] += 1
+            if goal_id.startswith(DROPPED) and self._replies[name, goal_id] % 2:
+                say("dropped", goal_id)
+            else:
+                found(header, response)
+
+        return reply
+
+
 def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be asked
     import rclpy
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -157,7 +191,19 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         return response
 
     class Reporting(ActionServer):
-        """Says of which goals the end is asked for, also of those that it knows nothing of."""
+        """Reports of which goals the end is asked for, also of those that it knows nothing of; may drop replies."""
+
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            self._handle = Dropping(self._handle)
+
+        async def _execute_goal_request(self, request: Any) -> None:
+            self._handle.expect(request[0], bytes(request[1].goal_id.uuid).hex())
+            await super()._execute_goal_request(request)
+
+        async def _execute_get_result_request(self, request: Any) -> None:
+            self._handle.expect(request[0], bytes(request[1].goal_id.uuid).hex())
+            await super()._execute_get_result_request(request)
 
         async def _execute_cancel_request(self, request: Any) -> None:
             say("end wanted", bytes(request[1].goal_info.goal_id.uuid).hex())

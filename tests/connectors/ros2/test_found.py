@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.contract import Inbox
-from tests.connectors.ros2.peer_process import ABORT, FIBONACCI, RUN, SUCCEED, Peer
+from tests.connectors.ros2.peer_process import ABORT, DROPPED, FIBONACCI, RUN, SUCCEED, Peer
 
 Open = Callable[..., Any]
 SENDER = """
@@ -100,6 +100,33 @@ def test_goals_that_their_server_knows_nothing_of_are_sent_anew_and_nobody_asks_
     for goal_id, received in sent.items():
         connector.cancel_goal(goal_id)
         received.wait(lambda report: report[-1].status == "canceled", "it was canceled")
-    assert sorted(report[1] for report in peer.lines.all if report[0] == "end wanted" and report[1] in sent) == sorted(
-        sent
-    )
+
+    def ended(lines: list[Any]) -> list[str]:
+        return sorted(line[1] for line in lines if line[0] == "end wanted" and line[1] in sent)
+
+    reported = peer.lines.wait(lambda lines: len(ended(lines)) >= len(sent), "the server was asked to end each")
+    assert ended(reported) == sorted(sent)
+
+
+def dropped_id() -> str:
+    """The id of a goal about which every second reply is dropped."""
+    return DROPPED + uuid.uuid4().hex[len(DROPPED) :]
+
+
+def test_a_goal_is_found_although_the_first_reply_about_it_is_dropped(open_ros: Open, peer: Peer) -> None:
+    action, ended = f"/{peer.name}/fibonacci", dropped_id()
+    received = found(open_ros(), action, dropped_id())
+    received.wait(lambda reported: [each.status for each in reported] == ["lost"], "no server knows it")
+    send_and_die(action, ended, SUCCEED, "succeeded")
+    received = found(open_ros(), action, ended)
+    received.wait(lambda reported: reported[-1].status == "succeeded", "it has succeeded")
+
+
+def test_a_goal_whose_acceptance_is_dropped_is_accepted_once_its_server_executes_it(open_ros: Open, peer: Peer) -> None:
+    connector, goal_id, received = open_ros(), dropped_id(), Inbox[Report](30.0)
+    connector.send_goal(f"/{peer.name}/fibonacci", FIBONACCI, {"order": RUN}, goal_id=goal_id, on_report=received)
+    received.wait(lambda reported: [each.status for each in reported][:1] == ["accepted"], "it runs")
+    connector.cancel_goal(goal_id)
+    received.wait(lambda reported: reported[-1].status == "canceled", "it was canceled")
+    assert [each.status for each in received.all if each.status != "feedback"] == ["accepted", "canceled"]
+    peer.lines.wait(lambda lines: ["dropped", goal_id] in lines, "the server's answer was dropped")
