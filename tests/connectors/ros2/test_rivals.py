@@ -143,7 +143,7 @@ def test_a_server_that_is_on_the_graph_and_does_not_answer_is_no_second_one_and_
         until_said(reports, "accepted")
         connector.cancel_goal(goal_id)
         until_said(reports, "canceled")
-        assert ["over", 1, "canceled"] in living.lines.all
+        living.lines.wait(lambda reported: ["over", 1, "canceled"] in reported, "the goal is over")
         frozen.signal(signal.SIGCONT)
         frozen.lines.wait(lambda reported: ["over", 1, "canceled"] in reported, "what it took late is canceled")
 
