@@ -17,7 +17,8 @@ from pathlib import Path
 
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.engine.step import Ask, CancelGoal, Handover, Move, Step
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Header, Journal, read, verify
 
 STEPS = 20_000

@@ -24,7 +24,7 @@ from rai_missions.answerers.model.process.model import ModelProcess
 from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.decision import Evidence
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.testing import QUESTION, ReplyCollector
 
 QUESTIONS, STOPS = 300, 100

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from rai_missions.engine import Chart
     from rai_missions.engine.step import Step
     from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError
-    from rai_missions.event import Image, Tick
+    from rai_missions.event import Tick
     from rai_missions.guards import Elapsed, Guard, Held, In, Named
+    from rai_missions.image import Image
     from rai_missions.keys import Key
     from rai_missions.mission.builder import After, Keys, On, Ref, When
     from rai_missions.mission.files import dump, load
@@ -70,7 +71,8 @@ ROOMS = {
     "engine": ("Chart",),
     "states.effects": ("CallEffect", "Drop", "Log", "Publish", "Raise", "Say", "Set"),
     "errors": ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError"),
-    "event": ("Image", "Tick"),
+    "event": ("Tick",),
+    "image": ("Image",),
     "guards": ("Elapsed", "Guard", "Held", "In", "Named"),
     "mission.files": ("dump", "load"),
     "mission.mission": ("EventSpec", "Mission"),

@@ -6,11 +6,10 @@ Rule: an event is raw. It says what was received, never what it means; what it m
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-__all__ = ("KINDS", "Event", "Image", "Tick", "is_operator", "is_taken")
+__all__ = ("KINDS", "Event", "Tick", "is_operator", "is_taken")
 
 NOTHING: Mapping[str, Any] = {}
 KINDS = (
@@ -82,43 +81,3 @@ def is_taken(event: Event, *, holder: str, taken: bool, asked: str) -> bool:
     if event.name != "operator" or is_operator(by):
         return event.name == "operator"
     return taken if holder == "operator" else by != "mission" and asked != "operator"
-
-
-class Image:
-    """A picture someone took, as a reference; its bytes are made when they are first asked for.
-
-    Two images are equal when they have the same reference.
-
-    Args:
-        ref: What identifies the picture in a run, such as `camera@12.300`.
-        width: Pixels.
-        height: Pixels.
-        encoding: `rgb8` (raw, row by row), `png` or `jpeg`.
-        data: The bytes, or what makes them when asked.
-    """
-
-    __slots__ = ("_data", "encoding", "height", "ref", "width")
-
-    def __init__(self, ref: str, width: int, height: int, encoding: str, data: bytes | Callable[[], bytes]) -> None:
-        self.ref, self.width, self.height, self.encoding = ref, width, height, encoding
-        self._data = data
-
-    @property
-    def data(self) -> bytes:
-        if callable(self._data):
-            self._data = self._data()
-        return self._data
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the bytes, in hex."""
-        return hashlib.sha256(self.data).hexdigest()
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Image) and other.ref == self.ref
-
-    def __hash__(self) -> int:
-        return hash(self.ref)
-
-    def __repr__(self) -> str:
-        return f"Image({self.ref!r}, {self.width}x{self.height}, {self.encoding})"

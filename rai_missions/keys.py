@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, fault
 from rai_missions.redaction import clipped
 

@@ -17,7 +17,7 @@ from langchain_core.tools import BaseTool, StructuredTool
 from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.answerers.test_models import ScriptedModel
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.mission.files import dump
 from rai_missions.plain_data import apart
 from rai_missions.profile import dump_profile

@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 
+from rai_missions.image import file_kind
 from rai_missions.redaction import logger
 
 __all__ = ("can_raster", "raster")
@@ -41,7 +42,7 @@ def raster(svg: bytes, dpi: int) -> bytes | None:
     Warns of characters that no font here has: those are boxes in the picture.
     """
     ended = subprocess.run([sys.executable, "-c", PROGRAM, str(dpi)], input=svg, capture_output=True, check=False)
-    if ended.returncode or not ended.stdout.startswith(b"\x89PNG"):
+    if ended.returncode or file_kind(ended.stdout) != "png":
         return None
     lacking = dict.fromkeys(chr(int(found, 16)) for found in LACKING.findall(ended.stderr.decode(errors="replace")))
     if lacking:

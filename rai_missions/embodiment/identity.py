@@ -12,10 +12,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from rai_missions.embodiment.image_file import read_picture
 from rai_missions.embodiment.urdf import Body, read_body
 from rai_missions.errors import DefinitionError, Fault, irregular
-from rai_missions.event import Image
+from rai_missions.image import Image
 
 __all__ = ("Identity",)
 
@@ -61,7 +60,7 @@ class Identity:
         """
         reader = Reader(folder)
         texts = reader.each((".md",), _text)
-        pictures = reader.each(PICTURES, read_picture)
+        pictures = reader.each(PICTURES, lambda name, data: Image.of_file(f"identity/{name}", data))
         bodies = reader.each((".urdf",), read_body)
         if len(bodies) > 1:
             reader.fault("", f"{' and '.join(bodies)} both describe the build; keep one")

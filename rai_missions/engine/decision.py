@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
 from rai_missions.guards.guard import Test, Truth, View
+from rai_missions.image import Image
 from rai_missions.mission.option_parameters import misfits
 from rai_missions.plain_data import apart
 from rai_missions.redaction import clipped

@@ -11,13 +11,10 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.errors import UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.redaction import cut_repr
 
-__all__ = ("Fetch", "Keep", "from_json", "keep_nothing", "media_type", "pictures_in", "to_json")
-
-MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg"}
-"""Encoding of a picture → as what its bytes are kept; others are raw."""
+__all__ = ("Fetch", "Keep", "from_json", "keep_nothing", "pictures_in", "to_json")
 
 Keep = Callable[[Image], str]
 """Stores the bytes of a picture and gives their SHA-256 in hex; empty where they are not kept."""
@@ -92,12 +89,6 @@ def pictures_in(written: Any) -> Iterator[Mapping[str, Any]]:
             yield written
         for item in (own if isinstance(own, dict) else written).values():
             yield from pictures_in(item)
-
-
-def media_type(encoding: str, width: int, height: int) -> str:
-    """As what a picture's bytes are kept."""
-    raw = f"application/octet-stream; encoding={encoding}; width={width}; height={height}"
-    return MEDIA_TYPES.get(encoding, raw)
 
 
 def _picture(image: Image, keep: Keep) -> dict[str, Any]:

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault
-from rai_missions.journal.json_values import media_type, pictures_in
+from rai_missions.image import media_type
+from rai_missions.journal.json_values import pictures_in
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, JournalRow, Raw, StepRow, chained
 from rai_missions.journal.sqlite import Unbegun

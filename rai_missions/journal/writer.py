@@ -20,9 +20,9 @@ from typing import Any, Self
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image, media_type
 from rai_missions.journal.codec import encode
-from rai_missions.journal.json_values import media_type, to_json
+from rai_missions.journal.json_values import to_json
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
 from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, open_to_write
 

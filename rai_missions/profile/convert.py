@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.keys import is_number
 from rai_missions.redaction import cut, cut_repr
 

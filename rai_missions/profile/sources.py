@@ -13,8 +13,8 @@ from typing import Any, Literal, Self, cast
 from pydantic import Field, model_validator
 
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Image
 from rai_missions.guards.guard import Guard, Site, Truth, View
+from rai_missions.image import Image
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import Bool, Json, MissionModel, Name, OneOf, Seconds, Text, fault
 from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of

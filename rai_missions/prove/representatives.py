@@ -12,8 +12,8 @@ from itertools import pairwise, product
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.event import Image
 from rai_missions.guards.compare import OPERATORS, truth
+from rai_missions.image import Image
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import NUMBERS, Comparisons

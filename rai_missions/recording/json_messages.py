@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rai_missions.engine.description import way_words
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
 from rai_missions.recording.schemas import COMPRESSED_IMAGE, RAW_IMAGE, Schema
 from rai_missions.runtime.lifecycle import Status

@@ -13,7 +13,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 
 __all__ = ("Mailbox",)
 

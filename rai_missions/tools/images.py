@@ -6,15 +6,13 @@ Rule: what a camera sends becomes a picture of at most `LARGEST` bytes, or a `Co
 
 from __future__ import annotations
 
-import base64
 import io
 from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.ros2.images import PICTURES
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Image
-from rai_missions.image import png
+from rai_missions.image import Image, ImageFile, png
 from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("LARGEST", "block", "image_of")
@@ -22,9 +20,9 @@ __all__ = ("LARGEST", "block", "image_of")
 LARGEST = 1_000_000
 """Bytes of a picture's file."""
 LONGEST_SIDE = 1_024
+"""Pixels."""
 MOST_PIXELS = 50_000_000
 """Of a picture file: a few bytes may unpack to very many."""
-"""Pixels."""
 
 
 def image_of(message: Any, ref: str) -> Image:
@@ -66,20 +64,14 @@ def block(image: Image) -> dict[str, Any]:
         ConnectorError: Its bytes cannot be had, or made small enough.
     """
     try:
-        data = image.data
         if image.encoding == "rgb8":
-            kind, data = "png", _small(image.width, image.height, data)
-        else:
-            kind = image.encoding
-            data = data if len(data) <= LARGEST else _smaller_file(data)
-            kind = kind if len(data) == len(image.data) else "jpeg"
+            return ImageFile("png", _small(image.width, image.height, image.data)).block()
+        file = image.file()
+        return (file if len(file.data) <= LARGEST else ImageFile("jpeg", _smaller_file(file.data))).block()
     except ConnectorError:
         raise
     except Exception as fault:  # the bytes are made when asked for, by whatever camera
         raise ConnectorError(f"the picture cannot be had: {type(fault).__name__}: {cut(fault, 120)}") from fault
-    if kind not in ("png", "jpeg") or not data:
-        raise ConnectorError(f"a picture in '{kind}' cannot be shown; png, jpeg and rgb8 can")
-    return {"type": "image", "base64": base64.b64encode(data).decode(), "mime_type": f"image/{kind}"}
 
 
 def _small(width: int, height: int, rgb: bytes) -> bytes:

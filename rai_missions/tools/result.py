@@ -14,7 +14,7 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("LONGEST", "ToolResult", "at_path", "outline")

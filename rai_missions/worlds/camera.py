@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.worlds.renderers import Renderers
 
 __all__ = ("Camera", "Frame", "Moment", "Sight")

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.event import Image
+from rai_missions.image import Image
 
 __all__ = ("TRIGGER", "battery_state", "header", "image", "pose", "pose_stamped", "stamp", "text", "trigger")
 

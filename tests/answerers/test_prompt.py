@@ -17,8 +17,7 @@ from rai_missions.answerers.model.output_modes import tool_specifications, wish_
 from rai_missions.answerers.model.prompt import LONGEST_FACT, messages_of, quoted
 from rai_missions.embodiment import Identity
 from rai_missions.engine.decision import Evidence, Offer, Question
-from rai_missions.event import Image
-from rai_missions.image import png
+from rai_missions.image import Image, png
 from rai_missions.testing import QUESTION
 
 SPEED = {

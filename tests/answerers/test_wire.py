@@ -16,7 +16,7 @@ from langchain_core.tools import StructuredTool
 from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.answerers.model.output_modes import calls_tools, fills_schemas, takes_images
 from rai_missions.engine.decision import Evidence, Limits, Question
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.testing import QUESTION, ReplyCollector, answer_fault
 
 if TYPE_CHECKING:

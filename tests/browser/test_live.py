@@ -14,7 +14,7 @@ import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.run.live_page import RunPage
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.journal import read
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission

@@ -22,7 +22,7 @@ from rai_missions.connectors.contract import Inbox, check_connector
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.connector import MqttConnector
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image
 
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
 BROKER = shutil.which("mosquitto", path="/usr/sbin:/usr/local/sbin:/usr/bin:/usr/local/bin")

@@ -14,7 +14,7 @@ from random import Random
 from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Connector, Report
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from PIL import Image as Pillow
 
 from rai_missions.embodiment import Body, Identity
-from rai_missions.embodiment.image_file import read_picture
 from rai_missions.embodiment.urdf import read_body
 from rai_missions.errors import DefinitionError
+from rai_missions.image import Image
 
 URDF = b"""<?xml version="1.0"?>
 <robot name="arm"><link name="base"/><link name="hand"><visual><origin xyz="0 0 0"/></visual></link>
@@ -72,7 +72,7 @@ def test_a_description_is_enough(tmp_path: Path) -> None:
 
 @given(st.integers(1, 300), st.integers(1, 300), st.sampled_from(["png", "jpeg"]))
 def test_a_pictures_size_is_read_from_its_bytes(width: int, height: int, kind: str) -> None:
-    image = read_picture("x", picture(kind, (width, height)))
+    image = Image.of_file("x", picture(kind, (width, height)))
     assert (image.width, image.height, image.encoding) == (width, height, kind)
 
 
@@ -87,7 +87,7 @@ def test_a_long_build_is_reported_in_short() -> None:
 @given(st.binary() | st.binary().map(picture("png")[:16].__add__) | st.binary().map(picture("jpeg")[:20].__add__))
 def test_any_bytes_are_a_picture_or_refused(data: bytes) -> None:
     try:
-        image = read_picture("x", data)
+        image = Image.of_file("x", data)
     except ValueError:
         return
     assert min(image.width, image.height) >= 1

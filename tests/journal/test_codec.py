@@ -12,7 +12,8 @@ from hypothesis import given
 from rai_missions.engine.decision import Evidence, Question
 from rai_missions.engine.step import Ask, Handover, Move, Step
 from rai_missions.errors import UsageError
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import decode, difference, encode
 from rai_missions.journal.json_values import from_json, to_json
 from tests.rigs.journals import steps, values

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from rai_missions.engine.decision import Evidence, Question
 from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
 from rai_missions.journal.rows import GENESIS, chained
 from rai_missions.journal.sqlite import LONGEST_BYTES

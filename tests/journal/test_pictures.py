@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from rai_missions.engine.decision import Evidence, Question
 from rai_missions.engine.step import Ask, Step
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Header, Journal, verify
 
 ENCODINGS = st.sampled_from(["rgb8", "png", "jpeg", "mono8"])

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import decode, encode
 from rai_missions.profile import EventSource, Source, plain
 from rai_missions.profile.convert import at_path, image_of, pose_message, pose_of

@@ -18,7 +18,8 @@ import pytest
 from rai_missions.connectors.connector import Message
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission

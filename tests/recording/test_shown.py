@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.profile import Robot
 from rai_missions.recording import RecordedConnector, Recording, journal_of
 from rai_missions.recording.schemas import described

@@ -27,7 +27,8 @@ from rai_missions.engine.step import (
     Withdraw,
 )
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Record, read, verify
 from rai_missions.journal.rows import JournalRow, Raw
 from rai_missions.replay.replay import Replay, replay

@@ -12,7 +12,8 @@ import pytest
 
 from rai_missions.engine.step import StartGoal
 from rai_missions.errors import UsageError
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Header, Journal, read
 from rai_missions.journal import writer_thread as clerk
 from rai_missions.runtime import mailbox as mailboxes

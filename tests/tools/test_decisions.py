@@ -20,7 +20,7 @@ from rai_missions.connectors.connector import Data
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.decision import Limits
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.journal import read
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rai_missions.errors import UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import pytest
 from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.profile.convert import pose_message
 from rai_missions.worlds import open_world
 from rai_missions.worlds.contract import check_world

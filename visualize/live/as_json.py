@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.engine.decision import Question
 from rai_missions.engine.description import describe
 from rai_missions.engine.step import Step
-from rai_missions.event import Image
+from rai_missions.image import Image
 from visualize.page.as_json import Json, plain, without_empty
 
 __all__ = ("LONGEST", "bounded", "line", "question_data")

@@ -10,12 +10,10 @@ import asyncio
 import time
 from collections.abc import Callable
 
-from rai_missions.event import Image
-from rai_missions.image import png
+from rai_missions.image import Image
 
 __all__ = ("ImageStream",)
 
-PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
 EVERY_S = 0.25
 """The shortest time between two pictures of one key."""
 MOST_BYTES = 16 * 1024 * 1024
@@ -46,13 +44,9 @@ class ImageStream:
 
 def _encoded(image: Image) -> Shown:
     try:
-        data = image.data
-        if image.encoding == "rgb8":
-            data = png(image.width, image.height, data)
+        file = image.file()
     except Exception as error:  # noqa: BLE001 - whatever makes a picture is not trusted to; the viewer is informed
         return "", str(error)[:300].encode()
-    if len(data) > MOST_BYTES:
-        return "", f"{len(data)} bytes are too many".encode()
-    if data.startswith(PNG):
-        return "image/png", data
-    return ("image/jpeg", data) if data.startswith(JPEG) else ("", b"its bytes are neither PNG nor JPEG")
+    if len(file.data) > MOST_BYTES:
+        return "", f"{len(file.data)} bytes are too many".encode()
+    return file.media_type, file.data

@@ -12,7 +12,8 @@ from typing import Any
 
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Ask, Handover, Step, Withdraw
-from rai_missions.event import Image, is_taken
+from rai_missions.event import is_taken
+from rai_missions.image import Image
 from visualize.live.as_json import bounded, line, question_data
 from visualize.page.as_json import Json
 

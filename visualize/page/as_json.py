@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.event import Image
+from rai_missions.image import Image
 
 __all__ = ("Json", "Pool", "plain", "without_empty")
 

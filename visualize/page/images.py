@@ -6,16 +6,12 @@ Rule: what a picture is, its first bytes state and no one's word for it; what is
 
 from __future__ import annotations
 
-import base64
-
 from rai_missions.errors import MissionError
-from rai_missions.event import Image
-from rai_missions.image import png
+from rai_missions.image import Image
 from visualize.page.as_json import Json
 
 __all__ = ("BUDGET", "Gallery")
 
-PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
 SMALL = 6
 """zlib's level: a page is kept and sent around."""
 BUDGET = 64 * 1024 * 1024
@@ -47,13 +43,11 @@ class Gallery:
         return name
 
     def _entry(self, image: Image) -> Json:
-        data = image.data
-        if image.encoding == "rgb8" and len(data) == image.width * image.height * 3:
-            data = png(image.width, image.height, data, level=SMALL)
-        kind = "png" if data.startswith(PNG) else "jpeg" if data.startswith(JPEG) else ""
-        if not kind:
-            return {"why": f"its {len(data)} bytes are neither PNG nor JPEG"}
-        if len(data) > self._left:
+        try:
+            file = image.file(level=SMALL)
+        except ValueError as error:
+            return {"why": str(error)}
+        if len(file.data) > self._left:
             return {"why": f"left out: the page holds at most {BUDGET >> 20} MiB of pictures"}
-        self._left -= len(data)
-        return {"uri": f"data:image/{kind};base64,{base64.b64encode(data).decode()}"}
+        self._left -= len(file.data)
+        return {"uri": f"data:{file.media_type};base64,{file.base64}"}

@@ -17,7 +17,7 @@ from rai_missions.engine.decision import Question
 from rai_missions.engine.description import describe
 from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import DefinitionError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.journal import Note, StepRow, verify
 from rai_missions.journal.reader import Record
 from rai_missions.mission.mission import Mission

@@ -6,7 +6,6 @@ Rule: what the robot received is data. It is quoted line by line inside `<facts>
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -17,8 +16,7 @@ from rai_missions.answerers.model.output_modes import Mode
 from rai_missions.answerers.model.parse_reply import callable_name
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Evidence, Offer, Question
-from rai_missions.event import Image
-from rai_missions.image import png
+from rai_missions.image import Image
 from rai_missions.redaction import cut
 
 __all__ = ("messages_of", "quoted")
@@ -127,10 +125,7 @@ def _pictures(question: Question, identity: Identity | None) -> list[tuple[str, 
 def _block(image: Image) -> dict[str, Any] | None:
     """A picture as a content block; None where it cannot be had or shown."""
     try:
-        data = png(image.width, image.height, image.data) if image.encoding == "rgb8" else image.data
+        file = image.file()
     except Exception:  # noqa: BLE001 - the picture is made when asked for, by whatever camera; the fact then says it is not shown
         return None
-    if image.encoding not in ("rgb8", "png", "jpeg") or not data or len(data) > LARGEST_IMAGE:
-        return None
-    kind = "jpeg" if image.encoding == "jpeg" else "png"
-    return {"type": "image", "base64": base64.b64encode(data).decode(), "mime_type": f"image/{kind}"}
+    return file.block() if len(file.data) <= LARGEST_IMAGE else None

@@ -10,7 +10,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import Data
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("decode", "encode")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Image
+from rai_missions.image import Image
 
 __all__ = ("PICTURES", "check_picture", "message_of_picture")
 

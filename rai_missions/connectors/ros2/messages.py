@@ -20,7 +20,7 @@ from rai_missions.connectors.ros2.images import PICTURES, check_picture, message
 from rai_missions.connectors.ros2.names import find_type
 from rai_missions.connectors.ros2.types import BYTES, CODES, INTEGERS, FieldType, field_type
 from rai_missions.errors import ConnectorError, suggestion
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.redaction import cut, shown
 
 __all__ = (

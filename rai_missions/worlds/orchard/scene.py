@@ -27,14 +27,13 @@ CROWNS, TRUNKS = 5, 3
 TREE_GHOST = 'contype="0" conaffinity="0"'
 
 
-def build(layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = False, trees: bool = True) -> Any:
+def build(layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = False) -> Any:
     """Compile the orchard.
 
     Args:
         layout: Where everything stands.
         obstacles: What lies in the alleys; their bodies are called `obstacle_0`, `obstacle_1`, ...
         shadows: Cast shadows and smooth edges: prettier, and several times slower to render.
-        trees: Leave the trees out for a portrait.
     """
     middle = layout.length_m / 2, layout.centre_m(layout.alleys - 1) / 2
     xml = f"""<mujoco model="orchard"><compiler angle="degree"/>
@@ -51,7 +50,7 @@ def build(layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = Fals
  <light directional="true" pos="10 6 20" dir="-.35 -.45 -.8" diffuse=".75 .72 .64" specular=".2 .2 .2"
   castshadow="{str(shadows).lower()}"/>
  <geom name="ground" type="plane" size="120 120 1" material="grass" friction="1 .01 .01"/>
- {_trees(layout) if trees else ""}
+ {_trees(layout)}
  {"".join(_obstacle(number, obstacle, layout) for number, obstacle in enumerate(obstacles))}
  {tractor.body(*layout.home)}
 </worldbody>

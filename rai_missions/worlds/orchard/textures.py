@@ -3,22 +3,14 @@
 
 from __future__ import annotations
 
-import io
-
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
-__all__ = ("bark", "grass", "leaves", "png", "wood")
+from rai_missions.image import png
+
+__all__ = ("bark", "grass", "leaves", "wood")
 
 Field = NDArray[np.float64]
-
-
-def png(pixels: Field) -> bytes:
-    """Pixels (rows, columns, 3), 0 to 255, as a PNG file."""
-    out = io.BytesIO()
-    Image.fromarray(np.clip(pixels, 0, 255).astype(np.uint8)).save(out, "PNG")
-    return out.getvalue()
 
 
 def grass(size: int = 512) -> bytes:
@@ -29,7 +21,7 @@ def grass(size: int = 512) -> bytes:
     soil = np.stack([118 + 50 * shade + 22 * blades, 92 + 40 * shade + 18 * blades, 62 + 30 * shade + 12 * blades], -1)
     bare = np.clip((_noise(size, rng, persistence=0.8) - 0.55) * 5, 0, 1)[..., None] * 0.5
     green *= (0.86 + 0.28 * rng.random((size, size)) ** 3)[..., None]
-    return png(green * (1 - bare) + soil * bare)
+    return _file(green * (1 - bare) + soil * bare)
 
 
 def leaves(size: int = 256) -> bytes:
@@ -45,7 +37,7 @@ def leaves(size: int = 256) -> bytes:
         colour = np.array([74, 122, 42]) * rng.uniform(0.6, 1.25) + (u[inside] / length * 14)[:, None]
         pixels[(y[inside] + cy) % size, (x[inside] + cx) % size] = colour
     pixels[: size // 12, -size // 12 :] = (190, 32, 24)
-    return png(pixels)
+    return _file(pixels)
 
 
 def bark(size: int = 128) -> bytes:
@@ -53,7 +45,7 @@ def bark(size: int = 128) -> bytes:
     rng = np.random.default_rng(2)
     shade, furrow = _noise(size, rng), np.repeat(rng.random((1, size)), size, 0)
     deep = shade * furrow
-    return png(np.stack([95 + 60 * deep + 20 * shade, 72 + 45 * deep + 15 * shade, 52 + 30 * deep], -1))
+    return _file(np.stack([95 + 60 * deep + 20 * shade, 72 + 45 * deep + 15 * shade, 52 + 30 * deep], -1))
 
 
 def wood(size: int = 256) -> bytes:
@@ -65,7 +57,13 @@ def wood(size: int = 256) -> bytes:
         pixels[gap : gap + 5] *= 0.35
     pixels[:, :8] *= 0.5
     pixels[:, -8:] *= 0.5
-    return png(pixels)
+    return _file(pixels)
+
+
+def _file(pixels: Field) -> bytes:
+    """Pixels (rows, columns, 3), 0 to 255, as a PNG file."""
+    height, width, _ = pixels.shape
+    return png(width, height, np.clip(pixels, 0, 255).astype(np.uint8).tobytes())
 
 
 def _noise(size: int, rng: np.random.Generator, octaves: int = 6, persistence: float = 0.55) -> Field:

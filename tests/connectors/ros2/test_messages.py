@@ -15,7 +15,7 @@ from rai_missions.connectors.ros2.messages import goal_id_from_bytes, goal_id_to
 from rai_missions.connectors.ros2.names import find_type
 from rai_missions.connectors.ros2.types import FieldType, field_type
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.profile import plain
 from rai_missions.profile.convert import image_of
 

@@ -11,7 +11,7 @@ import pytest
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Image
+from rai_missions.image import Image
 
 TYPE = "sensor_msgs/msg/Image"
 

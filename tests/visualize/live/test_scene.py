@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine.step import Move, Step
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
 from tests.node.scenes import mission as errand
 from tests.visualize.live.stage import Run

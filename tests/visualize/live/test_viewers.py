@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.event import Image
+from rai_missions.image import Image
 from tests.visualize.live.stage import Run, Viewer, ask, until
 from tests.visualize.live.test_scene import ACTS, play
 from tests.visualize.runs import tractor

@@ -11,7 +11,8 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
-from rai_missions.event import Event, Image
+from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees

@@ -12,7 +12,7 @@ import pytest
 from rai_missions.check import check
 from rai_missions.cli.main import main
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.event import Image
+from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
 from tests.visualize.page.reading import answered, data_of, journal_of
 from tests.visualize.runs import ROOT, document, tractor
