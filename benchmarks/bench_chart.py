@@ -60,12 +60,12 @@ def per_event_us(send: Send, events: tuple[str, ...], *, rounds: int = 5, least_
 # -- ours -------------------------------------------------------------------------------------------------------------
 
 
-def row(on: str, to: str, **words: Any) -> Json:
+def transition(on: str, to: str, **words: Any) -> Json:
     return {"on": on, "to": to, **words}
 
 
 def loop(a: str, b: str) -> Json:
-    return {a: {"transitions": [row("a", b)]}, b: {"transitions": [row("b", a)]}}
+    return {a: {"transitions": [transition("a", b)]}, b: {"transitions": [transition("b", a)]}}
 
 
 def document(case: str) -> Json:
@@ -73,12 +73,18 @@ def document(case: str) -> Json:
     states: Json = {
         "flat": loop("s", "t"),
         "guarded": {
-            "s": {"transitions": [row("a", "t", **counting)]},
-            "t": {"transitions": [row("b", "s", **counting)]},
+            "s": {"transitions": [transition("a", "t", **counting)]},
+            "t": {"transitions": [transition("b", "s", **counting)]},
         },
         "levels": {
-            "x": {"initial": "y", "states": {"y": {"initial": "s", "states": {"s": {"transitions": [row("a", "t")]}}}}},
-            "u": {"initial": "v", "states": {"v": {"initial": "t", "states": {"t": {"transitions": [row("b", "s")]}}}}},
+            "x": {
+                "initial": "y",
+                "states": {"y": {"initial": "s", "states": {"s": {"transitions": [transition("a", "t")]}}}},
+            },
+            "u": {
+                "initial": "v",
+                "states": {"v": {"initial": "t", "states": {"t": {"transitions": [transition("b", "s")]}}}},
+            },
         },
         "regions": {
             "p": {
@@ -120,18 +126,18 @@ def transitions_peer(case: str) -> Send:
     model = Counter()
     words: Json = {"conditions": "may", "after": "add"} if case == "guarded" else {}
     if case in ("flat", "guarded"):
-        rows: list[Any] = [
+        transitions: list[Any] = [
             {"trigger": "a", "source": "s", "dest": "t", **words},
             {"trigger": "b", "source": "t", "dest": "s", **words},
         ]
-        Machine(model, states=["s", "t"], transitions=rows, initial="s", auto_transitions=False)
+        Machine(model, states=["s", "t"], transitions=transitions, initial="s", auto_transitions=False)
     elif case == "levels":
         states: list[Any] = [
             {"name": "x", "initial": "y", "children": [{"name": "y", "initial": "s", "children": ["s"]}]},
             {"name": "u", "initial": "v", "children": [{"name": "v", "initial": "t", "children": ["t"]}]},
         ]
-        rows = [["a", "x_y_s", "u_v_t"], ["b", "u_v_t", "x_y_s"]]
-        HierarchicalMachine(model, states=states, transitions=rows, initial="x", auto_transitions=False)
+        transitions = [["a", "x_y_s", "u_v_t"], ["b", "u_v_t", "x_y_s"]]
+        HierarchicalMachine(model, states=states, transitions=transitions, initial="x", auto_transitions=False)
     else:
         regions = [
             {
@@ -193,7 +199,7 @@ def sismic_peer(case: str) -> Send:
     from sismic.io.datadict import import_from_dict
 
     def written(name: str, state: Json) -> Json:
-        rows = [
+        transitions = [
             {
                 "event": each["on"],
                 "target": each["to"],
@@ -201,7 +207,7 @@ def sismic_peer(case: str) -> Send:
             }
             for each in state.get("transitions", [])
         ]
-        made: Json = {"name": name, **({"transitions": rows} if rows else {})}
+        made: Json = {"name": name, **({"transitions": transitions} if transitions else {})}
         if "states" in state:
             made |= {"initial": state["initial"], "states": [written(*each) for each in state["states"].items()]}
         if "parallel" in state:
@@ -301,12 +307,12 @@ def table() -> None:
     print("CPU µs an event (times ours)")
     print(f"{'':22}" + "".join(f"{case:>17}" for case in CASES))
     print(f"{'rai_missions':22}" + "".join(f"{own[case]:10.2f}       " for case in CASES))
-    rows = {peer: {case: measured(peer, case) for case in CASES} for peer in PEERS}
-    rows["XState (node)"] = {case: xstate_us(case) for case in CASES}
-    for peer, found in rows.items():
+    peers = {peer: {case: measured(peer, case) for case in CASES} for peer in PEERS}
+    peers["XState (node)"] = {case: xstate_us(case) for case in CASES}
+    for peer, found in peers.items():
         print(f"{peer:22}" + " ".join(cell(found[case], own[case]) for case in CASES))
     for case, (peer, times) in TARGETS.items():
-        theirs = rows[peer][case]
+        theirs = peers[peer][case]
         if theirs is not None:
             verdict = "reached" if own[case] * times <= theirs else "MISSED"
             print(f"target {case}: at most 1/{times} of {peer}: 1/{theirs / own[case]:.1f}, {verdict}")
@@ -318,13 +324,15 @@ def table() -> None:
 def big(count: int) -> Json:
     """A ring of states: `a` leads on, `b` back, and the mission's own row to the end from anywhere."""
     states: Json = {
-        f"s{n}": {"transitions": [row("a", f"s{(n + 1) % count}"), row("b", f"s{n - 1 if n else count - 1}")]}
+        f"s{n}": {
+            "transitions": [transition("a", f"s{(n + 1) % count}"), transition("b", f"s{n - 1 if n else count - 1}")]
+        }
         for n in range(count)
     }
     states["end"] = {"final": "aborted"}
     return {
         "format": 1, "name": "big", "events": {"a": {}, "b": {}, "stop": {}}, "initial": "s0", "states": states,
-        "transitions": [row("stop", "end")],
+        "transitions": [transition("stop", "end")],
     }  # fmt: skip
 
 

@@ -65,7 +65,7 @@ def wing(number: int, wings: int, chance: random.Random) -> dict[str, Any]:
         for side in ("left", "right")
     }
     question = {"question": "What now?", "options": {"again": {}, "stop": {}}, "deadline_s": 10, "fallback": "stop"}
-    rows = [
+    transitions = [
         {"on": "succeeded", "when": {"key": "tries", ">": 2}, "to": f"{name}_both"},
         {"on": "succeeded", "to": onward},
         {"on": "anomaly", "to": f"{name}_ask"},
@@ -73,7 +73,7 @@ def wing(number: int, wings: int, chance: random.Random) -> dict[str, Any]:
     return {
         "initial": f"{name}_work",
         "states": {
-            f"{name}_work": {**work, "transitions": chance.sample(rows[:1], 1) + rows[1:]},
+            f"{name}_work": {**work, "transitions": chance.sample(transitions[:1], 1) + transitions[1:]},
             f"{name}_ask": {
                 "decision": question,
                 "transitions": [{"on": "again", "to": f"{name}_work"}, {"on": "stop", "to": "aborted"}],

@@ -29,12 +29,12 @@ def chain(states: int) -> Mission:
         inside = {}
         for number in range(9):
             name, onward = f"a{group}_{number}", f"a{group}_{number + 1}" if number < 8 else f"end{group}"
-            rows = [
+            transitions = [
                 {"on": "succeeded", "to": onward},
                 {"on": "failed", "to": f"a{group}_0"},
                 {"on": "halt", "to": "done"},
             ]
-            inside[name] = {"action": "go", "timeout_s": 30, "transitions": rows}
+            inside[name] = {"action": "go", "timeout_s": 30, "transitions": transitions}
         inside[f"end{group}"] = {"final": "succeeded"}
         to = f"g{group + 1}" if (group + 1) * 10 < states else "done"
         groups[f"g{group}"] = {

@@ -28,8 +28,11 @@ def counting(regions: int) -> dict[str, Any]:
 
     def region(number: int) -> dict[str, Any]:
         names = [f"s{number}_{digit}" for digit in range(DIGITS)]
-        rows = [{"on": f"e{number}", "to": names[(digit + 1) % DIGITS]} for digit in range(DIGITS)]
-        return {"initial": names[0], "states": {n: {"transitions": [row]} for n, row in zip(names, rows, strict=True)}}
+        transitions = [{"on": f"e{number}", "to": names[(digit + 1) % DIGITS]} for digit in range(DIGITS)]
+        return {
+            "initial": names[0],
+            "states": {n: {"transitions": [transition]} for n, transition in zip(names, transitions, strict=True)},
+        }
 
     return {
         "format": 1, "name": "counting", "version": "1.0.0", "initial": "all",

@@ -127,8 +127,8 @@ def polled(waiting: queue.SimpleQueue[int]) -> int:
 
 def idle() -> None:
     """Processor time of a run that waits, in both ways of waiting: for an event, and for a timer in an hour."""
-    for name, rows in (("for an event", []), ("for an event or a timer", [{"after_s": 3600, "to": "over"}])):
-        work = {"transitions": [*WORK["transitions"], *rows]}
+    for name, transitions in (("for an event", []), ("for an event or a timer", [{"after_s": 3600, "to": "over"}])):
+        work = {"transitions": [*WORK["transitions"], *transitions]}
         states = {"work": work, "over": {"final": "aborted"}}
         made = Mission.model_validate({"name": "idle", "initial": "work", "events": ["go", "end"], "states": states})
         connector = LocalConnector()

@@ -33,7 +33,7 @@ def machine_of(mission: Mission) -> Any:
     HierarchicalGraphMachine.state_cls.separator = "."
     start = next(initial.target for initial in drawn.initials if not initial.parent)
     return HierarchicalGraphMachine(
-        model=_Model(drawn), states=_states(inside[""]), transitions=_rows(drawn, full), initial=full[start],
+        model=_Model(drawn), states=_states(inside[""]), transitions=_transitions(drawn, full), initial=full[start],
         auto_transitions=False, show_conditions=True, title=mission.name, graph_engine="graphviz",
     )  # fmt: skip
 
@@ -50,7 +50,7 @@ def _states(given: list[Any]) -> list[Any]:
     return [{**each, "children": _states(each["children"])} if each["children"] else each["name"] for each in given]
 
 
-def _rows(drawn: Picture, full: dict[str, str]) -> list[dict[str, Any]]:
+def _transitions(drawn: Picture, full: dict[str, str]) -> list[dict[str, Any]]:
     """Every row as a transition; those of the mission itself as one from all its states."""
     return [
         {

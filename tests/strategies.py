@@ -250,27 +250,27 @@ class _Draft:
                         if word == "states"
                         else []
                     )
-                    if rows := self.rows(state, forward):
-                        state["transitions"] = rows
+                    if transitions := self.transitions(state, forward):
+                        state["transitions"] = transitions
 
-    def rows(self, state: Json, forward: list[str]) -> list[Json]:
-        rows: list[Json] = []
+    def transitions(self, state: Json, forward: list[str]) -> list[Json]:
+        transitions: list[Json] = []
         for option in state.get("decision", {}).get("options", ()):
-            rows.append(self.row({"on": option}, self.anywhere(), raising=True))
+            transitions.append(self.transition({"on": option}, self.anywhere(), raising=True))
         ends = self.draw(st.sampled_from([(), ("succeeded",), ("succeeded", "failed"), (list(ACTIVITY_ENDS[1:]),)]))
         if state.keys() & {"action", "call"}:
-            rows += [self.row({"on": end}, self.anywhere(), raising=True) for end in ends]
+            transitions += [self.transition({"on": end}, self.anywhere(), raising=True) for end in ends]
         elif state.keys() & {"tree", "states", "parallel", "each"} and forward:
-            rows += [self.row({"on": end}, self.draw(st.sampled_from(forward))) for end in ends]
+            transitions += [self.transition({"on": end}, self.draw(st.sampled_from(forward))) for end in ends]
         for _ in range(self.draw(st.integers(0, 2))):
-            rows.append(self.outside_row())
+            transitions.append(self.outside_transition())
         if forward and self.draw(st.integers(0, 3)) == 0:
-            rows.append(self.row({"when": self.guard()}, self.draw(st.sampled_from(forward))))
+            transitions.append(self.transition({"when": self.guard()}, self.draw(st.sampled_from(forward))))
         if forward and self.draw(st.integers(0, 3)) == 0:
-            rows.append(self.row({"on": HINT}, self.draw(st.sampled_from(forward))))
-        return rows
+            transitions.append(self.transition({"on": HINT}, self.draw(st.sampled_from(forward))))
+        return transitions
 
-    def outside_row(self) -> Json:
+    def outside_transition(self) -> Json:
         """A row that only something from outside, or time, can fire."""
         trigger = self.draw(
             st.one_of(
@@ -280,7 +280,7 @@ class _Draft:
         )
         guard = self.draw(st.none() | st.just(True))
         trigger = {**trigger, **({"when": self.guard()} if guard else {})}
-        return self.row(trigger, self.anywhere() if self.draw(st.integers(0, 4)) else None, raising=True)
+        return self.transition(trigger, self.anywhere() if self.draw(st.integers(0, 4)) else None, raising=True)
 
     def anywhere(self) -> Any:
         several = [region for region in self.regions if all(region)]
@@ -292,10 +292,10 @@ class _Draft:
         given: Json = self.draw(guards(tuple(self.plain)))
         return given
 
-    def row(self, trigger: Json, to: Any, *, raising: bool = False) -> Json:
+    def transition(self, trigger: Json, to: Any, *, raising: bool = False) -> Json:
         do = self.draw(effects(raising=raising))
-        row = {**trigger, **({"to": to} if to is not None else {})}
-        return {**row, "do": do or [{"log": "stays"}]} if to is None or do else row
+        transition = {**trigger, **({"to": to} if to is not None else {})}
+        return {**transition, "do": do or [{"log": "stays"}]} if to is None or do else transition
 
 
 @st.composite
@@ -312,13 +312,13 @@ def mission_documents(draw: Draw) -> Json:
         "format": 1, "name": "generated", "version": "1.0.0", "blackboard": KEYS,
         "events": {name: {} for name in (*EVENTS, HINT)}, "initial": begin, "states": states,
     }  # fmt: skip
-    rows: list[Json] = [{"on": "halt", "to": end}] if draw(st.booleans()) else []
+    transitions: list[Json] = [{"on": "halt", "to": end}] if draw(st.booleans()) else []
     if draw(st.booleans()):
-        rows.append({"when": {"all": [{"not": {"in": end}}, {"key": "battery", "<": 0.15}]}, "to": end})
+        transitions.append({"when": {"all": [{"not": {"in": end}}, {"key": "battery", "<": 0.15}]}, "to": end})
     if draw(st.integers(0, 2)) == 0:
-        rows.append({"on": "*", "when": draft.guard(), "do": [{"log": "heard"}]})
-    if rows:
-        document["transitions"] = rows
+        transitions.append({"on": "*", "when": draft.guard(), "do": [{"log": "heard"}]})
+    if transitions:
+        document["transitions"] = transitions
     if draw(st.booleans()):
         document["invariants"] = {"always": draw(guards(tuple(draft.plain), timed=False))}
     return document

@@ -33,7 +33,7 @@ CHARGING = k.supply.is_in([1, 4])
 
 def dock(about: str, *succeeded: tuple[Guard | None, str]) -> Action:
     """Drive to the dock; where that leads, under which guard each."""
-    rows = [On("succeeded", to=to, when=when) for when, to in succeeded]
+    transitions = [On("succeeded", to=to, when=when) for when, to in succeeded]
     return Action(
         "dock",
         about=about,
@@ -41,7 +41,7 @@ def dock(about: str, *succeeded: tuple[Guard | None, str]) -> Action:
         settle_s=3,
         timeout_s=300,
         control="autonomy",
-        transitions=[*rows, On(*TROUBLE, to="stranded")],
+        transitions=[*transitions, On(*TROUBLE, to="stranded")],
     )
 
 

@@ -41,9 +41,9 @@ def _unbounded(survey: MissionIndex, sort: Interface) -> Iterator[RobotUse]:
 
 def _timed(spot: StateRef) -> bool:
     """It is left after a while: by its timeout, or by a row that nothing but time decides."""
-    rows = (row.transition for row in spot.rows)
+    transitions = (transition.definition for transition in spot.transitions)
     return spot.state.timeout_s is not None or any(
-        row.after_s is not None and row.when is None and bool(row.to) for row in rows
+        transition.after_s is not None and transition.when is None and bool(transition.to) for transition in transitions
     )
 
 

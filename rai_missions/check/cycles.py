@@ -33,7 +33,7 @@ TRIES = 20
 class Jump:
     """A row without an event, and what holds once it was taken."""
 
-    row: TransitionRef
+    transition: TransitionRef
     guard: Guard
     form: Form
     active: tuple[StateRef, ...]
@@ -70,15 +70,15 @@ def possible_cycles(survey: MissionIndex) -> Found:
 def _found(survey: MissionIndex, *, certain: bool) -> Found:
     for cycle in _cycles(survey):
         if cycle.certain is certain:
-            rows = " → ".join(jump.row.place for jump in (*cycle.jumps, cycle.jumps[0])[:12])
+            transitions = " → ".join(jump.transition.place for jump in (*cycle.jumps, cycle.jumps[0])[:12])
             what = (
-                "this row fires again at once, for ever"
+                "this transition fires again at once, for ever"
                 if len(cycle.jumps) == 1
-                else f"these rows follow one another for ever: {rows}"
+                else f"these transitions follow one another for ever: {transitions}"
             )
             when = "" if certain else ", whenever their guards are true together"
             remedy = "wait for an event, set a key that the guard reads, or ask that the target is not active yet"
-            yield cycle.jumps[0].row.place, f"{what}{when}; {remedy}"
+            yield cycle.jumps[0].transition.place, f"{what}{when}; {remedy}"
 
 
 def _cycles(survey: MissionIndex) -> list[Cycle]:
@@ -88,7 +88,7 @@ def _cycles(survey: MissionIndex) -> list[Cycle]:
         return found
     cycles: list[Cycle] = []
     survey.remembered["cycles"] = cycles
-    jumps = [_jump(survey, row) for row in survey.rows if row.transition.eventless]
+    jumps = [_jump(survey, transition) for transition in survey.transitions if transition.definition.eventless]
     loops = {index for index, jump in enumerate(jumps) if not never(jump.form) and _endless((jump,))}
     cycles += [Cycle((jumps[index],), True) for index in sorted(loops)]
     follows = _followers(
@@ -101,35 +101,35 @@ def _cycles(survey: MissionIndex) -> list[Cycle]:
     return cycles
 
 
-def _jump(survey: MissionIndex, row: TransitionRef) -> Jump:
-    guard = row.transition.when
+def _jump(survey: MissionIndex, transition: TransitionRef) -> Jump:
+    guard = transition.definition.when
     assert guard is not None
-    targets = survey.found(row.transition.to)
-    stays = _stays(row, targets)
+    targets = survey.found(transition.definition.to)
+    stays = _stays(transition, targets)
     active = tuple(sorted(entered_with(survey, targets, stays), key=lambda spot: spot.index))
-    written = _set_by(row.transition.do)
+    written = _set_by(transition.definition.do)
     moved = [spot for spot in active if spot.inside(stays)] if targets else []
-    left = row.owner.upward() if row.owner is not None and targets else ()
+    left = transition.owner.upward() if transition.owner is not None and targets else ()
     written.update(*(_set_by(spot.state.entry) for spot in moved), *(_set_by(spot.state.exit) for spot in left))
     reads = frozenset(path.partition(".")[0] for each in guard.walk() for path in each.paths())
     ends = any(spot.parent is None and isinstance(spot.state, Final) for spot in active)
     names = frozenset(spot.name for spot in active)
-    return Jump(row, guard, form(guard), active, names, ends, stays, frozenset(written), reads)
+    return Jump(transition, guard, form(guard), active, names, ends, stays, frozenset(written), reads)
 
 
 def _set_by(effects: Iterable[Effect]) -> set[str]:
     return {effect.set for effect in effects if isinstance(effect, Set)}
 
 
-def _stays(row: TransitionRef, targets: list[StateRef]) -> StateRef | None:
+def _stays(transition: TransitionRef, targets: list[StateRef]) -> StateRef | None:
     """The innermost compound state around owner and targets (SCXML: the transition's domain)."""
-    if row.owner is None:
+    if transition.owner is None:
         return None
-    if not targets or (row.transition.internal and all(target.inside(row.owner) for target in targets)):
-        return row.owner
-    for here in row.owner.upward():
+    if not targets or (transition.definition.internal and all(target.inside(transition.owner) for target in targets)):
+        return transition.owner
+    for here in transition.owner.upward():
         if (
-            here is not row.owner
+            here is not transition.owner
             and not isinstance(here.state, Parallel)
             and all(target.inside(here) for target in targets)
         ):
@@ -141,7 +141,7 @@ def _after(jump: Jump, guard: Guard, owner: StateRef | None) -> Truth:
     """The value of a guard by the configuration alone once a jump is made; None where facts decide."""
     if jump.ends:
         return False
-    reenters = owner is not None and owner.inside(jump.stays) and bool(jump.row.transition.to)
+    reenters = owner is not None and owner.inside(jump.stays) and bool(jump.transition.definition.to)
     return guard.after_jump(lambda name: _active(jump, name), restarted=reenters)
 
 
@@ -155,14 +155,14 @@ def _followers(survey: MissionIndex, jumps: list[Jump]) -> dict[Jump, list[Jump]
     """Which jumps can be made right after which, by where they are and what is active."""
     owned: dict[StateRef | None, list[Jump]] = {}
     for jump in jumps:
-        owned.setdefault(jump.row.owner, []).append(jump)
+        owned.setdefault(jump.transition.owner, []).append(jump)
     follows: dict[Jump, list[Jump]] = {}
     for jump in jumps:
         candidates = [other for owner in (*jump.active, None) for other in owned.get(owner, ())][:CROWD]
         follows[jump] = [
             other
             for other in candidates
-            if other is not jump and _after(jump, other.guard, other.row.owner) is not False
+            if other is not jump and _after(jump, other.guard, other.transition.owner) is not False
         ]
     return follows
 
@@ -174,13 +174,13 @@ def _endless(jumps: tuple[Jump, ...]) -> bool:
         return False
     pairs = zip(jumps, (*jumps[1:], jumps[0]), strict=True)
     return all(
-        _reachable(one, other) and _after(one, other.guard, other.row.owner) is not False for one, other in pairs
+        _reachable(one, other) and _after(one, other.guard, other.transition.owner) is not False for one, other in pairs
     )
 
 
 def _reachable(one: Jump, other: Jump) -> bool:
     """Whether the owner of a row is active once another was taken."""
-    return other.row.owner is None or other.row.owner.name in one.names
+    return other.transition.owner is None or other.transition.owner.name in one.names
 
 
 def _around(follows: dict[Jump, list[Jump]], knot: list[Jump]) -> Cycle | None:

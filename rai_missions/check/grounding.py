@@ -99,15 +99,15 @@ def _of(write: KeyWrite) -> Origin:
 
 def _from_activity(write: KeyWrite) -> bool:
     """Whether `event.…` is the result of an action or call: every trigger of the row is an outcome of one."""
-    row = write.scope.row
+    transition = write.scope.transition
     if (
-        row is None
-        or row.owner is None
-        or row.transition.of is not None
-        or not isinstance(row.owner.state, Action | Call)
+        transition is None
+        or transition.owner is None
+        or transition.definition.of is not None
+        or not isinstance(transition.owner.state, Action | Call)
     ):
         return False
-    return all(word in OUTCOMES for word in row.transition.on)
+    return all(word in OUTCOMES for word in transition.definition.on)
 
 
 def _taken(origin: Origin, write: KeyWrite) -> Origin:
@@ -176,9 +176,9 @@ def missing_requires(survey: MissionIndex) -> Found:
     for spot in survey.top:
         if isinstance(spot.state, Final) and _succeeds(spot.state) and spot.state.requires is None:
             answered = any(
-                isinstance(row.owner and row.owner.state, Decision)
-                for row in survey.rows
-                if spot.name in row.transition.to
+                isinstance(transition.owner and transition.owner.state, Decision)
+                for transition in survey.transitions
+                if spot.name in transition.definition.to
             )
             why = (
                 "an answer alone would declare success" if answered else "nothing the robot reports would have to agree"

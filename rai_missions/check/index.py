@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission laid out for the rules: each state, row, guard, effect, read and write once, with its place.
+"""A mission laid out for the rules: each state, transition, guard, effect, read and write once, with its place.
 
 Rule: whatever two rules need is worked out here, in one walk; a rule never walks the mission itself. What a kind refers
 to and holds is in the annotations of its fields: no kind is picked out here.
@@ -28,14 +28,14 @@ __all__ = (
 class StateRef:
     """A state where it is: its place, its parent, and the span of the states inside it."""
 
-    __slots__ = ("children", "index", "last", "name", "parent", "place", "rows", "state")
+    __slots__ = ("children", "index", "last", "name", "parent", "place", "state", "transitions")
 
     def __init__(self, name: str, place: str, state: State, parent: StateRef | None, index: int) -> None:
         self.name, self.place, self.state, self.parent, self.index = name, place, state, parent, index
         self.last = index
         """The index of the last state inside it."""
         self.children: list[StateRef] = []
-        self.rows: list[TransitionRef] = []
+        self.transitions: list[TransitionRef] = []
 
     def inside(self, other: StateRef | None) -> bool:
         """Whether it is a proper descendant of another; everything is inside the mission (None)."""
@@ -57,14 +57,14 @@ class TransitionRef(NamedTuple):
 
     owner: StateRef | None
     place: str
-    transition: Transition
+    definition: Transition
 
 
 class Scope(NamedTuple):
     """What is around a read: whose it is, and what `event.…` and `answer.…` can mean there."""
 
     owner: StateRef | None = None
-    row: TransitionRef | None = None
+    transition: TransitionRef | None = None
     option: Option | None = None
     """The option in whose subtree of a tree it is."""
     timed: bool = False
@@ -132,7 +132,7 @@ class MissionIndex:
         self.spots: list[StateRef] = []
         """In document order."""
         self.top: list[StateRef] = []
-        self.rows: list[TransitionRef] = []
+        self.transitions: list[TransitionRef] = []
         self.guards: list[GuardUse] = []
         self.parts: list[tuple[str, Guard, GuardUse]] = []
         """Every guard and all inside it: its place, itself, and the whole."""
@@ -207,7 +207,7 @@ class MissionIndex:
         if isinstance(thing, State):
             scope = Scope(self._at[place])
         elif isinstance(thing, Transition):
-            scope = self._row(thing, place, scope.owner)
+            scope = self._transition(thing, place, scope.owner)
         elif isinstance(thing, Effect):
             self.effects.append(EffectUse(thing, place, scope))
         elif isinstance(thing, DecisionSpec):
@@ -217,12 +217,12 @@ class MissionIndex:
             self.nodes.append((thing, place))
         self._look(thing, place, scope)
 
-    def _row(self, transition: Transition, place: str, owner: StateRef | None) -> Scope:
-        row = TransitionRef(owner, place, transition)
-        self.rows.append(row)
+    def _transition(self, definition: Transition, place: str, owner: StateRef | None) -> Scope:
+        transition = TransitionRef(owner, place, definition)
+        self.transitions.append(transition)
         if owner is not None:
-            owner.rows.append(row)
-        return Scope(owner, row)
+            owner.transitions.append(transition)
+        return Scope(owner, transition)
 
     def _guard(self, guard: Guard, place: str, role: str, scope: Scope) -> None:
         use = GuardUse(guard, place, role, scope)

@@ -112,7 +112,7 @@ def unused_keys(survey: MissionIndex) -> Found:
 
 def unused_events(survey: MissionIndex) -> Found:
     """Every declared event fires a row."""
-    words = {word for row in survey.rows for word in row.transition.on}
+    words = {word for transition in survey.transitions for word in transition.definition.on}
     if ANY_EVENT in words:
         return
     used = {survey.events.meant(word) for word in words}
@@ -120,5 +120,5 @@ def unused_events(survey: MissionIndex) -> Found:
         if name not in used:
             yield (
                 pointer("/events", name),
-                f'no row waits for \'{name}\'; add a row {{"on": "{name}", …}}, or take the event away',
+                f'no transition waits for \'{name}\'; add a transition {{"on": "{name}", …}}, or take the event away',
             )

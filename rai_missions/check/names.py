@@ -48,13 +48,13 @@ def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 
 
 def unknown_events(survey: MissionIndex) -> Found:
-    """What `on` and `raise` name is an event, an outcome, or an option of the row's own decision."""
+    """What `on` and `raise` name is an event, an outcome, or an option of the transition's own decision."""
     words = Lexicon("event or outcome", (*survey.events.known, *OUTCOMES))
     options = {name: spot for spot in survey.spots for name in _options(spot)}
-    for row in survey.rows:
-        source = survey.spot(row.transition.of) if row.transition.of is not None else row.owner
+    for transition in survey.transitions:
+        source = survey.spot(transition.definition.of) if transition.definition.of is not None else transition.owner
         own = _options(source)
-        for place, word in _listed(f"{row.place}/on", row.transition.on):
+        for place, word in _listed(f"{transition.place}/on", transition.definition.on):
             if word != ANY_EVENT and word not in words and word not in own:
                 yield place, _unknown_trigger(word, own, words, options)
     for effect, place, _ in survey.effects:
@@ -69,7 +69,10 @@ def _options(spot: StateRef | None) -> tuple[str, ...]:
 def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, StateRef]) -> str:
     if word in options:
         name = options[word].name
-        return f"'{word}' is an option of '{name}', and fires only rows there: move this one, or add \"of\": \"{name}\""
+        return (
+            f"'{word}' is an option of '{name}', and fires only transitions there: "
+            f'move this one, or add "of": "{name}"'
+        )
     close = difflib.get_close_matches(word, own, n=1, cutoff=0.6)
     if close:
         return f"no event, outcome or option '{word}'; did you mean '{close[0]}'?"

@@ -11,7 +11,7 @@ from rai_missions.check.reported_outcomes import reported
 from rai_missions.states import Action, Call, Decision, Parallel
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
-__all__ = ("deaf_rows", "handled", "together", "unhandled_options", "unhandled_success", "unused_wildcards")
+__all__ = ("deaf_transitions", "handled", "together", "unhandled_options", "unhandled_success", "unused_wildcards")
 
 Found = Iterator[tuple[str, str]]
 
@@ -22,9 +22,9 @@ def handled(survey: MissionIndex) -> set[tuple[str, str]]:
     if not isinstance(found, set):
         found = {
             (source, word)
-            for row in survey.rows
-            for source in (row.transition.of or (row.owner.name if row.owner else ""),)
-            for word in row.transition.on
+            for transition in survey.transitions
+            for source in (transition.definition.of or (transition.owner.name if transition.owner else ""),)
+            for word in transition.definition.on
         }
         survey.remembered["handled"] = found
     return found
@@ -32,27 +32,27 @@ def handled(survey: MissionIndex) -> set[tuple[str, str]]:
 
 def unhandled_options(survey: MissionIndex) -> Found:
     """Every option of a decision has a row of its own decision."""
-    rows = handled(survey)
+    transitions = handled(survey)
     for spot in survey.spots:
         if not isinstance(spot.state, Decision):
             continue
         asked = spot.state.decision
         for name in asked.options:
-            if (spot.name, name) not in rows and name not in OUTCOMES:
+            if (spot.name, name) not in transitions and name not in OUTCOMES:
                 what = f"the fallback '{name}'" if name == asked.fallback else f"option '{name}'"
                 place = pointer(spot.place, "decision", "options", name)
-                yield place, f'nothing handles {what}; add a row {{"on": "{name}", "to": …}} to \'{spot.name}\''
+                yield place, f'nothing handles {what}; add a transition {{"on": "{name}", "to": …}} to \'{spot.name}\''
 
 
 def unhandled_success(survey: MissionIndex) -> Found:
     """The `succeeded` of an activity, and of a compound state with a final, is handled by a row of its own."""
-    ends, rows = reported(survey), handled(survey)
+    ends, transitions = reported(survey), handled(survey)
     for spot in survey.spots:
-        if "succeeded" in ends.by(spot) and (spot.name, "succeeded") not in rows and not _is_region(spot):
+        if "succeeded" in ends.by(spot) and (spot.name, "succeeded") not in transitions and not _is_region(spot):
             yield (
                 spot.place,
                 f"nothing handles 'succeeded' of '{spot.name}', and it would stay there; "
-                'add a row {"on": "succeeded", "to": …} to it, or one without \'to\' if it is to stay',
+                'add a transition {"on": "succeeded", "to": …} to it, or one without \'to\' if it is to stay',
             )
 
 
@@ -61,31 +61,32 @@ def _is_region(spot: StateRef) -> bool:
     return spot.parent is not None and isinstance(spot.parent.state, Parallel) and bool(spot.children)
 
 
-def deaf_rows(survey: MissionIndex) -> Found:
+def deaf_transitions(survey: MissionIndex) -> Found:
     """An outcome that a row waits for can be reported while the row's state is active."""
     ends = reported(survey)
-    for row in survey.rows:
-        source = survey.by_name.get(row.transition.of) if row.transition.of is not None else None
-        if row.transition.of is not None and source is None:
+    for transition in survey.transitions:
+        source = survey.by_name.get(transition.definition.of) if transition.definition.of is not None else None
+        if transition.definition.of is not None and source is None:
             continue  # it is unknown, and that is reported
-        words = [word for word in row.transition.on if word in OUTCOMES and word not in survey.mission.events]
-        if source is not None and not together(row.owner, source):
-            assert row.owner is not None
+        words = [word for word in transition.definition.on if word in OUTCOMES and word not in survey.mission.events]
+        if source is not None and not together(transition.owner, source):
+            assert transition.owner is not None
             yield (
-                f"{row.place}/of",
-                f"'{source.name}' is never active together with '{row.owner.name}', so this row never fires; move it",
+                f"{transition.place}/of",
+                f"'{source.name}' is never active together with '{transition.owner.name}', "
+                "so this transition never fires; move it",
             )
             continue
-        possible = ends.by(source) if source is not None else ends.possible_at(row.owner)
-        whose = source or row.owner
+        possible = ends.by(source) if source is not None else ends.possible_at(transition.owner)
+        whose = source or transition.owner
         if whose is not None and isinstance(whose.state, Action | Call):
             words = [word for word in words if word != "timed_out"]  # without a timeout: reported, and the row is right
         if vain := [word for word in words if word not in possible]:
-            yield f"{row.place}/on", _vain(row, source, vain, possible)
+            yield f"{transition.place}/on", _vain(transition, source, vain, possible)
 
 
-def _vain(row: TransitionRef, source: StateRef | None, vain: list[str], possible: frozenset[str]) -> str:
-    whose = source or row.owner
+def _vain(transition: TransitionRef, source: StateRef | None, vain: list[str], possible: frozenset[str]) -> str:
+    whose = source or transition.owner
     who = f"'{whose.name}'" if whose is not None else "no state of the mission"
     verb = "never reports" if whose is not None else "reports"
     can = ", ".join(word for word in OUTCOMES if word in possible)
@@ -108,9 +109,9 @@ def together(one: StateRef | None, other: StateRef) -> bool:
 def unused_wildcards(survey: MissionIndex) -> Found:
     """`*` is any declared event, so at least one is declared."""
     if not survey.mission.events:
-        for row in survey.rows:
-            if ANY_EVENT in row.transition.on:
+        for transition in survey.transitions:
+            if ANY_EVENT in transition.definition.on:
                 yield (
-                    f"{row.place}/on",
+                    f"{transition.place}/on",
                     "'*' is any declared event, and the mission declares none; declare it under /events",
                 )

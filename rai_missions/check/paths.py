@@ -68,12 +68,13 @@ def _field(name: str, key: Key, fields: list[str]) -> Meaning:
 
 def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     """The payload of what fires the row."""
-    if scope.row is None or not scope.row.transition.on:
+    if scope.transition is None or not scope.transition.definition.on:
         return Meaning(
             None,
-            "'event.…' reads what fires a row, and nothing does here; 'set' a key in a row with 'on', and read that",
+            "'event.…' reads what fires a transition, and nothing does here; "
+            "'set' a key in a transition with 'on', and read that",
         )
-    words = scope.row.transition.on
+    words = scope.transition.definition.on
     declared = survey.mission.events
     events = [(word, declared[word]) for word in (declared if ANY_EVENT in words else words) if word in declared]
     if len(fields) != 1 or any(word not in declared and word != ANY_EVENT for word in words):
@@ -93,8 +94,8 @@ def _answer(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     if not options:
         return Meaning(
             None,
-            "'answer.…' reads an option's parameters, and this is no row of one; "
-            "'set' a key in the option's row, and read that",
+            "'answer.…' reads an option's parameters, and this is no transition of one; "
+            "'set' a key in the option's transition, and read that",
         )
     if not fields:
         return Meaning("object")
@@ -118,10 +119,10 @@ def _options(survey: MissionIndex, scope: Scope) -> dict[str, Option]:
     """The options whose answer may be in hand."""
     if scope.option is not None:
         return {"": scope.option}
-    if scope.row is None:
+    if scope.transition is None:
         return {}
-    transition = scope.row.transition
-    source = survey.spot(transition.of) if transition.of is not None else scope.row.owner
+    transition = scope.transition.definition
+    source = survey.spot(transition.of) if transition.of is not None else scope.transition.owner
     if source is None or not isinstance(source.state, Decision):
         return {}
     return {word: source.state.options[word] for word in transition.on if word in source.state.options}

@@ -37,7 +37,11 @@ class Reach:
                 if parent is not None and isinstance(parent.state, Parallel) and parent not in self.active:
                     todo += [(region, True) for region in parent.children if region is not here]
                 if follow:
-                    todo += [(target, True) for row in here.rows for target in self.survey.found(row.transition.to)]
+                    todo += [
+                        (target, True)
+                        for transition in here.transitions
+                        for target in self.survey.found(transition.definition.to)
+                    ]
             if descend and spot not in self._descended:
                 self._descended.add(spot)
                 todo += [(inner, True) for inner in default_entry(self.survey, spot)]
@@ -73,8 +77,8 @@ def reached(survey: MissionIndex) -> set[StateRef]:
     if not isinstance(found, set):
         mission, reach = survey.mission, Reach(survey)
         reach.enter(survey.found(mission.initial) or survey.top)
-        for row in mission.transitions:
-            reach.enter(survey.found(row.to))
+        for transition in mission.transitions:
+            reach.enter(survey.found(transition.to))
         reach.enter(survey.found((mission.on_cancel,) if mission.on_cancel is not None else ()))
         found = survey.remembered["reached"] = reach.active
     return found
@@ -95,7 +99,10 @@ def unreachable_states(survey: MissionIndex) -> Found:
     for part in parts:
         if part[0] not in led:
             name = part[0].name
-            yield part[0].place, f'nothing leads to \'{name}\'; add a row with "to": "{name}", or take the state away'
+            yield (
+                part[0].place,
+                f'nothing leads to \'{name}\'; add a transition with "to": "{name}", or take the state away',
+            )
 
 
 def _own_fault(survey: MissionIndex, spot: StateRef) -> bool:
@@ -110,18 +117,22 @@ def _subtree(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
 
 def _targets(survey: MissionIndex, inside: list[StateRef], whole: StateRef) -> Iterator[StateRef]:
     """Where rows inside a state lead to, and what that is inside of, as far as it is outside the state."""
-    for target in survey.found(name for spot in inside for row in spot.rows for name in row.transition.to):
+    for target in survey.found(
+        name for spot in inside for transition in spot.transitions for name in transition.definition.to
+    ):
         yield from (here for here in target.upward() if here is not whole and not here.inside(whole))
 
 
 def dead_ends(survey: MissionIndex) -> Found:
     """A state that only waits has a row, here or further out, that can fire and leaves it."""
     for spot in _waiting(survey):
-        if not any(_frees(survey, row, spot) for row in (*_rows_here(spot), *_own_rows(survey))):
+        if not any(
+            _frees(survey, transition, spot) for transition in (*_transitions_here(spot), *_own_transitions(survey))
+        ):
             yield (
                 spot.place,
                 f"nothing can leave '{spot.name}': it is not final, runs nothing, "
-                "and no row that can fire leads out of it; add a row, or make it final",
+                "and no transition that can fire leads out of it; add a transition, or make it final",
             )
 
 
@@ -130,17 +141,17 @@ def waiting_rooms(survey: MissionIndex) -> Found:
     success = {spot for spot in survey.top if isinstance(spot.state, Final) and spot.state.final == "succeeded"}
     hopeful: dict[str, bool] = {}
     for spot in _waiting(survey) if success else ():
-        if any(_frees(survey, row, spot) for row in _rows_here(spot)):
+        if any(_frees(survey, transition, spot) for transition in _transitions_here(spot)):
             continue
-        rows = [row for row in _own_rows(survey) if _frees(survey, row, spot)]
-        for row in rows:
-            if row.place not in hopeful:
+        transitions = [transition for transition in _own_transitions(survey) if _frees(survey, transition, spot)]
+        for transition in transitions:
+            if transition.place not in hopeful:
                 reach = Reach(survey)
-                reach.enter(survey.found(row.transition.to))
-                hopeful[row.place] = bool(reach.active & success)
-        if rows and not any(hopeful[row.place] for row in rows):
-            places = ", ".join(row.place for row in rows[:4])
-            remedy = "add a row of its own, or make it final"
+                reach.enter(survey.found(transition.definition.to))
+                hopeful[transition.place] = bool(reach.active & success)
+        if transitions and not any(hopeful[transition.place] for transition in transitions):
+            places = ", ".join(transition.place for transition in transitions[:4])
+            remedy = "add a transition of its own, or make it final"
             yield spot.place, f"only {places} can leave '{spot.name}', and gives the mission up; {remedy}"
 
 
@@ -153,36 +164,38 @@ def _waiting(survey: MissionIndex) -> Iterator[StateRef]:
             yield spot
 
 
-def _rows_here(spot: StateRef) -> Iterator[TransitionRef]:
+def _transitions_here(spot: StateRef) -> Iterator[TransitionRef]:
     """The rows of the state and its ancestors."""
     for here in spot.upward():
-        yield from here.rows
+        yield from here.transitions
 
 
-def _own_rows(survey: MissionIndex) -> list[TransitionRef]:
+def _own_transitions(survey: MissionIndex) -> list[TransitionRef]:
     """The mission's own rows, which are last."""
-    return survey.rows[len(survey.rows) - len(survey.mission.transitions) :]
+    return survey.transitions[len(survey.transitions) - len(survey.mission.transitions) :]
 
 
-def _frees(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> bool:
+def _frees(survey: MissionIndex, transition: TransitionRef, spot: StateRef) -> bool:
     """Whether a row can fire while the state is active, and leads elsewhere."""
-    transition = row.transition
-    if not transition.to or all(survey.spot(name) is spot for name in transition.to):
+    definition = transition.definition
+    if not definition.to or all(survey.spot(name) is spot for name in definition.to):
         return False
-    if not transition.on:
+    if not definition.on:
         return True
-    if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in transition.on):
+    if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in definition.on):
         return True
-    outcomes = _covered_by(survey, row, spot)
-    return any(word in outcomes for word in transition.on)
+    outcomes = _covered_by(survey, transition, spot)
+    return any(word in outcomes for word in definition.on)
 
 
-def _covered_by(survey: MissionIndex, row: TransitionRef, spot: StateRef) -> frozenset[str]:
+def _covered_by(survey: MissionIndex, transition: TransitionRef, spot: StateRef) -> frozenset[str]:
     """The outcomes that a row can receive while a state that runs nothing is active: those of regions next to it."""
-    if row.transition.of is not None:
-        source = survey.spot(row.transition.of)
+    if transition.definition.of is not None:
+        source = survey.spot(transition.definition.of)
         return reported(survey).by(source) if source is not None else frozenset()
     for here in spot.upward():
-        if isinstance(here.state, Parallel) and (here is row.owner or row.owner is None or here.inside(row.owner)):
-            return reported(survey).possible_at(row.owner)
+        if isinstance(here.state, Parallel) and (
+            here is transition.owner or transition.owner is None or here.inside(transition.owner)
+        ):
+            return reported(survey).possible_at(transition.owner)
     return frozenset()

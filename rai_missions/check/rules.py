@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rai_missions.check import bounds, cycles, keys, loops, names, outcomes, surprises, types
 from rai_missions.check import grounding as facts
 from rai_missions.check import reachability as reach
-from rai_missions.check import shadowed_rows as rows
+from rai_missions.check import shadowed_transitions as shadowed
 from rai_missions.check import staleness as stale
 from rai_missions.check import structure as shape
 from rai_missions.check.finding import Finding, Severity, document_order
@@ -63,9 +63,9 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("waiting-room", "error", reach.waiting_rooms),
     CheckRule("unhandled-option", "error", outcomes.unhandled_options),
     CheckRule("unhandled-success", "error", outcomes.unhandled_success),
-    CheckRule("overlapping-row", "error", rows.overlapping_rows),
-    CheckRule("impossible-guard", "error", rows.impossible_guards),
-    CheckRule("unwatched-held", "error", rows.unwatched_holds),
+    CheckRule("overlapping-transition", "error", shadowed.overlapping_transitions),
+    CheckRule("impossible-guard", "error", shadowed.impossible_guards),
+    CheckRule("unwatched-held", "error", shadowed.unwatched_holds),
     CheckRule("endless-cycle", "error", cycles.endless_cycles),
     CheckRule("waitless-loop", "error", loops.waitless_loops),
     CheckRule("long-loop", "error", loops.long_loops),
@@ -74,11 +74,11 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("unbounded-action", "error", bounds.unbounded_actions),
     CheckRule("unbounded-decision", "error", bounds.unbounded_decisions),
     CheckRule("wrong-parameters", "error", bounds.wrong_parameters),
-    CheckRule("blind-row", "warning", stale.blind_rows),
+    CheckRule("blind-transition", "warning", stale.blind_transitions),
     CheckRule("possible-cycle", "warning", cycles.possible_cycles),
-    CheckRule("deaf-row", "warning", outcomes.deaf_rows),
+    CheckRule("deaf-transition", "warning", outcomes.deaf_transitions),
     CheckRule("empty-wildcard", "warning", outcomes.unused_wildcards),
-    CheckRule("crossing-row", "warning", shape.crossing_rows),
+    CheckRule("crossing-transition", "warning", shape.crossing_transitions),
     CheckRule("lost-timer", "warning", surprises.lost_timers),
     CheckRule("rival-action", "warning", surprises.rival_actions),
     CheckRule("unbounded-call", "warning", bounds.unbounded_calls),

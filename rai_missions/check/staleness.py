@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rows that protect, and what becomes of them when the key they rest on goes stale.
 
-Unknown fires no row. So a row that is to react to a danger sleeps when the sensor does, unless some row asks for that.
+Unknown fires no transition. So one that is to react to a danger sleeps when the sensor does, unless another asks for
+that.
 """
 
 from __future__ import annotations
@@ -12,16 +13,16 @@ from rai_missions.check.index import GuardUse, MissionIndex, StateRef, Transitio
 from rai_missions.guards import Guard
 from rai_missions.states import Final
 
-__all__ = ("blind_rows",)
+__all__ = ("blind_transitions",)
 
 Found = Iterator[tuple[str, str]]
 
 
-def blind_rows(survey: MissionIndex) -> Found:
-    """A row or invariant that protects has, next to it or further out, one that reacts when its key goes stale."""
+def blind_transitions(survey: MissionIndex) -> Found:
+    """A transition or invariant that protects comes with one that reacts when its key becomes stale."""
     watched: dict[str, set[StateRef | None]] = {}
     for ruled in survey.guards:
-        if ruled.scope.row is not None or ruled.role == "invariants":
+        if ruled.scope.transition is not None or ruled.role == "invariants":
             for key in ruled.guard.noticed():
                 watched.setdefault(key, set()).add(ruled.scope.owner)
     for ruled in survey.guards:
@@ -32,7 +33,8 @@ def blind_rows(survey: MissionIndex) -> Found:
                 yield (
                     ruled.place,
                     f"this protects only while '{key}' is received: when it goes stale this is unknown, and no one "
-                    f'handles that; join {{"not": {{"fresh": "{key}"}}}} to it with "any", or write a row for it',
+                    f'handles that; join {{"not": {{"fresh": "{key}"}}}} to it with "any", '
+                    "or write a transition for it",
                 )
 
 
@@ -42,20 +44,20 @@ def _upward(spot: StateRef | None) -> Iterator[StateRef]:
 
 def _protects(survey: MissionIndex, ruled: GuardUse) -> str:
     """How a guard protects: `outside` (of what it ends), `within` an activity that it interrupts, or not at all."""
-    row = ruled.scope.row
+    transition = ruled.scope.transition
     if ruled.role == "invariants":
         return "within"
-    if row is None or not row.transition.eventless:
+    if transition is None or not transition.definition.eventless:
         return ""
-    if row.owner is None or row.owner.children or _gives_up(survey, row):
+    if transition.owner is None or transition.owner.children or _gives_up(survey, transition):
         return "outside"
-    return "within" if row.owner.state.activity() else ""
+    return "within" if transition.owner.state.activity() else ""
 
 
-def _gives_up(survey: MissionIndex, row: TransitionRef) -> bool:
-    """Whether a row leads to an end that is no success, or hands control to someone else."""
-    before = _control(row.owner)
-    for target in survey.found(row.transition.to):
+def _gives_up(survey: MissionIndex, transition: TransitionRef) -> bool:
+    """Whether a transition leads to an end that is no success, or hands control to someone else."""
+    before = _control(transition.owner)
+    for target in survey.found(transition.definition.to):
         if isinstance(target.state, Final) and target.state.final != "succeeded":
             return True
         after = _control(target)

@@ -10,7 +10,7 @@ from rai_missions.guards import In
 from rai_missions.states import Compound, Each, Final, History, Parallel
 
 __all__ = (
-    "crossing_rows",
+    "crossing_transitions",
     "history_defaults",
     "initial_outside",
     "misplaced_states",
@@ -72,7 +72,7 @@ def target_lists(survey: MissionIndex) -> Found:
     """A list of targets names one state in each of several regions of one parallel."""
     lists = [("/initial", survey.mission.initial)]
     lists += [(f"{spot.place}/initial", getattr(spot.state, "initial", ())) for spot in survey.spots]
-    lists += [(f"{row.place}/to", row.transition.to) for row in survey.rows]
+    lists += [(f"{transition.place}/to", transition.definition.to) for transition in survey.transitions]
     for place, names in lists:
         if len(names) > 1:
             targets = [survey.by_name.get(name) for name in names]
@@ -128,43 +128,47 @@ def misplaced_states(survey: MissionIndex) -> Found:
 
 def misused_internal(survey: MissionIndex) -> Found:
     """`internal` leads from a compound state to a state inside it."""
-    for row in survey.rows:
-        if not row.transition.internal:
+    for transition in survey.transitions:
+        if not transition.definition.internal:
             continue
-        place, owner = f"{row.place}/internal", row.owner
+        place, owner = f"{transition.place}/internal", transition.owner
         if owner is None or not isinstance(owner.state, Compound | Each):
-            name = "the mission's own row" if owner is None else f"'{owner.name}'"
-            yield place, f"'internal' is for rows of a compound state, which {name} is not; take it away"
+            name = "the mission's own transition" if owner is None else f"'{owner.name}'"
+            yield place, f"'internal' is for transitions of a compound state, which {name} is not; take it away"
             continue
-        for target in survey.found(row.transition.to):
+        for target in survey.found(transition.definition.to):
             if target is owner:
                 yield (
                     place,
-                    f"a row to '{owner.name}' itself leaves and enters it; lead inside it, or take 'internal' away",
+                    f"a transition to '{owner.name}' itself leaves and enters it; "
+                    "lead inside it, or take 'internal' away",
                 )
             elif not target.inside(owner):
-                yield place, f"'{target.name}' is not inside '{owner.name}', so the row leaves it; take 'internal' away"
-
-
-def crossing_rows(survey: MissionIndex) -> Found:
-    """A row that leads from one region into another restarts the whole parallel."""
-    for row in survey.rows:
-        for target in survey.found(row.transition.to):
-            parallel = _crossed(row, target)
-            if parallel is not None and len(row.transition.to) == 1:
                 yield (
-                    f"{row.place}/to",
-                    f"'{target.name}' is in another region of '{parallel.name}', so all its regions are left and "
-                    "entered again; raise an event that a row there waits for, or lead out of the parallel",
+                    place,
+                    f"'{target.name}' is not inside '{owner.name}', so the transition leaves it; take 'internal' away",
                 )
 
 
-def _crossed(row: TransitionRef, target: StateRef) -> StateRef | None:
+def crossing_transitions(survey: MissionIndex) -> Found:
+    """A row that leads from one region into another restarts the whole parallel."""
+    for transition in survey.transitions:
+        for target in survey.found(transition.definition.to):
+            parallel = _crossed(transition, target)
+            if parallel is not None and len(transition.definition.to) == 1:
+                yield (
+                    f"{transition.place}/to",
+                    f"'{target.name}' is in another region of '{parallel.name}', so all its regions are left and "
+                    "entered again; raise an event that a transition there waits for, or lead out of the parallel",
+                )
+
+
+def _crossed(transition: TransitionRef, target: StateRef) -> StateRef | None:
     """The parallel between whose regions a row leads."""
-    if row.owner is None:
+    if transition.owner is None:
         return None
-    meeting = next((here for here in row.owner.upward() if target.inside(here) or target is here), None)
-    inner = meeting is not None and meeting is not row.owner and meeting is not target
+    meeting = next((here for here in transition.owner.upward() if target.inside(here) or target is here), None)
+    inner = meeting is not None and meeting is not transition.owner and meeting is not target
     return meeting if meeting is not None and inner and isinstance(meeting.state, Parallel) else None
 
 

@@ -16,25 +16,30 @@ Found = Iterator[tuple[str, str]]
 
 def lost_timers(survey: MissionIndex) -> Found:
     """A transition with `after_s` and `when` fires at one instant or never; give another one for the other case."""
-    for row in survey.rows:
-        after_s, guard = row.transition.after_s, row.transition.when
-        if after_s is not None and guard is not None and not _continues(survey, row):
+    for transition in survey.transitions:
+        after_s, guard = transition.definition.after_s, transition.definition.when
+        if after_s is not None and guard is not None and not _continues(survey, transition):
             wait = f'"when": {{"all": [{{"elapsed_s": {after_s:g}}}, …]}}'
             yield (
-                f"{row.place}/when",
+                f"{transition.place}/when",
                 f"where this is not true after {after_s:g} s, the transition is lost until the state is entered again; "
                 f"write {wait} to wait for it, or add one without 'when'",
             )
 
 
-def _continues(survey: MissionIndex, row: TransitionRef) -> bool:
+def _continues(survey: MissionIndex, transition: TransitionRef) -> bool:
     """Whether a later instant decides what happens where the guard was not true."""
-    rows = row.owner.rows if row.owner is not None else [each for each in survey.rows if each.owner is None]
-    assert row.transition.after_s is not None
-    after_s = row.transition.after_s
-    bounded = row.owner is not None and row.owner.state.timeout_s is not None
+    transitions = (
+        transition.owner.transitions
+        if transition.owner is not None
+        else [each for each in survey.transitions if each.owner is None]
+    )
+    assert transition.definition.after_s is not None
+    after_s = transition.definition.after_s
+    bounded = transition.owner is not None and transition.owner.state.timeout_s is not None
     return bounded or any(
-        each is not row and each.transition.after_s is not None and each.transition.after_s >= after_s for each in rows
+        each is not transition and each.definition.after_s is not None and each.definition.after_s >= after_s
+        for each in transitions
     )
 
 
@@ -53,4 +58,4 @@ def rival_actions(survey: MissionIndex) -> Found:
 
 
 def _handles(spot: StateRef) -> bool:
-    return any("rejected" in row.transition.on for here in spot.upward() for row in here.rows)
+    return any("rejected" in transition.definition.on for here in spot.upward() for transition in here.transitions)

@@ -153,10 +153,10 @@ class Chart:
             return self._quiet(event, at, ()) if is_declared else make_step(self.program, state, event)
         state.event = data
         looked: list[tuple[str, Truth]] = []
-        rows = enabled(state, plan, looked)
-        if not rows:
+        transitions = enabled(state, plan, looked)
+        if not transitions:
             return self._quiet(event, at, tuple(looked))
-        leap = config.leaps.get((tuple(rows), name))
+        leap = config.leaps.get((tuple(transitions), name))
         if leap is None or not leap.plain or not leap.shifts.isdisjoint(state.listening):
             return make_step(self.program, state, event)
         state.config = leap.config

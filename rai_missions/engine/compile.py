@@ -34,7 +34,7 @@ class Compiled:
         self.root = Node("", "", None, None, 0)
         self.nodes: dict[str, Node] = {}
         self.order: list[Node] = [self.root]
-        self.rows: dict[str, CompiledTransition] = {}
+        self.transitions: dict[str, CompiledTransition] = {}
         """JSON pointer → row."""
         self.named: set[str] = set()
         """The predicates of the user's program that rows, finals and invariants name."""
@@ -48,8 +48,8 @@ class Compiled:
         self._link()
         self.controls = frozenset(node.control for node in self.order if node.control is not None)
         """Whose control its states need."""
-        rows = [row for row in self.rows.values() if row.condition is not None and row.condition.holds]
-        self.memories = {memory: row.source.control for row in rows for memory in row.condition.holds}  # type: ignore[union-attr]
+        guarded = [each for each in self.transitions.values() if each.condition is not None]
+        self.memories = {memory: each.source.control for each in guarded for memory in each.condition.holds}  # type: ignore[union-attr]
         """Memory of a `held` guard of a transition → whose control the transition's state needs."""
         self.invariants = {
             name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
@@ -70,7 +70,7 @@ class Compiled:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
         starts = [name for node in self.order[1:] for name in _leads(node)]
         self.recalls = any(self.nodes[name].is_history for name in (*starts, *self.mission.initial))
-        self._rows(self.root, self.mission.transitions)
+        self._transitions(self.root, self.mission.transitions)
         for node in self.order[1:]:
             state = node.state
             assert state is not None
@@ -81,7 +81,7 @@ class Compiled:
             if isinstance(state, Final) and state.requires is not None:
                 node.requires = self.condition(state.requires, f"{node.place}/requires", node.name)
             if not node.is_history:  # its transition is its default, which never fires
-                self._rows(node, state.transitions)
+                self._transitions(node, state.transitions)
         self._follow_histories()
 
     def _follow_histories(self) -> None:
@@ -102,21 +102,20 @@ class Compiled:
                     todo += [each] if each.is_history and each not in seen else []
                     seen.add(each)
 
-    def _rows(self, node: Node, rows: Iterable[Transition]) -> None:
-        for index, transition in enumerate(rows):
-            row = CompiledTransition(transition, f"{node.place}/transitions/{index}", node)
-            row.targets = tuple(self.nodes[name] for name in transition.to)
-            row.recalls = self.recalls or any(target.is_history for target in row.targets)
-            row.acts = self._acts(transition.do, f"{row.place}/do", node)
-            if transition.when is not None:
-                row.condition = self.condition(transition.when, row.place, node.name)
-                row.test = row.condition.test
-            declared = self.mission.events
-            words = set(OUTCOMES) | self.options
-            row.outcomes = frozenset(word for word in transition.on if word in words and word not in declared)
-            node.rows.append(row)
-            self.rows[row.place] = row
-            node.timed = node.timed or transition.after_s is not None
+    def _transitions(self, node: Node, transitions: Iterable[Transition]) -> None:
+        outcomes = frozenset(OUTCOMES).union(self.options) - self.mission.events.keys()
+        for index, definition in enumerate(transitions):
+            transition = CompiledTransition(definition, f"{node.place}/transitions/{index}", node)
+            transition.targets = tuple(self.nodes[name] for name in definition.to)
+            transition.recalls = self.recalls or any(target.is_history for target in transition.targets)
+            transition.acts = self._acts(definition.do, f"{transition.place}/do", node)
+            if definition.when is not None:
+                transition.condition = self.condition(definition.when, transition.place, node.name)
+                transition.test = transition.condition.test
+            transition.outcomes = outcomes.intersection(definition.on)
+            node.transitions.append(transition)
+            self.transitions[transition.place] = transition
+            node.timed = node.timed or definition.after_s is not None
 
     def _acts(self, effects: Iterable[Effect], place: str, node: Node) -> tuple[Act, ...]:
         return tuple(

@@ -61,14 +61,27 @@ class Configuration:
         self.plans: dict[str, tuple[tuple[CompiledTransition, ...], ...]] = {}
         self.leaps: dict[Any, CompiledStep] = {}
         self.eventless = self._chains(None, declared=False)
-        rows = [row for node in sorted(self.nodes, key=lambda node: node.index) for row in node.rows]
-        waiting = [row.condition for row in rows if row.condition and row.transition.eventless]
-        self.holds = {memory: test for row in rows if row.condition for memory, test in row.condition.holds.items()}
+        transitions = [
+            transition for node in sorted(self.nodes, key=lambda node: node.index) for transition in node.transitions
+        ]
+        waiting = [
+            transition.condition
+            for transition in transitions
+            if transition.condition and transition.definition.eventless
+        ]
+        self.holds = {
+            memory: test
+            for transition in transitions
+            if transition.condition
+            for memory, test in transition.condition.holds.items()
+        }
         self.reads = frozenset[str]().union(*(condition.reads for condition in waiting), *(
-            row.condition.reads for row in rows if row.condition and row.condition.holds
+            each.condition.reads for each in transitions if each.condition and each.condition.holds
         ))  # fmt: skip
         lasting = [
-            row.condition for row in rows if row.condition and row.condition.holds and not row.transition.eventless
+            transition.condition
+            for transition in transitions
+            if transition.condition and transition.condition.holds and not transition.definition.eventless
         ]
         self.instants = tuple(instant for condition in (*waiting, *lasting) for instant in condition.instants)
         self.watchful = bool(self.eventless or self.holds)
@@ -76,7 +89,10 @@ class Configuration:
     def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> tuple[tuple[CompiledTransition, ...], ...]:
         """For each innermost state its rows and its ancestors', in the order in which they are tried."""
         chains = (
-            tuple(row for each in (node, *node.ancestors) for row in each.rows if wanted(row)) for node in self.atomic
+            tuple(
+                transition for each in (node, *node.ancestors) for transition in each.transitions if wanted(transition)
+            )
+            for node in self.atomic
         )
         return tuple(chain for chain in chains if chain)
 
@@ -95,12 +111,12 @@ class Configuration:
     ) -> tuple[tuple[CompiledTransition, ...], ...]:
         """The rows that an outcome may fire: those of its own state, of its ancestors if it climbs, or that name it."""
 
-        def wanted(row: CompiledTransition) -> bool:
-            if outcome not in row.transition.on or outcome not in row.outcomes:
+        def wanted(transition: CompiledTransition) -> bool:
+            if outcome not in transition.definition.on or outcome not in transition.outcomes:
                 return False
-            if row.transition.of is not None:
-                return row.transition.of == source.name
-            return row.source is source or (climbs and not option and row.source in source.ancestors)
+            if transition.definition.of is not None:
+                return transition.definition.of == source.name
+            return transition.source is source or (climbs and not option and transition.source in source.ancestors)
 
         return self._candidates(wanted)
 
@@ -110,13 +126,15 @@ def _chain(node: Node, event: str | None, *, declared: bool) -> tuple[CompiledTr
     found = node.chains.get(event)
     if found is None:
 
-        def wanted(row: CompiledTransition) -> bool:
-            on = row.transition.on
+        def wanted(transition: CompiledTransition) -> bool:
+            on = transition.definition.on
             if event is None:
-                return row.transition.eventless
-            return (event in on and event not in row.outcomes) or (declared and ANY_EVENT in on)
+                return transition.definition.eventless
+            return (event in on and event not in transition.outcomes) or (declared and ANY_EVENT in on)
 
-        found = tuple(row for each in (node, *node.ancestors) for row in each.rows if wanted(row))
+        found = tuple(
+            transition for each in (node, *node.ancestors) for transition in each.transitions if wanted(transition)
+        )
         if declared or event is None:  # any other word comes from outside, and there is no end of them
             node.chains[event] = found
     return found

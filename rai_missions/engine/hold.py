@@ -61,7 +61,7 @@ def free(state: RunState, plan: Plan) -> Plan:
     """A plan without the transitions of held states."""
     if not state.frozen:
         return plan
-    chains = (tuple(row for row in chain if not is_held(state, row.source)) for chain in plan)
+    chains = (tuple(transition for transition in chain if not is_held(state, transition.source)) for chain in plan)
     return tuple(chain for chain in chains if chain)
 
 

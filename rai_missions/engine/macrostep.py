@@ -43,19 +43,19 @@ def enabled(
     state: RunState, plan: tuple[tuple[CompiledTransition, ...], ...], looked: list[tuple[str, Truth]]
 ) -> list[CompiledTransition]:
     """The first transition of each chain whose guard is true (SCXML: selectTransitions)."""
-    rows: list[CompiledTransition] = []
+    transitions: list[CompiledTransition] = []
     for chain in plan:
-        for row in chain:
-            test = row.test
+        for transition in chain:
+            test = transition.test
             if test is not None:
                 value = test(state)
-                looked.append((row.place, value))
+                looked.append((transition.place, value))
                 if value is not True:
                     continue
-            if row not in rows:
-                rows.append(row)
+            if transition not in transitions:
+                transitions.append(transition)
             break
-    return rows
+    return transitions
 
 
 def complete(program: Program, state: RunState, trigger: Trigger | None) -> None:
@@ -74,12 +74,17 @@ def complete(program: Program, state: RunState, trigger: Trigger | None) -> None
         if config.holds or program.always_held:
             _hold(program, state)
         waiting = config.eventless if not state.frozen else free(state, config.eventless)
-        if waiting and (rows := enabled(state, waiting, draft.looked)):
-            circle = (config.key, tuple([row.place for row in rows]), len(draft.written), len(draft.internal))
+        if waiting and (transitions := enabled(state, waiting, draft.looked)):
+            circle = (
+                config.key,
+                tuple([transition.place for transition in transitions]),
+                len(draft.written),
+                len(draft.internal),
+            )
             if circle in seen:
                 return _end_circle(program, state)
             seen.add(circle)
-            _take(program, state, rows, "")
+            _take(program, state, transitions, "")
         elif draft.internal:
             trigger = draft.internal.popleft()
             seen.clear()
@@ -122,8 +127,8 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
     if trigger.name == "round" and source is not None and source.is_each:
         return (keep_trigger if is_held(state, source) else _begin_round)(program, state, trigger)
     state.event, option = trigger.data, False
-    if trigger.row is not None:
-        plan: tuple[tuple[CompiledTransition, ...], ...] = ((trigger.row,),)
+    if trigger.transition is not None:
+        plan: tuple[tuple[CompiledTransition, ...], ...] = ((trigger.transition,),)
     elif source is None:
         found = config.plans.get(trigger.name)
         plan = found if found is not None else config.plan(trigger.name, declared=trigger.name in program.declared)
@@ -134,14 +139,14 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
             source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded"
         )
     open_plan = plan if not state.frozen else free(state, plan)
-    rows = enabled(state, open_plan, state.draft.looked)
-    if rows:
-        _take(program, state, rows, trigger.name)
+    transitions = enabled(state, open_plan, state.draft.looked)
+    if transitions:
+        _take(program, state, transitions, trigger.name)
     elif state.frozen and open_plan != plan:
         keep_trigger(program, state, trigger)
     elif source is not None:
         _unanswered(program, state, trigger, source)
-    elif trigger.row is None and (trigger.name in BUILT_IN_EVENTS or state.draft.moves):
+    elif trigger.transition is None and (trigger.name in BUILT_IN_EVENTS or state.draft.moves):
         state.draft.notes.append(f"no row took '{trigger.name}'")
 
 
@@ -160,8 +165,8 @@ def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Nod
         end(program, state, "failed", why)
 
 
-def _take(program: Program, state: RunState, rows: list[CompiledTransition], trigger: str) -> None:
-    jump(program, state, program.graph.leap(state.config, tuple(rows), state.memory, trigger))
+def _take(program: Program, state: RunState, transitions: list[CompiledTransition], trigger: str) -> None:
+    jump(program, state, program.graph.leap(state.config, tuple(transitions), state.memory, trigger))
 
 
 def jump(program: Program, state: RunState, step: CompiledStep) -> None:
@@ -185,16 +190,16 @@ def jump(program: Program, state: RunState, step: CompiledStep) -> None:
 def _exit(program: Program, state: RunState, node: Node) -> None:
     if node.timed:
         state.timers.pop(("timeout", node.name), None)
-        for row in node.rows:
-            state.timers.pop(("after", row.place), None)
+        for transition in node.transitions:
+            state.timers.pop(("after", transition.place), None)
     if node.name in state.running:
         leave_activity(program, state, node)
     _forget_waiting(state, node)
     if node.clocked:
         state.entered.pop(node.name, None)
     if state.held:
-        for row in node.rows:
-            for memory in row.condition.holds if row.condition else ():
+        for transition in node.transitions:
+            for memory in transition.condition.holds if transition.condition else ():
                 state.held.pop(memory, None)
     if node in state.draft.starting:
         state.draft.starting.remove(node)
@@ -231,9 +236,9 @@ def set_timers(state: RunState, node: Node) -> None:
     if node.state is not None and node.state.timeout_s is not None:
         limit_s = node.state.timeout_s
         set_timer(state, ("timeout", node.name), late_s(state) + limit_s, f"{limit_s:g}", None, node.control)
-    for row in node.rows:
-        if row.transition.after_s is not None:
-            set_timer(state, ("after", row.place), row.transition.after_s, "after_s", None, node.control)
+    for transition in node.transitions:
+        if transition.definition.after_s is not None:
+            set_timer(state, ("after", transition.place), transition.definition.after_s, "after_s", None, node.control)
 
 
 def _next_round(program: Program, state: RunState, node: Node) -> None:

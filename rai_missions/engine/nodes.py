@@ -49,9 +49,31 @@ class Node:
     """A state, where it stands among the others."""
 
     __slots__ = (
-        "activity", "ancestors", "chains", "children", "clocked", "control", "depth", "entry", "exit", "family",
-        "history", "index", "initial", "is_compound", "is_each", "is_final", "is_history", "is_parallel", "name",
-        "parent", "place", "requires", "rows", "state", "timed",
+        "activity",
+        "ancestors",
+        "chains",
+        "children",
+        "clocked",
+        "control",
+        "depth",
+        "entry",
+        "exit",
+        "family",
+        "history",
+        "index",
+        "initial",
+        "is_compound",
+        "is_each",
+        "is_final",
+        "is_history",
+        "is_parallel",
+        "name",
+        "parent",
+        "place",
+        "requires",
+        "state",
+        "timed",
+        "transitions",
     )  # fmt: skip
 
     def __init__(self, name: str, place: str, state: State | None, parent: Node | None, index: int) -> None:
@@ -60,7 +82,7 @@ class Node:
         """Innermost first, the mission itself (the root) last."""
         self.depth = len(self.ancestors)
         self.children: list[Node] = []
-        self.rows: list[CompiledTransition] = []
+        self.transitions: list[CompiledTransition] = []
         self.chains: dict[Any, tuple[CompiledTransition, ...]] = {}
         """An event, or None for no event → its transitions and its ancestors' that it may fire: see `chain_of`."""
         self.initial: tuple[Node, ...] = ()
@@ -92,6 +114,7 @@ class CompiledTransition:
     __slots__ = (
         "acts",
         "condition",
+        "definition",
         "internal",
         "outcomes",
         "place",
@@ -99,16 +122,15 @@ class CompiledTransition:
         "source",
         "targets",
         "test",
-        "transition",
     )
 
-    def __init__(self, transition: Transition, place: str, source: Node) -> None:
-        self.transition, self.place, self.source = transition, place, source
+    def __init__(self, definition: Transition, place: str, source: Node) -> None:
+        self.definition, self.place, self.source = definition, place, source
         self.targets: tuple[Node, ...] = ()
         self.acts: tuple[Act, ...] = ()
         self.condition: CompiledGuard | None = None
         self.test: Test | None = None
-        self.internal = transition.internal
+        self.internal = definition.internal
         self.recalls = False
         """Where it leads depends on what is remembered."""
         self.outcomes: frozenset[str] = frozenset()

@@ -87,7 +87,7 @@ def control_of(program: Program, key: TimerKey, timer: Timer) -> str:
     kind, which = key
     if kind == "raise":
         return timer.control if timer.control in program.graph.controls else ""
-    node = program.graph.nodes[which] if kind == "timeout" else program.graph.rows[which].source
+    node = program.graph.nodes[which] if kind == "timeout" else program.graph.transitions[which].source
     return node.control or ""
 
 

@@ -88,7 +88,7 @@ class Trigger(NamedTuple):
     """The state whose outcome it is; None for an event."""
     climbs: bool = True
     why: str = ""
-    row: CompiledTransition | None = None
+    transition: CompiledTransition | None = None
     """The one transition that it may fire: that of an `after_s`."""
 
 

@@ -106,7 +106,7 @@ def _ring(program: Program, state: RunState, key: TimerKey, timer: Timer) -> Non
     kind, which = key
     state.draft.touched = True
     if kind == "after":
-        react(program, state, Trigger("after_s", {}, row=program.graph.rows[which]))
+        react(program, state, Trigger("after_s", {}, transition=program.graph.transitions[which]))
     elif kind == "timeout":
         node = program.graph.nodes[which]
         leave_activity(program, state, node)

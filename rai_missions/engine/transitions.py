@@ -26,81 +26,88 @@ class Graph(Compiled):
     # -- selecting ------------------------------------------------------------------------------------------------
 
     def compatible(
-        self, config: Configuration, rows: list[CompiledTransition], memory: Memory
+        self, config: Configuration, transitions: list[CompiledTransition], memory: Memory
     ) -> list[CompiledTransition]:
         """The rows that can be taken together: a descendant's preempts an ancestor's, then document order."""
-        if len(rows) < 2:
-            return rows
+        if len(transitions) < 2:
+            return transitions
         kept: list[tuple[CompiledTransition, set[Node]]] = []
-        for row in rows:
-            exits = set(self._exit_set(config, row, memory))
+        for transition in transitions:
+            exits = set(self._exit_set(config, transition, memory))
             clashing = [(other, theirs) for other, theirs in kept if exits & theirs]
-            if all(row.source.inside(other.source) for other, _ in clashing):
+            if all(transition.source.inside(other.source) for other, _ in clashing):
                 kept = [pair for pair in kept if pair not in clashing]
-                kept.append((row, exits))
-        return [row for row, _ in kept]
+                kept.append((transition, exits))
+        return [transition for transition, _ in kept]
 
-    def _targets(self, row: CompiledTransition, memory: Memory) -> list[Node]:
+    def _targets(self, transition: CompiledTransition, memory: Memory) -> list[Node]:
         """Where a row leads, history looked up (getEffectiveTargetStates)."""
-        return [state for target in row.targets for state in self._effective(target, memory)]
+        return [state for target in transition.targets for state in self._effective(target, memory)]
 
     def _effective(self, target: Node, memory: Memory) -> list[Node]:
         if not target.is_history:
             return [target]
         return [each for node in memory.get(target.index) or target.initial for each in self._effective(node, memory)]
 
-    def _domain(self, row: CompiledTransition, memory: Memory) -> Node | None:
+    def _domain(self, transition: CompiledTransition, memory: Memory) -> Node | None:
         """The state inside which everything is left and entered (getTransitionDomain)."""
-        targets = self._targets(row, memory)
+        targets = self._targets(transition, memory)
         if not targets:
             return None
-        source = row.source
-        if row.internal and source.is_compound and all(target.inside(source) for target in targets):
+        source = transition.source
+        if transition.internal and source.is_compound and all(target.inside(source) for target in targets):
             return source
         for ancestor in source.ancestors or (self.root,):
             if ancestor.is_compound and all(target.inside(ancestor) for target in targets):
                 return ancestor
         return self.root
 
-    def _exit_set(self, config: Configuration, row: CompiledTransition, memory: Memory) -> list[Node]:
-        domain = self._domain(row, memory)
+    def _exit_set(self, config: Configuration, transition: CompiledTransition, memory: Memory) -> list[Node]:
+        domain = self._domain(transition, memory)
         return [] if domain is None else [node for node in config.nodes if node.inside(domain)]
 
     # -- moving ---------------------------------------------------------------------------------------------------
 
     def leap(
-        self, config: Configuration, rows: tuple[CompiledTransition, ...], memory: Memory, trigger: str
+        self, config: Configuration, transitions: tuple[CompiledTransition, ...], memory: Memory, trigger: str
     ) -> CompiledStep:
         """What firing these rows does, those preempted left out; worked out once for what it depends on."""
-        key: Any = (rows, trigger)
-        recalls = any(row.recalls for row in rows)
+        key: Any = (transitions, trigger)
+        recalls = any(transition.recalls for transition in transitions)
         if recalls:
             key = (key, tuple((index, tuple(node.index for node in memory[index])) for index in sorted(memory)))
         found = config.leaps.get(key)
         if found is None:
-            found = self._leap(config, tuple(self.compatible(config, list(rows), memory)), memory, trigger)
+            found = self._leap(config, tuple(self.compatible(config, list(transitions), memory)), memory, trigger)
             found.plain = found.plain and not recalls
             config.leaps[key] = found
         return found
 
     def _leap(
-        self, config: Configuration, rows: tuple[CompiledTransition, ...], memory: Memory, trigger: str
+        self, config: Configuration, transitions: tuple[CompiledTransition, ...], memory: Memory, trigger: str
     ) -> CompiledStep:
-        domains = [self._domain(row, memory) for row in rows]
+        domains = [self._domain(transition, memory) for transition in transitions]
         exited = {node for domain in domains if domain is not None for node in config.nodes if node.inside(domain)}
         if remembered := dict(self._remembered(config, exited)):
             memory = {**memory, **remembered}  # SCXML leaves, and remembers, before it enters
-            domains = [self._domain(row, memory) for row in rows]
+            domains = [self._domain(transition, memory) for transition in transitions]
         entered: set[Node] = set()
-        for row, domain in zip(rows, domains, strict=True):
+        for transition, domain in zip(transitions, domains, strict=True):
             if domain is None:
                 continue
-            for target in row.targets:
+            for target in transition.targets:
                 self._descend(target, entered, memory)
-            for target in self._targets(row, memory):
+            for target in self._targets(transition, memory):
                 self._climb(target, domain, entered, memory)
-        acts = tuple(act for row in rows for act in row.acts)
-        return self.move(config, exited, entered, taken=tuple(row.place for row in rows), acts=acts, trigger=trigger)
+        acts = tuple(act for transition in transitions for act in transition.acts)
+        return self.move(
+            config,
+            exited,
+            entered,
+            taken=tuple(transition.place for transition in transitions),
+            acts=acts,
+            trigger=trigger,
+        )
 
     def start(self, memory: Memory) -> CompiledStep:
         """The entry of the mission."""

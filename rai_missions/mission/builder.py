@@ -57,14 +57,14 @@ def On(  # noqa: N802 - reads as the row that it makes
 ) -> Transition:  # fmt: skip
     """A row that one of these events or outcomes fires: `On("failed", "timed_out", to="assessing")`."""
     words = [word for each in on for word in ([each] if isinstance(each, str) else each)]
-    return _row(on=words, of=of, to=to, when=when, do=do, internal=internal, about=about)
+    return _transition(on=words, of=of, to=to, when=when, do=do, internal=internal, about=about)
 
 
 def When(  # noqa: N802
     when: Condition, *, to: States = (), do: Effects = (), internal: bool = False, about: str = ""
 ) -> Transition:
     """A row that fires as soon as its guard holds."""
-    return _row(when=when, to=to, do=do, internal=internal, about=about)
+    return _transition(when=when, to=to, do=do, internal=internal, about=about)
 
 
 def After(  # noqa: N802
@@ -72,8 +72,8 @@ def After(  # noqa: N802
     about: str = "",
 ) -> Transition:  # fmt: skip
     """A row that fires once, so many seconds after the entry."""
-    return _row(after_s=after_s, to=to, when=when, do=do, internal=internal, about=about)
+    return _transition(after_s=after_s, to=to, when=when, do=do, internal=internal, about=about)
 
 
-def _row(*, do: Effects, **words: Any) -> Transition:
+def _transition(*, do: Effects, **words: Any) -> Transition:
     return Transition(do=[do] if isinstance(do, Effect) else list(do), **words)

@@ -169,10 +169,10 @@ def _compound(name: str, include: Include, inner: Mission) -> Brought:
     for each, state in inner.states.items():
         states |= _settling(names.state(each), renamed(state, names), inner.settle_s)
     over = [In(state=each) for each, state in states.items() if isinstance(state, Final)]
-    rows = [_until(over, renamed(row, names)) for row in inner.transitions]
+    transitions = [_until(over, renamed(transition, names)) for transition in inner.transitions]
     common = {word: getattr(include, word) for word in State.model_fields if word in include.model_fields_set}
     common["about"] = include.about or inner.about
-    common["transitions"] = (*include.transitions, *rows)
+    common["transitions"] = (*include.transitions, *transitions)
     compound = Compound.model_validate(
         {**common, "initial": tuple(names.state(each) for each in inner.initial), "states": states}
     )
@@ -186,12 +186,14 @@ def _compound(name: str, include: Include, inner: Mission) -> Brought:
     return Brought(compound, keys, events, invariants, inner.uses)
 
 
-def _until(over: list[In], row: Transition) -> Transition:
+def _until(over: list[In], transition: Transition) -> Transition:
     """A row of the whole included mission ends with it: not once one of its finals is reached."""
     if not over:
-        return row
+        return transition
     going = [Not(guard=final) for final in over]
-    return row.model_copy(update={"when": made("all", all=(*((row.when,) if row.when is not None else ()), *going))})
+    return transition.model_copy(
+        update={"when": made("all", all=(*((transition.when,) if transition.when is not None else ()), *going))}
+    )
 
 
 def _settling(name: str, state: State, settle_s: float) -> dict[str, State]:

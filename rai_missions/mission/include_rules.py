@@ -120,12 +120,14 @@ def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]
         for option in asked.options:
             if option in parent.events:
                 yield Fault("/mission", f"its option '{option}' is also an event of this mission; rename one of them")
-    for place, row in _rows(inner):
-        if ANY_EVENT in row.on and not inner.events:
-            yield Fault("/mission", f"its row {place} is for any event, and it declares none; drop the row")
+    for place, transition in _transitions(inner):
+        if ANY_EVENT in transition.on and not inner.events:
+            yield Fault(
+                "/mission", f"its transition {place} is for any event, and it declares none; drop the transition"
+            )
     for invariant, guard in inner.invariants.items():
         if any(each.age_s is not None for each in guard.walk()):
-            why = "asks for 'elapsed_s', which would count from the start of the whole; use a row with 'after_s'"
+            why = "asks for 'elapsed_s', which would count from the start of the whole; use a transition with 'after_s'"
             yield Fault("/mission", f"its invariant '{invariant}' {why}")
     for key, declared in inner.blackboard.items():
         if declared.source == "answer" and shared_key(include.with_.get(key)) != key:
@@ -133,11 +135,11 @@ def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]
             yield Fault("/mission", f"its key '{key}' is written by answers, which know it by that name; {why}")
 
 
-def _rows(mission: Mission) -> Iterator[tuple[str, Transition]]:
+def _transitions(mission: Mission) -> Iterator[tuple[str, Transition]]:
     sources = (("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk()))
-    for place, rows in sources:
-        for index, row in enumerate(rows):
-            yield f"{place}/transitions/{index}", row
+    for place, transitions in sources:
+        for index, transition in enumerate(transitions):
+            yield f"{place}/transitions/{index}", transition
 
 
 def questions(mission: Mission) -> Iterator[DecisionSpec]:

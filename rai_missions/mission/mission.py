@@ -28,7 +28,7 @@ from rai_missions.model import (
     Text,
     fault,
 )
-from rai_missions.states.state import Rows, State, States, descendants
+from rai_missions.states.state import State, States, Transitions, descendants
 from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf, Tree, tree_paths
 
 FAMILIES: tuple[type[TaggedModel], ...] = (Guard, State)
@@ -88,7 +88,7 @@ class Mission(MissionModel):
     events: Annotated[dict[EventName, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
     initial: StateNames
     states: States = Field(min_length=1)
-    transitions: Rows = ()
+    transitions: Transitions = ()
     """The mission's own rows, tried after those of the states."""
     invariants: dict[Name, OneOf[Guard]] = Field(default_factory=dict)
     """What must never be false; a run that finds one false is killed."""

@@ -72,12 +72,15 @@ class Abstraction:
         self.saturating = values.saturating()
         """Counters → the bounds past which no guard tells their values apart."""
         self._waiting: dict[tuple[int, ...], tuple[CompiledGuard, ...]] = {}
-        rows = [*mission.transitions, *(row for _, _, state in mission.walk() for row in state.transitions)]
+        transitions = [
+            *mission.transitions,
+            *(transition for _, _, state in mission.walk() for transition in state.transitions),
+        ]
         self._every = frozenset(mission.blackboard)
         self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts)
         self._remainders: dict[tuple[str, tuple[int, ...]], tuple[str, ...]] = {}
-        self._hears_of_orphans = any("orphaned" in row.on for row in rows)
-        self._hears_of_calls = any("call_failed" in row.on for row in rows)
+        self._hears_of_orphans = any("orphaned" in transition.on for transition in transitions)
+        self._hears_of_calls = any("call_failed" in transition.on for transition in transitions)
         rests: Mapping[Holds, Callable[[Any], Any]] = {
             "timers": _rest_timers, "deadlines": _rest_instants, "settling": _rest_instants, "deadline": _soon,
             "goals": _rest_goals, "activities": self._rest_activities, "rounds": _rest_rounds,
@@ -303,18 +306,29 @@ def _rest_rounds(rounds: dict[str, tuple[tuple[Any, ...], int]]) -> dict[str, tu
 
 def _waiting(config: Configuration) -> Iterator[CompiledGuard]:
     """The guards of rows that need no event, and those that count for how long they have been true."""
-    yield from (row.condition for chain in config.eventless for row in chain if row.condition is not None)
+    yield from (
+        transition.condition for chain in config.eventless for transition in chain if transition.condition is not None
+    )
     nodes = sorted(config.nodes, key=lambda node: node.index)
-    conditions = (row.condition for node in nodes for row in node.rows)
+    conditions = (transition.condition for node in nodes for transition in node.transitions)
     yield from (condition for condition in conditions if condition is not None and condition.holds)
 
 
 def _waiting_free(state: RunState) -> Iterable[CompiledGuard]:
     """The same of free states alone."""
-    yield from (row.condition for chain in free(state, state.config.eventless) for row in chain if row.condition)
+    yield from (
+        transition.condition
+        for chain in free(state, state.config.eventless)
+        for transition in chain
+        if transition.condition
+    )
     for node in sorted(state.config.nodes, key=lambda node: node.index):
         if not is_held(state, node):
-            yield from (row.condition for row in node.rows if row.condition and row.condition.holds)
+            yield from (
+                transition.condition
+                for transition in node.transitions
+                if transition.condition and transition.condition.holds
+            )
 
 
 def _sense(machine: GoalMachine, activity: GoalActivity, view: View) -> None:

@@ -41,8 +41,8 @@ class ControlEnvironment:
         """The mission is resumed: what waits for control may find that it was given meanwhile."""
         self.found: Event | None = None
         """What has happened to control before the last look, as it was found then."""
-        rows = chart.program.graph.rows.values()
-        self._named_events = frozenset(name for row in rows for name in row.transition.on)
+        transitions = chart.program.graph.transitions.values()
+        self._named_events = frozenset(name for transition in transitions for name in transition.definition.on)
         """The events, and outcomes, that transitions name."""
         self._may_be_held = False
         """Nothing here tells yet whether the operator has taken control."""

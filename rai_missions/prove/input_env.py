@@ -47,8 +47,11 @@ class InputEnvironment:
         self._chart, self._world, self._rest, self._instruments = chart, world, rest, instruments
         self._choices, self._values = world.choices, world.values
         self._brought = AnswerValues(chart.mission.blackboard, world.values)
-        rows = [*chart.mission.transitions, *(row for _, _, each in chart.mission.walk() for row in each.transitions)]
-        self._hears_of_doubt = any("uncertain" in row.on for row in rows)
+        transitions = [
+            *chart.mission.transitions,
+            *(transition for _, _, each in chart.mission.walk() for transition in each.transitions),
+        ]
+        self._hears_of_doubt = any("uncertain" in transition.on for transition in transitions)
         """Some transition is about what was done or not, as far as anybody can tell."""
         self.said: Event | None = None
         """What last happened to the mission."""

@@ -90,9 +90,9 @@ class LiveReads:
     def _is_rewritten(self, history: Node) -> bool:
         """Whether leaving its parent always comes before looking it up again."""
         parent = history.parent
-        inside = [row for node in self._graph.order if node is parent or (parent is not None and node.inside(parent))
-                  for row in node.rows]  # fmt: skip
-        return not (self._graph.recalls or any(history in row.targets for row in inside))
+        inside = [node for node in self._graph.order if node is parent or (parent is not None and node.inside(parent))]
+        targets = (transition.targets for node in inside for transition in node.transitions)
+        return not (self._graph.recalls or any(history in each for each in targets))
 
     # -- what each state reads ------------------------------------------------------------------------------------
 
@@ -133,7 +133,7 @@ class LiveReads:
         """One round; whether anything was learned."""
         before = sum(len(words) for words in self._live.values())
         for node in self._graph.order:
-            found = self._live[node].union(*(self._of_row(row) for row in node.rows))
+            found = self._live[node].union(*(self._of_transition(transition) for transition in node.transitions))
             if node.is_each:
                 found = found.union(*(self._live[each] for each in self._into(node.initial)))
             if node.state is None and self._flee is not None:
@@ -143,13 +143,13 @@ class LiveReads:
             }
         return sum(len(words) for words in self._live.values()) > before
 
-    def _of_row(self, row: CompiledTransition) -> frozenset[str]:
-        transition = row.transition
-        reads = {*self._mentions(transition.when), *self._reads_of(transition.do)}
-        written = {effect.set for effect in transition.do
+    def _of_transition(self, transition: CompiledTransition) -> frozenset[str]:
+        definition = transition.definition
+        reads = {*self._mentions(definition.when), *self._reads_of(definition.do)}
+        written = {effect.set for effect in definition.do
                    if isinstance(effect, Set) and effect.add is None and effect.source is None}  # fmt: skip
-        later = frozenset[str]().union(*(self._live[node] for node in self._into(row.targets)))
-        recalled = {RECALL + target.name for target in row.targets if target.is_history}
+        later = frozenset[str]().union(*(self._live[node] for node in self._into(transition.targets)))
+        recalled = {RECALL + target.name for target in transition.targets if target.is_history}
         return frozenset(reads | recalled) | (later - written)
 
     def _into(self, targets: Iterable[Node]) -> set[Node]:

@@ -53,17 +53,17 @@ class TimeEnvironment:
         self._over = ("", frozenset[str]())
         """The state of the tree, and the group of its waits, of which something is over in this step."""
         self._spans = self._durations()
-        self._keepers = {memory: node.name for node in self._chart.program.graph.order for row in node.rows
-                         for memory in (row.condition.holds if row.condition is not None else ())}  # fmt: skip
+        self._keepers = {memory: each.source.name for each in self._chart.program.graph.transitions.values()
+                         for memory in (each.condition.holds if each.condition is not None else ())}  # fmt: skip
         """What remembers for how long a guard has been true → its state."""
 
     def _durations(self) -> dict[tuple[str, Any], tuple[str, float]]:
         """The timers that are set when a state is entered → the state, and after how many seconds they run out."""
         found: dict[tuple[str, Any], tuple[str, float]] = {}
         for node in self._chart.program.graph.order:
-            for row in node.rows:
-                if row.transition.after_s is not None:
-                    found["after", row.place] = (node.name, row.transition.after_s)
+            for transition in node.transitions:
+                if transition.definition.after_s is not None:
+                    found["after", transition.place] = (node.name, transition.definition.after_s)
             if node.state is not None and node.state.timeout_s is not None:
                 found["timeout", node.name] = (node.name, node.state.timeout_s)
         return found
@@ -150,7 +150,7 @@ class TimeEnvironment:
             if self._comes_later(key) or self._chart.state.timers[key].control in self._chart.state.frozen:
                 continue
             kind, which = key
-            words = {"after": f"the time of row {which} has come", "timeout": f"the time of '{which}' is over"}
+            words = {"after": f"the time of transition {which} has come", "timeout": f"the time of '{which}' is over"}
             told = words.get(kind, f"'{self._chart.state.timers[key].name}' is due")
             order = self._chart.state.timers[key].order
             yield Stimulus(told, "time", self.elapse(self._ring(key)), timer=(key, order))

@@ -24,7 +24,7 @@ __all__ = ("HOLDERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
 
-CONTROL_ROWS: list[dict[str, Any]] = [
+CONTROL_TRANSITIONS: list[dict[str, Any]] = [
     {"trigger": "hand_to_autonomy", "source": ["autonomy", "agent", "operator"], "dest": "autonomy"},
     {"trigger": "hand_to_agent", "source": ["autonomy", "agent", "operator"], "dest": "agent"},
     {"trigger": "hand_to_operator", "source": "*", "dest": "operator"},
@@ -55,10 +55,14 @@ class Status(NamedTuple):
     """Since when, in seconds on the run's clock; None while it is not held."""
 
 
-def _machine(rows: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:
+def _machine(transitions: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:
     """A flat machine in the only setting that is safe: no `to_…` shortcuts, an illegal trigger is an error."""
     return Machine(
-        states=list(states), transitions=rows, initial=initial, auto_transitions=False, ignore_invalid_triggers=False
+        states=list(states),
+        transitions=transitions,
+        initial=initial,
+        auto_transitions=False,
+        ignore_invalid_triggers=False,
     )
 
 
@@ -77,7 +81,7 @@ class Control:
     """Who holds control. It is handed over by request and acknowledgement; a command of anybody else is refused."""
 
     def __init__(self, holder: str = "autonomy") -> None:
-        self._machine = _machine(CONTROL_ROWS, HOLDERS, holder)
+        self._machine = _machine(CONTROL_TRANSITIONS, HOLDERS, holder)
         self.requested: str | None = None
         """Whom it was asked for and has not reached yet."""
         self.kept = False
@@ -153,8 +157,10 @@ class Lifecycle:
     """The mode of one run, with its revision."""
 
     def __init__(self) -> None:
-        rows = [{"trigger": each.trigger, "source": list(each.sources), "dest": each.target} for each in MODE_TABLE]
-        self._machine = _machine(rows, MODES, MODES[0])
+        transitions = [
+            {"trigger": each.trigger, "source": list(each.sources), "dest": each.target} for each in MODE_TABLE
+        ]
+        self._machine = _machine(transitions, MODES, MODES[0])
         self.control = Control()
         self.revision = 0
         self._last: tuple[Any, ...] = ()

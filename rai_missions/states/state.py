@@ -73,9 +73,11 @@ class Transition(MissionModel):
     @model_validator(mode="after")
     def _one_trigger(self) -> Self:
         if self.on and self.after_s is not None:
-            raise fault("trigger", "a row has 'on' or 'after_s', not both; write two rows")
+            raise fault("trigger", "a transition has 'on' or 'after_s', not both; write two transitions")
         if not self.on and self.after_s is None and self.when is None:
-            raise fault("trigger", "a row without 'on', 'after_s' and 'when' would fire at once, always; give one")
+            raise fault(
+                "trigger", "a transition without 'on', 'after_s' and 'when' would fire at once, always; give one"
+            )
         if self.of is not None and not self.on:
             raise fault("of", "'of' says whose outcome 'on' means; give 'on' too")
         return self
@@ -94,11 +96,11 @@ class Transition(MissionModel):
         return f"{trigger} {guard}".strip()
 
 
-def _rows(given: Any) -> Any:
+def _transitions(given: Any) -> Any:
     return tuple(given) if isinstance(given, list) else given
 
 
-Rows = Annotated[tuple[Transition, ...], BeforeValidator(_rows)]
+Transitions = Annotated[tuple[Transition, ...], BeforeValidator(_transitions)]
 
 
 class State(TaggedModel, family="state", group="rai_missions.activities", word=""):
@@ -111,7 +113,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     """Who must hold control while it is active; the innermost says."""
     entry: Effects = ()
     exit: Effects = ()
-    transitions: Rows = ()
+    transitions: Transitions = ()
     timeout_s: Seconds | None = Field(default=None, gt=0)
     """So long after the entry it reports `timed_out` and what it runs is canceled."""
     handover_s: Seconds = 5.0

@@ -29,7 +29,7 @@ def rules(change: Change) -> list[str]:
     return [finding.rule for finding in check(Mission.model_validate(document))]
 
 
-def rows(document: dict[str, Any], name: str) -> list[Any]:
+def transitions(document: dict[str, Any], name: str) -> list[Any]:
     found: list[Any] = document["states"][name]["transitions"]
     return found
 
@@ -42,13 +42,13 @@ def test_what_an_author_forgets_in_the_example_is_reported_once() -> None:
     assert rules(lambda d: d["states"]["crossing"].pop("timeout_s")) == ["unbounded-action"]
     assert rules(lambda d: d["states"]["done"].pop("requires")) == ["missing-requires"]
     assert rules(lambda d: d["states"]["replanning"].update(transitions=[])) == ["unhandled-success"]
-    assert rules(lambda d: rows(d, "assessing").pop()) == ["unhandled-option"]
+    assert rules(lambda d: transitions(d, "assessing").pop()) == ["unhandled-option"]
     assert rules(lambda d: d["states"]["assessing"]["decision"].pop("fallback")) == ["unbounded-decision"]
 
 
 def test_a_misspelled_name_is_one_fault_and_hides_no_other() -> None:
     def misspell(document: dict[str, Any]) -> None:
-        rows(document, "replanning")[0]["to"] = "resumee"
+        transitions(document, "replanning")[0]["to"] = "resumee"
         document["states"]["working"]["states"]["driving"]["transitions"][0]["to"] = "asessing"
         document["states"]["working"]["states"]["driving"]["transitions"][0]["on"] = "anomly"
         document["states"]["crossing"]["achieved"]["key"] = "pased"
@@ -128,43 +128,43 @@ def test_what_the_robot_reported_is_followed_through_copies(
 
 
 def test_the_result_of_an_outcome_counts_as_reported_by_the_robot_and_an_event_does_not() -> None:
-    def copy_payload(document: dict[str, Any], row: dict[str, Any]) -> None:
+    def copy_payload(document: dict[str, Any], transition: dict[str, Any]) -> None:
         document["blackboard"]["home"] = {"type": "boolean"}
-        row["do"] = [{"set": "home", "from": "event.ok"}]
+        transition["do"] = [{"set": "home", "from": "event.ok"}]
         document["states"]["returning"]["achieved"] = {"key": "home", "==": True}
 
-    assert "unfounded-success" not in rules(lambda d: copy_payload(d, rows(d, "crossing")[1]))
+    assert "unfounded-success" not in rules(lambda d: copy_payload(d, transitions(d, "crossing")[1]))
     assert "unfounded-success" in rules(
         lambda d: copy_payload(d, d["states"]["working"]["states"]["driving"]["transitions"][0])
     )
 
 
-def test_a_protective_row_may_leave_staleness_to_an_outer_row() -> None:
+def test_a_protective_transition_may_leave_staleness_to_an_outer_transition() -> None:
     blind = {"when": {"key": "battery", "<": 0.1}, "to": "aborted"}
-    assert rules(lambda d: rows(d, "replanning").append(blind)) == []
-    assert rules(lambda d: d["transitions"][0].update(when=blind["when"])) == ["endless-cycle", "blind-row"]
+    assert rules(lambda d: transitions(d, "replanning").append(blind)) == []
+    assert rules(lambda d: d["transitions"][0].update(when=blind["when"])) == ["endless-cycle", "blind-transition"]
 
 
-def test_rows_that_a_state_entered_puts_to_rest_are_no_cycle() -> None:
+def test_transitions_that_a_state_entered_puts_to_rest_are_no_cycle() -> None:
     low, back = {"key": "battery", "<": 0.5}, {"key": "battery", "<": 0.9}
 
     def there_and_back(first: Any, second: Any, do: list[Any]) -> Change:
         def change(document: dict[str, Any]) -> None:
-            rows(document, "replanning").append({"when": first, "to": "signalling", "do": do})
-            rows(document, "signalling").append({"when": second, "to": "replanning"})
+            transitions(document, "replanning").append({"when": first, "to": "signalling", "do": do})
+            transitions(document, "signalling").append({"when": second, "to": "replanning"})
 
         return change
 
     count = {"key": "signals", "<": 3}
     assert rules(there_and_back(low, back, [])) == ["endless-cycle"]
-    assert rules(there_and_back(low, {"key": "passed", "==": True}, [])) == ["possible-cycle", "blind-row"]
+    assert rules(there_and_back(low, {"key": "passed", "==": True}, [])) == ["possible-cycle", "blind-transition"]
     assert rules(there_and_back(low, {"key": "battery", ">": 0.5}, [])) == []
     assert rules(there_and_back(low, {"all": [back, {"elapsed_s": 5}]}, [])) == []
     assert rules(there_and_back(low, {"held": back, "for_s": 1}, [])) == []
     assert rules(there_and_back(count, count, [{"set": "signals", "add": 1}])) == []
 
 
-def test_parallel_regions_wait_for_all_and_their_rows_are_on_their_own() -> None:
+def test_parallel_regions_wait_for_all_and_their_transitions_are_on_their_own() -> None:
     def region(name: str) -> dict[str, Any]:
         notify = {"call": "tell", "timeout_s": 2, "transitions": [{"on": "succeeded", "to": f"{name}_end"}]}
         return {"initial": f"{name}_tell", "states": {f"{name}_tell": notify, f"{name}_end": {"final": "succeeded"}}}
@@ -174,7 +174,7 @@ def test_parallel_regions_wait_for_all_and_their_rows_are_on_their_own() -> None
             "parallel": {"left": region("left"), "right": region("right")},
             "transitions": last,
         }
-        rows(document, "replanning").append({"on": "failed", "to": ["left_tell", "right_tell"]})
+        transitions(document, "replanning").append({"on": "failed", "to": ["left_tell", "right_tell"]})
 
     assert rules(lambda d: both(d, [{"on": "succeeded", "to": "resume"}])) == []
     assert rules(lambda d: both(d, [])) == ["unhandled-success"]
@@ -182,7 +182,7 @@ def test_parallel_regions_wait_for_all_and_their_rows_are_on_their_own() -> None
 
 def test_only_registered_predicates_are_known_where_they_are_given() -> None:
     document = copy.deepcopy(DESIGN)
-    rows(document, "crossing").append({"on": "rejected", "when": {"named": "is_dry"}, "to": "assessing"})
+    transitions(document, "crossing").append({"on": "rejected", "when": {"named": "is_dry"}, "to": "assessing"})
     mission = Mission.model_validate(document)
     assert check(mission) == check(mission, named=["is_dry"]) == ()
     assert [finding.sentence for finding in check(mission, named=["is_wet", "is_dry_2"])] == [
@@ -196,7 +196,7 @@ def test_names_that_inclusion_brought_have_their_places_escaped() -> None:
         "initial": "dock/go",
         "states": {"dock/go": {"action": "go", "transitions": [{"on": "succeeded"}]}},
     }
-    rows(document, "replanning").append({"on": "failed", "to": "dock"})
+    transitions(document, "replanning").append({"on": "failed", "to": "dock"})
     assert [finding.place for finding in check(Mission.model_validate(document))] == ["/states/dock/states/dock~1go"]
 
 

@@ -164,7 +164,7 @@ def ran(mission: Mission, happened: list[Any]) -> tuple[set[str], set[str], set[
 def test_what_never_happens_by_check_never_happens_in_a_run(mission: Mission, data: st.DataObject) -> None:
     names = {place: name for place, name, _ in mission.walk()}
     found = check(mission)
-    dead = {each.place for each in found if each.rule == "overlapping-row"}
+    dead = {each.place for each in found if each.rule == "overlapping-transition"}
     dead |= {each.place.removesuffix("/when") for each in found if each.rule == "impossible-guard"}
     lost = {names[each.place] for each in found if each.rule == "unreachable-state"}
     stuck = {names[each.place] for each in found if each.rule == "dead-end"}

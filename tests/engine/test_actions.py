@@ -9,17 +9,17 @@ from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import CallService, CancelGoal, Handover, StartGoal, Step
 from rai_missions.event import Event
-from tests.rigs.charts import mission, row, sent, ticked
+from tests.rigs.charts import mission, sent, ticked, transition
 
 BOARD = {"there": {"type": "boolean", "source": "robot", "max_age_s": 5}}
-DONE = row("succeeded", "done")
+DONE = transition("succeeded", "done")
 THERE = {"key": "there", "==": True}
 
 
 def driving(**words: Any) -> dict[str, Any]:
     return {
-        "drive": {"action": "go", "timeout_s": 60, "transitions": [DONE, row("e", "other")], **words},
-        "other": {"action": "turn", "timeout_s": 60, "transitions": [DONE, row("rejected", "lost")]},
+        "drive": {"action": "go", "timeout_s": 60, "transitions": [DONE, transition("e", "other")], **words},
+        "other": {"action": "turn", "timeout_s": 60, "transitions": [DONE, transition("rejected", "lost")]},
         "done": {}, "lost": {},
     }  # fmt: skip
 
@@ -222,7 +222,7 @@ def test_an_action_that_the_profile_keeps_continues_while_paused() -> None:
 
 
 def test_cancel_leads_through_on_cancel_and_ends_canceled_whatever_it_reaches() -> None:
-    states = {**driving(), "park": {"transitions": [row("parked", "end")]}, "end": {"final": "succeeded"}}
+    states = {**driving(), "park": {"transitions": [transition("parked", "end")]}, "end": {"final": "succeeded"}}
     made, number = started(states, on_cancel="park")
     says(made, "accepted", number)
     step = made.send(Event("cancel", 1.0, {"by": "operator"}, "command"))
@@ -274,7 +274,7 @@ def test_control_that_was_asked_for_in_vain_is_asked_back() -> None:
 
 def test_control_that_comes_too_late_is_asked_back() -> None:
     states = driving(control="agent", handover_s=2)
-    states["drive"]["transitions"].append(row("rejected", "other"))
+    states["drive"]["transitions"].append(transition("rejected", "other"))
     made = Chart(mission(states))
     made.start(0.0)
     assert [each.to for each in ticked(made, 2.0).effects if isinstance(each, Handover)] == ["autonomy"]

@@ -10,7 +10,7 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.event import Event
 from rai_missions.guards.guard import Guard
 from rai_missions.model import OneOf
-from tests.rigs.charts import mission, row, ticked
+from tests.rigs.charts import mission, ticked, transition
 
 BOARD = {"stands": {"type": "boolean", "source": "robot", "max_age_s": 60}}
 
@@ -26,7 +26,7 @@ def test_what_was_so_before_the_start_is_no_failure_until_the_state_is_old_enoug
         failed={"go": guard({"all": [{"elapsed_s": 1}, {"key": "stands", "==": True}]})},
     )
     states = {
-        "drive": {"action": "go", "timeout_s": 60, "transitions": [row("failed", "lost")]},
+        "drive": {"action": "go", "timeout_s": 60, "transitions": [transition("failed", "lost")]},
         "lost": {},
     }
     made = Chart(mission(states, blackboard=BOARD), terms=terms)

@@ -13,7 +13,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step, Withdraw
 from rai_missions.event import Event, Tick
-from tests.rigs.charts import mission, row, sent, ticked
+from tests.rigs.charts import mission, sent, ticked, transition
 
 BOARD = {
     "height": {"type": "number", "source": "robot", "max_age_s": 2},
@@ -30,11 +30,16 @@ def asking(**words: Any) -> dict[str, Any]:
         },
         "ask": ["agent", "rules"], "attempts": 2, "deadline_s": 20, "fallback": "stop", **words,
     }  # fmt: skip
-    rows = [row("over", "crossed"), row("around", "gone"), row("stop", "halt"), row("e", "left")]
-    rows.append(row("grow", "grown", when={"key": "answer.size", "<": 5}))
+    transitions = [
+        transition("over", "crossed"),
+        transition("around", "gone"),
+        transition("stop", "halt"),
+        transition("e", "left"),
+    ]
+    transitions.append(transition("grow", "grown", when={"key": "answer.size", "<": 5}))
     return {
-        "ask": {"decision": decision, "transitions": rows},
-        "crossed": {}, "gone": {}, "grown": {}, "left": {"transitions": [row("e", "ask")]},
+        "ask": {"decision": decision, "transitions": transitions},
+        "crossed": {}, "gone": {}, "grown": {}, "left": {"transitions": [transition("e", "ask")]},
         "halt": {"final": "aborted"},
     }  # fmt: skip
 
@@ -153,7 +158,7 @@ def test_an_answer_in_the_instant_of_the_deadline_is_too_late() -> None:
     assert answers(made, question.number, "around", at=20.0).outcome == "aborted"
 
 
-def test_parameters_must_fit_their_schema_and_reach_the_row_and_the_blackboard() -> None:
+def test_parameters_must_fit_their_schema_and_reach_the_transition_and_the_blackboard() -> None:
     made, question = asked()
     again = answers(made, question.number, "grow", parameters={"size": "big"}).question
     assert again is not None and "not valid" in again.refused[0]
@@ -206,7 +211,11 @@ def test_at_one_instant_timers_come_before_the_deadline_of_a_question_whatever_e
     other: dict[str, Any],
 ) -> None:
     asked = {"question": "Well?", "options": {"x": {"about": "x"}}, "fallback": "x", "ask": ["rules"], "deadline_s": 2}
-    inside = {"a": {"decision": asked, "transitions": [row("x", "b"), row(to="c", after_s=2)]}, "b": {}, "c": {}}
+    inside = {
+        "a": {"decision": asked, "transitions": [transition("x", "b"), transition(to="c", after_s=2)]},
+        "b": {},
+        "c": {},
+    }
     regions = {"r1": {"initial": "s", "states": {"s": other}}, "r2": {"initial": "a", "states": inside}}
     made = Chart(mission({"p": {"parallel": regions}}))
     made.start(0.0)

@@ -12,7 +12,7 @@ from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Compound, History
-from tests.rigs.charts import mission, row, sent
+from tests.rigs.charts import mission, sent, transition
 from visualize.build import picture
 
 Json = dict[str, Any]
@@ -21,10 +21,10 @@ Json = dict[str, Any]
 def ways(kind: str, default: str | None, initial: str = "back") -> Mission:
     """`up` begins with its history; inside are `a` and `box` with `b` and `c`."""
     back = {"history": kind, **({"transitions": [{"to": default}]} if default else {})}
-    box = {"initial": "b", "states": {"b": {"transitions": [row("next", "c")]}, "c": {}}}
-    inside = {"a": {"transitions": [row("next", "box")]}, "box": box, "back": back}
-    up = {"initial": initial, "states": inside, "transitions": [row("stop", "off")]}
-    return mission({"off": {"transitions": [row("go", "up"), row("resume", "back")]}, "up": up})
+    box = {"initial": "b", "states": {"b": {"transitions": [transition("next", "c")]}, "c": {}}}
+    inside = {"a": {"transitions": [transition("next", "box")]}, "box": box, "back": back}
+    up = {"initial": initial, "states": inside, "transitions": [transition("stop", "off")]}
+    return mission({"off": {"transitions": [transition("go", "up"), transition("resume", "back")]}, "up": up})
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CancelGoal, Handover, StartGoal, Step, Withdraw
 from rai_missions.event import Event, Tick
-from tests.rigs.charts import mission, row
+from tests.rigs.charts import mission, transition
 
 Json = dict[str, Any]
 OVER: Json = {"final": "aborted"}
@@ -38,7 +38,7 @@ def begun(states: Json, **words: Any) -> Chart:
 
 @pytest.mark.parametrize("holder", ["operator", "nobody"])
 def test_a_start_waits_without_a_deadline_and_is_asked_for_again_at_the_hand_back(holder: str) -> None:
-    made = begun({"a": {"transitions": [row("e", "b")]}, "b": {**ACT, "control": "agent", "handover_s": 5}})
+    made = begun({"a": {"transitions": [transition("e", "b")]}, "b": {**ACT, "control": "agent", "handover_s": 5}})
     made.send(Event(holder, 1.0, {"by": "operator"}, "control"))
     assert (made.held_by, made.held_since, made.held) == (holder, 1.0, frozenset())
     step = made.send(Event("e", 2.0))
@@ -59,7 +59,7 @@ def test_a_start_whose_handover_is_under_way_waits_too() -> None:
 
 
 def test_what_runs_is_canceled_and_starts_again_with_the_time_that_it_had_left() -> None:
-    made = begun({"a": {**ACT, "control": "autonomy", "transitions": [row("timed_out", "over")]}, "over": OVER})
+    made = begun({"a": {**ACT, "control": "autonomy", "transitions": [transition("timed_out", "over")]}, "over": OVER})
     made.send(Event("go", 0.0, {}, "accepted", 1))
     step = taken(made, 20.0)
     assert of(step, CancelGoal)
@@ -71,7 +71,7 @@ def test_what_runs_is_canceled_and_starts_again_with_the_time_that_it_had_left()
 
 
 def test_a_goal_that_the_profile_keeps_continues_and_its_result_waits() -> None:
-    states = {"a": {**ACT, "control": "autonomy", "transitions": [row("succeeded", "over")]}, "over": OVER}
+    states = {"a": {**ACT, "control": "autonomy", "transitions": [transition("succeeded", "over")]}, "over": OVER}
     made = Chart(mission(states), terms=RobotFacts(keep=frozenset({"go"})))
     made.start(0.0)
     made.send(Event("go", 0.0, {}, "accepted", 1))
@@ -85,9 +85,9 @@ def test_transitions_of_held_states_wait_and_those_of_free_states_continue() -> 
         "both": {
             "parallel": {
                 "left": {"initial": "l1", "control": "agent", "states": {
-                    "l1": {"transitions": [row("e", "l2"), row("f", "l2"), {"after_s": 5, "to": "l2"}]}, "l2": {}}},
+                    "l1": {"transitions": [transition(["e", "f"], "l2"), {"after_s": 5, "to": "l2"}]}, "l2": {}}},
                 "right": {"initial": "r1", "states": {
-                    "r1": {"transitions": [row("f", "r2"), {"after_s": 7, "to": "r2"}]}, "r2": {}}},
+                    "r1": {"transitions": [transition("f", "r2"), {"after_s": 7, "to": "r2"}]}, "r2": {}}},
             },
         },
     }  # fmt: skip
@@ -103,7 +103,7 @@ def test_transitions_of_held_states_wait_and_those_of_free_states_continue() -> 
 
 def test_an_event_that_a_free_state_takes_is_consumed() -> None:
     states = {
-        "a": {"control": "agent", "transitions": [row("e", "b"), row("f", "b")]}, "b": {"transitions": []},
+        "a": {"control": "agent", "transitions": [transition(["e", "f"], "b")]}, "b": {"transitions": []},
     }  # fmt: skip
     made = begun(states, transitions=[{"on": "e", "do": [{"log": "noted"}]}])
     taken(made, 1.0)
@@ -116,8 +116,8 @@ def test_an_event_that_a_free_state_takes_is_consumed() -> None:
 
 def test_events_are_handled_in_the_order_in_which_they_came() -> None:
     states = {
-        "a": {"control": "agent", "transitions": [row("e", "b"), row("f", "c")]},
-        "b": {"control": "agent", "transitions": [row("f", "d")]}, "c": {}, "d": {},
+        "a": {"control": "agent", "transitions": [transition("e", "b"), transition("f", "c")]},
+        "b": {"control": "agent", "transitions": [transition("f", "d")]}, "c": {}, "d": {},
     }  # fmt: skip
     made = begun(states)
     taken(made, 1.0)
@@ -131,8 +131,8 @@ def test_an_open_question_stays_open_and_a_proposal_is_judged_at_the_hand_back()
     asked = {"question": "?", "options": {"yes": yes, "no": {"about": "n"}},
              "ask": ["operator"], "deadline_s": 20, "fallback": "no", "attempts": 2}  # fmt: skip
     keys = {"k": {"type": "boolean", "source": "robot"}}
-    states = {"q": {"control": "agent", "decision": asked, "transitions": [row("yes", "b"), row("no", "c")]},
-              "b": {}, "c": {}}  # fmt: skip
+    leads = [transition("yes", "b"), transition("no", "c")]
+    states = {"q": {"control": "agent", "decision": asked, "transitions": leads}, "b": {}, "c": {}}
     made = Chart(mission(states, blackboard=keys))
     made.write("k", True)
     given(made, "agent", 0.0)
@@ -156,7 +156,9 @@ def test_a_question_continues_where_control_comes_back_elsewhere_and_is_asked_fo
         "deadline_s": 20,
         "fallback": "no",
     }
-    made = Chart(mission({"q": {"control": "agent", "decision": asked, "transitions": [row("no", "c")]}, "c": {}}))
+    made = Chart(
+        mission({"q": {"control": "agent", "decision": asked, "transitions": [transition("no", "c")]}, "c": {}})
+    )
     given(made, "agent", 0.0)
     (question,) = of(made.start(0.0), Ask)
     taken(made, 5.0)
@@ -181,7 +183,7 @@ def test_ages_in_held_states_are_still(guard: Json) -> None:
 def test_a_delayed_raise_of_a_held_state_has_the_time_that_it_had_left() -> None:
     states = {
         "a": {"control": "agent", "entry": [{"raise": "e", "after_s": 10}],
-              "transitions": [row("e", "b"), {"after_s": 12, "to": "c"}]}, "b": {}, "c": {},
+              "transitions": [transition("e", "b"), {"after_s": 12, "to": "c"}]}, "b": {}, "c": {},
     }  # fmt: skip
     made = begun(states)
     taken(made, 4.0)
@@ -191,7 +193,7 @@ def test_a_delayed_raise_of_a_held_state_has_the_time_that_it_had_left() -> None
 
 def test_a_state_that_is_entered_while_it_is_held_counts_its_time_from_the_hand_back() -> None:
     timed = {"control": "agent", "transitions": [{"after_s": 5, "to": "c"}]}
-    made = begun({"a": {"transitions": [row("e", "b")]}, "b": timed, "c": {}})
+    made = begun({"a": {"transitions": [transition("e", "b")]}, "b": timed, "c": {}})
     taken(made, 1.0)
     made.send(Event("e", 50.0))
     assert given(made, "agent", 100.0).wake_at == 105.0
@@ -200,7 +202,7 @@ def test_a_state_that_is_entered_while_it_is_held_counts_its_time_from_the_hand_
 def test_achieved_is_not_looked_at() -> None:
     keys = {"k": {"type": "boolean", "source": "robot"}}
     act = {**ACT, "control": "agent", "achieved": {"key": "k", "==": True}, "settle_s": 5,
-           "transitions": [row("succeeded", "b"), row("unverified", "c")]}  # fmt: skip
+           "transitions": [transition("succeeded", "b"), transition("unverified", "c")]}  # fmt: skip
     made = Chart(mission({"a": act, "b": {}, "c": {}}, blackboard=keys), terms=RobotFacts(keep=frozenset({"go"})))
     made.write("k", False)
     given(made, "agent", 0.0)
@@ -225,7 +227,7 @@ def test_cancel_acts_at_once_and_a_held_on_cancel_ends_with_cancel_s() -> None:
 
 
 def test_control_that_the_mission_gave_to_the_operator_is_no_hold() -> None:
-    states = {"a": {"control": "operator", "transitions": [row("e", "b")]}, "b": {**ACT, "control": "agent"}}
+    states = {"a": {"control": "operator", "transitions": [transition("e", "b")]}, "b": {**ACT, "control": "agent"}}
     for data in ({"by": "mission"}, {"by": "robot"}, {}):
         made = begun(states)
         made.send(Event("operator", 1.0, data, "control"))
@@ -237,7 +239,7 @@ def test_control_that_the_mission_gave_to_the_operator_is_no_hold() -> None:
 
 
 def test_a_state_of_the_operator_runs_while_the_operator_holds_control_and_waits_while_no_one_does() -> None:
-    states = {"a": {"control": "operator", "transitions": [row("e", "b"), {"after_s": 10, "to": "b"}]}, "b": {}}
+    states = {"a": {"control": "operator", "transitions": [transition("e", "b"), {"after_s": 10, "to": "b"}]}, "b": {}}
     made = begun(states)
     given(made, "nobody", 2.0)
     assert made.held == {"a"} and made.send(Event("e", 3.0)).moves == ()
@@ -286,7 +288,7 @@ def agents(states: Json, **words: Any) -> Chart:
 
 
 def test_an_outcome_that_waited_is_handled_though_control_came_back_in_a_pause() -> None:
-    waiting = {"a": {"transitions": [row("succeeded", "b", of="x")]}, "b": {}}
+    waiting = {"a": {"transitions": [transition("succeeded", "b", of="x")]}, "b": {}}
     made = agents({"p": {"parallel": {"r1": {"initial": "a", "control": "agent", "states": waiting},
                                       "r2": {"initial": "x", "states": {"x": {"call": "horn"}}}}}})  # fmt: skip
     number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
@@ -303,7 +305,7 @@ def test_a_question_for_which_control_came_back_elsewhere_in_a_pause_asks_for_it
         "deadline_s": 20,
         "fallback": "no",
     }
-    made = agents({"q": {"control": "agent", "decision": asked, "transitions": [row("no", "c")]}, "c": {}})
+    made = agents({"q": {"control": "agent", "decision": asked, "transitions": [transition("no", "c")]}, "c": {}})
     made.start(0.0)
     taken(made, 1.0)
     commanded(made, "pause", 2.0)
@@ -313,7 +315,7 @@ def test_a_question_for_which_control_came_back_elsewhere_in_a_pause_asks_for_it
 
 @pytest.mark.parametrize("name", ["call_failed", "uncertain"])
 def test_an_event_of_the_engine_that_waited_is_handled_though_control_came_back_in_a_pause(name: str) -> None:
-    here = {"control": "agent", "entry": [{"call": "horn"}], "transitions": [row(name, "b")]}
+    here = {"control": "agent", "entry": [{"call": "horn"}], "transitions": [transition(name, "b")]}
     made = agents({"a": here, "b": {}}, events=[])
     number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
     taken(made, 1.0)
@@ -324,7 +326,9 @@ def test_an_event_of_the_engine_that_waited_is_handled_though_control_came_back_
 
 
 def test_a_call_that_fails_in_a_pause_is_reported_at_its_end() -> None:
-    made = Chart(mission({"a": {"entry": [{"call": "horn"}], "transitions": [row("call_failed", "b")]}, "b": {}}))
+    made = Chart(
+        mission({"a": {"entry": [{"call": "horn"}], "transitions": [transition("call_failed", "b")]}, "b": {}})
+    )
     number = made.start(0.0).effects[0].number  # type: ignore[attr-defined]
     commanded(made, "pause", 1.0)
     assert not made.send(Event("failed", 2.0, {}, "result", number)).moves
@@ -332,8 +336,8 @@ def test_a_call_that_fails_in_a_pause_is_reported_at_its_end() -> None:
 
 
 def test_a_goal_that_is_orphaned_in_a_pause_is_reported_at_its_end() -> None:
-    states = {"a": {**ACT, "cancel_s": 5, "transitions": [row("e", "b")]},
-              "b": {"transitions": [row("orphaned", "c")]}, "c": {}}  # fmt: skip
+    states = {"a": {**ACT, "cancel_s": 5, "transitions": [transition("e", "b")]},
+              "b": {"transitions": [transition("orphaned", "c")]}, "c": {}}  # fmt: skip
     made = Chart(mission(states))
     goal = made.start(0.0).effects[0]
     made.send(Event("go", 0.5, {}, "accepted", goal.number))  # type: ignore[attr-defined]

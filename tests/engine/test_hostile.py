@@ -13,11 +13,11 @@ from rai_missions.engine.step import CancelGoal
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Tick
 from rai_missions.trees import PyTrees
-from tests.rigs.charts import chart, mission, row
+from tests.rigs.charts import chart, mission, transition
 
 FACT = {"k": {"type": "integer", "source": "robot", "max_age_s": 2}}
 DRIVE: dict[str, Any] = {
-    "a": {"action": "drive", "timeout_s": 99, "transitions": [row("stop", "b"), row("failed", "c")]},
+    "a": {"action": "drive", "timeout_s": 99, "transitions": [transition("stop", "b"), transition("failed", "c")]},
     "b": {},
     "c": {},
 }
@@ -25,7 +25,7 @@ DRIVE: dict[str, Any] = {
 
 @pytest.mark.parametrize("at", [math.nan, math.inf, -math.inf])
 def test_an_event_at_no_time_is_refused_and_changes_nothing(at: float) -> None:
-    made = chart({"a": {"transitions": [row("x", "b")]}, "b": {"transitions": [{"after_s": 3, "to": "a"}]}})
+    made = chart({"a": {"transitions": [transition("x", "b")]}, "b": {"transitions": [{"after_s": 3, "to": "a"}]}})
     with pytest.raises(UsageError, match="finite"):
         made.send(Event("x", at))
     assert (made.at, made.active) == (0.0, {"a"})
@@ -40,7 +40,12 @@ def test_an_event_of_no_kind_is_refused_with_the_nearest() -> None:
     "states",
     [
         {"a": {"transitions": [{"after_s": 0, "to": "b"}]}, "b": {"transitions": [{"after_s": 0, "to": "a"}]}},
-        {"a": {"entry": [{"raise": "x", "after_s": 0}], "transitions": [row("x", do=[{"raise": "x", "after_s": 0}])]}},
+        {
+            "a": {
+                "entry": [{"raise": "x", "after_s": 0}],
+                "transitions": [transition("x", do=[{"raise": "x", "after_s": 0}])],
+            }
+        },
     ],
 )
 def test_timers_that_are_due_at_once_for_ever_end_the_mission(states: dict[str, Any]) -> None:
@@ -49,7 +54,9 @@ def test_timers_that_are_due_at_once_for_ever_end_the_mission(states: dict[str, 
 
 
 def test_a_fact_without_a_time_is_of_now() -> None:
-    made = Chart(mission({"a": {"transitions": [row(when={"key": "k", "==": 1}, to="b")]}, "b": {}}, blackboard=FACT))
+    made = Chart(
+        mission({"a": {"transitions": [transition(when={"key": "k", "==": 1}, to="b")]}, "b": {}}, blackboard=FACT)
+    )
     made.start(100.0)
     assert made.write("k", 1).entered == ("b",)
 
@@ -81,7 +88,7 @@ def asking(**named: Any) -> Chart:
     """A chart whose way on is a predicate over `k` and twice `k`."""
     guard = {"named": "far", "with": {"than": {"from": "k"}, "by": 2}}
     made = Chart(
-        mission({"a": {"transitions": [row("x", "b", when=guard)]}, "b": {}}, blackboard=FACT),
+        mission({"a": {"transitions": [transition("x", "b", when=guard)]}, "b": {}}, blackboard=FACT),
         named=named,
     )
     made.start(0.0)
@@ -102,7 +109,7 @@ def test_a_predicate_is_not_asked_about_what_is_unknown_and_is_shown_nothing_sta
     assert made.send(Event("x", 4.0)).ignored and not asked
     seen: list[dict[str, Any]] = []
     plain = Chart(
-        mission({"a": {"transitions": [row("x", when={"named": "far"})]}}, blackboard=FACT),
+        mission({"a": {"transitions": [transition("x", when={"named": "far"})]}}, blackboard=FACT),
         named={"far": lambda board: seen.append(board) or False},
     )
     plain.start(0.0)
@@ -112,7 +119,7 @@ def test_a_predicate_is_not_asked_about_what_is_unknown_and_is_shown_nothing_sta
     assert seen == [{"k": 7}, {}]
 
 
-def test_what_a_predicate_reported_is_in_its_own_step_whether_or_not_the_row_fires() -> None:
+def test_what_a_predicate_reported_is_in_its_own_step_whether_or_not_the_transition_fires() -> None:
     made = asking(far=lambda board, than, by: False)
     made.write("k", 7, at=1.0)
     assert ("named:far", False) in made.send(Event("x", 1.5)).guards
@@ -124,7 +131,11 @@ def test_a_long_wait_does_at_each_instant_what_waking_there_does() -> None:
         "tree": {"action": "cross", "timeout_s": 5},
         "transitions": [{"after_s": 5, "do": [{"set": "n", "value": 2}]}],
     }
-    first = {"action": "drive", "timeout_s": 30, "transitions": [row("timed_out", "b", do=[{"set": "n", "value": 1}])]}
+    first = {
+        "action": "drive",
+        "timeout_s": 30,
+        "transitions": [transition("timed_out", "b", do=[{"set": "n", "value": 1}])],
+    }
     boards = []
     for instants in ((40.0,), (30.0, 35.0, 40.0)):
         made = Chart(mission({"a": first, "b": late}, blackboard={"n": {"type": "integer"}}), PyTrees())

@@ -8,12 +8,12 @@ import pytest
 from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from tests.rigs.charts import mission, row, sent
+from tests.rigs.charts import mission, sent, transition
 
 
 def test_a_result_of_another_type_is_not_written() -> None:
     states = {
-        "a": {"action": "go", "timeout_s": 9, "result": {"n": "x"}, "transitions": [row("succeeded", "b")]},
+        "a": {"action": "go", "timeout_s": 9, "result": {"n": "x"}, "transitions": [transition("succeeded", "b")]},
         "b": {},
     }
     made = Chart(mission(states, blackboard={"n": {"type": "integer", "initial": 0}}))
@@ -33,7 +33,7 @@ def test_a_kill_is_a_kill_while_the_mission_is_being_canceled_too() -> None:
 
 
 def test_a_cancel_that_ends_in_an_aborted_final_is_a_cancel() -> None:
-    states = {"a": {}, "park": {"transitions": [row("e", "end")]}, "end": {"final": "aborted"}}
+    states = {"a": {}, "park": {"transitions": [transition("e", "end")]}, "end": {"final": "aborted"}}
     made = Chart(mission(states, on_cancel="park"))
     made.start(0.0)
     made.send(Event("cancel", 1.0, {"by": "operator"}, "command"))
@@ -41,16 +41,22 @@ def test_a_cancel_that_ends_in_an_aborted_final_is_a_cancel() -> None:
 
 
 def test_a_mission_that_names_a_predicate_is_not_begun_without_it() -> None:
-    named = mission({"a": {"transitions": [row("e", "b", when={"named": "is_far"})]}, "b": {}})
+    named = mission({"a": {"transitions": [transition("e", "b", when={"named": "is_far"})]}, "b": {}})
     with pytest.raises(UsageError, match="predicates that were not given: is_far"):
         Chart(named)
     Chart(named, named={"is_far": lambda board: True})
 
 
 def test_a_list_that_is_stale_is_unknown_to_each() -> None:
-    each = {"each": "stops", "as": "stop", "initial": "x", "states": {"x": {}}, "transitions": [row("failed", "no")]}
+    each = {
+        "each": "stops",
+        "as": "stop",
+        "initial": "x",
+        "states": {"x": {}},
+        "transitions": [transition("failed", "no")],
+    }
     keys = {"stops": {"type": "list", "source": "robot", "max_age_s": 5}, "stop": {"type": "string"}}
-    states = {"wait": {"transitions": [row("e", "tour")]}, "tour": each, "no": {}}
+    states = {"wait": {"transitions": [transition("e", "tour")]}, "tour": each, "no": {}}
     for at, entered in ((4.0, ("tour", "x")), (5.0, ("tour", "no"))):
         made = Chart(mission(states, blackboard=keys))
         made.write("stops", ["a", "b"], at=0.0)
@@ -58,7 +64,7 @@ def test_a_list_that_is_stale_is_unknown_to_each() -> None:
         assert sent(made, "e", at=at).entered == entered
 
 
-def test_a_round_that_a_row_leaves_is_not_begun_again() -> None:
+def test_a_round_that_a_transition_leaves_is_not_begun_again() -> None:
     inside = {"x": {"transitions": [{"when": {"not": {"fresh": "clear"}}, "to": "end"}]}, "end": {"final": "succeeded"}}
     way_out = {"when": {"in": "end"}, "to": "away"}
     each = {"each": "stops", "as": "stop", "initial": "x", "states": inside, "transitions": [way_out]}
@@ -72,7 +78,13 @@ def test_a_round_that_a_row_leaves_is_not_begun_again() -> None:
 
 
 def test_an_item_that_does_not_fit_ends_its_each_whatever_was_raised_before() -> None:
-    each = {"each": "stops", "as": "stop", "initial": "x", "states": {"x": {}}, "transitions": [row("failed", "no")]}
+    each = {
+        "each": "stops",
+        "as": "stop",
+        "initial": "x",
+        "states": {"x": {}},
+        "transitions": [transition("failed", "no")],
+    }
     made = Chart(mission(
         {"day": {"entry": [{"raise": "began"}], "initial": "tour", "states": {"tour": each}}, "no": {}},
         blackboard={"stops": {"type": "list", "initial": [1]}, "stop": {"type": "string"}}, events=["began"],

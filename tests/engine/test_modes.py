@@ -76,11 +76,11 @@ def test_whatever_happens_the_modes_go_the_ways_of_the_table(script: list[str]) 
         else:
             seen(sent(chart, each))
         after = mode_of(chart)
-        through = {next_mode(before, row.trigger) for row in MODE_TABLE}
+        through = {next_mode(before, transition.trigger) for transition in MODE_TABLE}
         assert after == before or after in through | {next_mode(str(mode), after) for mode in through}
 
 
-def test_a_run_that_goes_where_no_row_leads_is_refused() -> None:
+def test_a_run_that_goes_where_no_transition_leads_is_refused() -> None:
     from rai_missions.errors import UsageError
 
     chart, life = Chart(MISSION), Lifecycle()
@@ -91,8 +91,8 @@ def test_a_run_that_goes_where_no_row_leads_is_refused() -> None:
 
 
 def test_every_mode_is_reached_and_only_outcomes_are_left_by_nothing() -> None:
-    assert {row.target for row in MODE_TABLE} | {"ready"} == set(MODES)
-    assert {mode for row in MODE_TABLE for mode in row.sources} == set(ALIVE)
+    assert {transition.target for transition in MODE_TABLE} | {"ready"} == set(MODES)
+    assert {mode for transition in MODE_TABLE for mode in transition.sources} == set(ALIVE)
 
 
 def test_the_diagram_in_the_documents_is_the_table() -> None:

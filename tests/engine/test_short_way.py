@@ -6,27 +6,31 @@ from __future__ import annotations
 from typing import Any
 
 from rai_missions.event import Event
-from tests.rigs.charts import chart, row, sent
+from tests.rigs.charts import chart, sent, transition
 
 OK: Any = {"key": "ok", "==": True}
 KEYS: Any = {"ok": {"type": "boolean", "source": "robot", "optional": True}, "n": {"type": "integer", "initial": 0}}
 
 
 def test_what_a_transition_raises_happens_in_its_step_each_time() -> None:
-    rows = [row("e", do=[{"raise": "f"}]), row("f", do=[{"set": "n", "add": 1}])]
-    made = chart({"a": {"transitions": rows}}, blackboard=KEYS)
+    transitions = [transition("e", do=[{"raise": "f"}]), transition("f", do=[{"set": "n", "add": 1}])]
+    made = chart({"a": {"transitions": transitions}}, blackboard=KEYS)
     assert [sent(made, "e").writes for _ in range(3)] == [(("n", 1),), (("n", 2),), (("n", 3),)]
 
 
 def test_what_a_transition_writes_is_seen_in_its_step_each_time() -> None:
-    rows = [row("e", do=[{"set": "n", "add": 1}]), row(to="b", when={"key": "n", "==": 3})]
-    made = chart({"a": {"transitions": rows}, "b": {}}, blackboard=KEYS)
+    transitions = [transition("e", do=[{"set": "n", "add": 1}]), transition(to="b", when={"key": "n", "==": 3})]
+    made = chart({"a": {"transitions": transitions}, "b": {}}, blackboard=KEYS)
     assert [sent(made, "e").entered for _ in range(3)] == [(), (), ("b",)]
 
 
 def test_an_inner_end_that_nothing_confirms_is_unverified_at_once_where_no_time_is_given() -> None:
-    inner = {"at": {"transitions": [row("e", "end")]}, "end": {"final": "succeeded", "requires": OK}}
-    work = {"initial": "at", "states": inner, "transitions": [row("unverified", "lost"), row("succeeded", "lost")]}
+    inner = {"at": {"transitions": [transition("e", "end")]}, "end": {"final": "succeeded", "requires": OK}}
+    work = {
+        "initial": "at",
+        "states": inner,
+        "transitions": [transition("unverified", "lost"), transition("succeeded", "lost")],
+    }
     made = chart({"work": work, "lost": {}}, settle_s=0, blackboard=KEYS)
     step = sent(made, "e", at=1.0)
     assert step.moves[-1].trigger == "unverified" and made.active == {"lost"}
@@ -34,7 +38,7 @@ def test_an_inner_end_that_nothing_confirms_is_unverified_at_once_where_no_time_
 
 def test_an_end_that_waits_for_the_facts_has_its_deadline_though_the_operator_takes_control() -> None:
     made = chart({
-        "work": {"control": "autonomy", "transitions": [row("e", "end")]},
+        "work": {"control": "autonomy", "transitions": [transition("e", "end")]},
         "end": {"final": "succeeded", "control": "autonomy", "requires": OK},
     }, settle_s=2, blackboard=KEYS)  # fmt: skip
     assert sent(made, "e", at=1.0).wake_at == 3.0

@@ -12,7 +12,7 @@ from rai_missions.engine.decision import Verdict
 from rai_missions.engine.step import Step
 from rai_missions.event import Event, Tick
 from tests.engine.test_decisions import answers, asked, asking
-from tests.rigs.charts import mission, row
+from tests.rigs.charts import mission, transition
 
 
 def command(name: str, at: float = 0.0) -> Event:
@@ -96,7 +96,7 @@ def test_a_proposal_that_is_kept_has_its_verdict_once_it_is_judged() -> None:
 
 
 def test_each_step_says_mode_and_holder() -> None:
-    made = Chart(mission({"a": {"transitions": [row("e", "b")]}, "b": {"final": "succeeded"}}, on_cancel=None))
+    made = Chart(mission({"a": {"transitions": [transition("e", "b")]}, "b": {"final": "succeeded"}}, on_cancel=None))
     seen = [
         made.start(0.0), made.send(Event("e", 0.0, {"by": "x"}, "nonsense")),
         made.send(Event("operator", 1.0, {"by": "operator"}, "control")), made.send(command("pause")),
@@ -115,8 +115,8 @@ def test_an_emergency_stop_leaves_control_with_nobody() -> None:
 
 def test_short_steps_say_mode_and_holder_too() -> None:
     """The short way makes steps of its own, with acts and without."""
-    rows = [row("e", "b", do=[{"set": "n", "add": 1}]), row("f", "a")]
-    states = {"a": {"transitions": rows}, "b": {"transitions": [row("e", "a")]}}
+    transitions = [transition("e", "b", do=[{"set": "n", "add": 1}]), transition("f", "a")]
+    states = {"a": {"transitions": transitions}, "b": {"transitions": [transition("e", "a")]}}
     board = {"n": {"type": "number", "source": "mission", "initial": 0}}
     made = Chart(mission(states, blackboard=board))
     made.start(0.0)

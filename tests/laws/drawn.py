@@ -268,38 +268,38 @@ class _Draft:
 
     def transition(self, trigger: Json, later: list[str], *, at_once: bool = False) -> Json:
         """One transition; one that may fire without anything from outside mostly leads forward."""
-        row = dict(trigger)
-        if "when" not in row and self.some(0.4):
-            row["when"] = self.guard(passing="event.k" if "on" in row else "")
+        transition = dict(trigger)
+        if "when" not in transition and self.some(0.4):
+            transition["when"] = self.guard(passing="event.k" if "on" in transition else "")
         if at_once and not self.some(0.03):
             if later:
-                row["to"] = self.rng.choice(later)
-        elif self.some(0.9) or "on" not in row:
-            row["to"] = self.rng.choice(self.names)
-        if self.some(0.4) or "to" not in row:
-            row["do"] = self.effects(2 if "to" in row and not at_once else 1) or [{"log": "stays"}]
-        return row
+                transition["to"] = self.rng.choice(later)
+        elif self.some(0.9) or "on" not in transition:
+            transition["to"] = self.rng.choice(self.names)
+        if self.some(0.4) or "to" not in transition:
+            transition["do"] = self.effects(2 if "to" in transition and not at_once else 1) or [{"log": "stays"}]
+        return transition
 
     def transitions(self, kind: str, state: Json, later: list[str]) -> list[Json]:
         rng = self.rng
-        rows = [self.transition({"on": rng.choice([*EVENTS, "*"])}, later) for _ in range(rng.randint(0, 2))]
+        transitions = [self.transition({"on": rng.choice([*EVENTS, "*"])}, later) for _ in range(rng.randint(0, 2))]
         if self.some(0.3):
-            rows.append(self.transition({"on": rng.choice(["x", "y"])}, later, at_once=True))
+            transitions.append(self.transition({"on": rng.choice(["x", "y"])}, later, at_once=True))
         if self.some(0.6 if self.lean else 0.3):
-            rows.append(self.transition({"after_s": rng.choice(SPANS)}, later))
+            transitions.append(self.transition({"after_s": rng.choice(SPANS)}, later))
         if later and self.some(0.9 if self.lean else 0.6):
-            rows.append(self.transition({"when": self.guard()}, later, at_once=True))
+            transitions.append(self.transition({"when": self.guard()}, later, at_once=True))
         for option in state.get("decision", {}).get("options", ()):
-            rows.append(self.transition({"on": option}, later, at_once=True))
+            transitions.append(self.transition({"on": option}, later, at_once=True))
         if kind in ("action", "call", "tree", "compound", "parallel", "each"):
-            rows.append(self.transition({"on": "succeeded"}, later, at_once=True))
+            transitions.append(self.transition({"on": "succeeded"}, later, at_once=True))
             bad = ["failed", "rejected", "unverified", "canceled", "aborted"]
             if self.some(0.9):
-                rows.append({"on": bad, "to": rng.choice(later or self.names)})
+                transitions.append({"on": bad, "to": rng.choice(later or self.names)})
         if "timeout_s" in state:
-            rows.append({"on": "timed_out", "to": rng.choice(self.names)})
-        rng.shuffle(rows)
-        return rows
+            transitions.append({"on": "timed_out", "to": rng.choice(self.names)})
+        rng.shuffle(transitions)
+        return transitions
 
 
 def document(rng: random.Random, *, alone: bool = False) -> Json:
@@ -307,8 +307,8 @@ def document(rng: random.Random, *, alone: bool = False) -> Json:
     draft = _Draft(rng, alone=alone)
     states = draft.room(1 if draft.lean else 2, top=True)
     for state, kind, later in draft.done:
-        if rows := draft.transitions(kind, state, later):
-            state["transitions"] = rows
+        if transitions := draft.transitions(kind, state, later):
+            state["transitions"] = transitions
     made: Json = {
         "name": "drawn", "blackboard": KEYS, "events": [*EVENTS, "x", "y"], "initial": draft.first(states),
         "states": states, "settle_s": rng.choice([0.0, 0.5, 3.0]), "cancel_s": 2.0,

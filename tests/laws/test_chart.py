@@ -21,7 +21,7 @@ from tests.strategies import EVENTS, KEYS, OPTIONS, mission_documents
 
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck))
-TIMED = Taste(delayed=True, root_rows=True, wildcard=True, outcomes=True)
+TIMED = Taste(delayed=True, root_transitions=True, wildcard=True, outcomes=True)
 
 
 # -- what happens ----------------------------------------------------------------------------------------------

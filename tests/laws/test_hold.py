@@ -230,7 +230,7 @@ def controls() -> st.SearchStrategy[list[tuple[int, str, str]]]:
     return st.lists(st.tuples(st.integers(0, 14), hands, st.sampled_from(["operator", "robot"])), max_size=5)
 
 
-def rows(document: Json) -> Iterator[tuple[str, str]]:
+def transitions(document: Json) -> Iterator[tuple[str, str]]:
     """The place of each state, and its name."""
 
     def inside(room: Json, place: str) -> Iterator[tuple[str, str]]:
@@ -243,7 +243,7 @@ def rows(document: Json) -> Iterator[tuple[str, str]]:
 
 
 def leaves_alone_what_is_held(document: Json, script: Script, hands: list[tuple[int, str, str]]) -> None:
-    names = dict(rows(document))
+    names = dict(transitions(document))
     chart, robot, at = Chart(Mission.model_validate(document), PyTrees()), ScriptedRobot(), 0.0
     robot.follow(chart.start(0.0))
     for index, (drawn, wait) in enumerate(script):

@@ -25,7 +25,7 @@ from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far, terms
-from tests.rigs.charts import ScriptedRobot, chart, row, sent, ticked
+from tests.rigs.charts import ScriptedRobot, chart, sent, ticked, transition
 
 Json = dict[str, Any]
 PASSING = ("seq", "_wake", "_quick", "_listening", "_asked")
@@ -150,8 +150,8 @@ def test_ten_thousand_runs_agree(kind: type[Recorded]) -> None:
 
 def test_a_write_that_comes_after_a_due_timer_is_looked_at() -> None:
     states = {
-        "s1": {"transitions": [row(to="s2", after_s=1)]},
-        "s2": {"transitions": [row(to="s3", when={"key": "a", "==": True})]},
+        "s1": {"transitions": [transition(to="s2", after_s=1)]},
+        "s2": {"transitions": [transition(to="s3", when={"key": "a", "==": True})]},
         "s3": {},
     }
     made = chart(states, blackboard={"a": {"type": "boolean"}})
@@ -159,7 +159,7 @@ def test_a_write_that_comes_after_a_due_timer_is_looked_at() -> None:
 
 
 def test_a_guard_that_must_have_held_is_watched_where_only_an_event_asks_for_it() -> None:
-    states = {"a": {"transitions": [row("e", "b", when={"held": {"fresh": "x"}, "for_s": 2})]}, "b": {}}
+    states = {"a": {"transitions": [transition("e", "b", when={"held": {"fresh": "x"}, "for_s": 2})]}, "b": {}}
     keys = {"x": {"type": "integer", "max_age_s": 1}}
     made = chart(states, blackboard=keys)
     made.write("x", 1, at=0.5)
@@ -169,7 +169,7 @@ def test_a_guard_that_must_have_held_is_watched_where_only_an_event_asks_for_it(
 
 def test_a_final_inside_that_waits_for_its_requires_sees_the_instant_at_which_time_makes_it_true() -> None:
     inside = {"x": {"final": "succeeded", "requires": {"elapsed_s": 1}}}
-    states = {"a": {"initial": "x", "states": inside, "transitions": [row("succeeded", "b")]}, "b": {}}
+    states = {"a": {"initial": "x", "states": inside, "transitions": [transition("succeeded", "b")]}, "b": {}}
     made = chart(states, settle_s=5)
     assert ticked(made, 1.5).entered == ("b",)
 
@@ -177,8 +177,8 @@ def test_a_final_inside_that_waits_for_its_requires_sees_the_instant_at_which_ti
 def test_leaving_a_state_wakes_a_tree_that_asks_for_it() -> None:
     tree = {"eternal_guard": {"in": "x1"}, "child": {"wait_s": 60}}
     regions = {
-        "r1": {"initial": "x1", "states": {"x1": {"transitions": [row("e", "x2")]}, "x2": {}}},
-        "r2": {"initial": "t", "states": {"t": {"tree": tree, "transitions": [row("failed", "u")]}, "u": {}}},
+        "r1": {"initial": "x1", "states": {"x1": {"transitions": [transition("e", "x2")]}, "x2": {}}},
+        "r2": {"initial": "t", "states": {"t": {"tree": tree, "transitions": [transition("failed", "u")]}, "u": {}}},
     }
     made = Chart(mission_of(regions), PyTrees())
     made.start(0.0)
@@ -188,9 +188,13 @@ def test_leaving_a_state_wakes_a_tree_that_asks_for_it() -> None:
 @pytest.mark.parametrize("settle_s", [0, 9])
 def test_entering_a_state_wakes_an_action_whose_achieved_asks_for_it(settle_s: float) -> None:
     action = {"action": "go", "achieved": {"in": "x2"}, "settle_s": settle_s}
-    states = {"t": {**action, "transitions": [row("succeeded", "u"), row("unverified", "v")]}, "u": {}, "v": {}}
+    states = {
+        "t": {**action, "transitions": [transition("succeeded", "u"), transition("unverified", "v")]},
+        "u": {},
+        "v": {},
+    }
     regions = {
-        "r1": {"initial": "x1", "states": {"x1": {"transitions": [row("e", "x2")]}, "x2": {}}},
+        "r1": {"initial": "x1", "states": {"x1": {"transitions": [transition("e", "x2")]}, "x2": {}}},
         "r2": {"initial": "t", "states": states},
     }
     made = Chart(mission_of(regions))

@@ -50,8 +50,8 @@ def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
     program, run = chart.program, chart.state
     if chart.mode not in ("running", "canceling") or chart.outcome is not None or run.final is not None:
         return
-    for row in enabled(run, run.config.eventless, []):
-        yield f"{row.place} could fire"
+    for transition in enabled(run, run.config.eventless, []):
+        yield f"{transition.place} could fire"
     for name in run.settling:
         requires = program.graph.nodes[name].requires
         assert requires is not None
@@ -170,26 +170,26 @@ def tree_region(number: int, tree: Json, back: Json, do: list[Json]) -> Json:
     return {"initial": work, "states": states}
 
 
-def row_region(number: int, rows: list[tuple[Json, list[Json]]]) -> Json:
+def transition_region(number: int, transitions: list[tuple[Json, list[Json]]]) -> Json:
     """States in a line, each left by a transition that waits for its guard, the last by an event."""
-    names = [f"s{number}_{index}" for index in range(len(rows) + 1)]
+    names = [f"s{number}_{index}" for index in range(len(transitions) + 1)]
     states: Json = {
         name: {"transitions": [{"when": guard, "to": after, "do": do}]}
-        for name, after, (guard, do) in zip(names, names[1:], rows, strict=False)
+        for name, after, (guard, do) in zip(names, names[1:], transitions, strict=False)
     }
-    states[names[-1]] = {"transitions": [{"on": "poke", "to": names[0], "do": rows[0][1]}]}
+    states[names[-1]] = {"transitions": [{"on": "poke", "to": names[0], "do": transitions[0][1]}]}
     return {"initial": names[0], "states": states}
 
 
 backs = st.one_of(st.just({"on": "poke"}), st.just({"after_s": 1}), guards.map(lambda guard: {"when": guard}))
 tree_regions = st.builds(tree_region, st.integers(10, 10_000), polled_trees, backs, effects)
-row_regions = st.builds(
-    row_region, st.integers(10, 10_000), st.lists(st.tuples(guards, effects), min_size=1, max_size=3)
+transition_regions = st.builds(
+    transition_region, st.integers(10, 10_000), st.lists(st.tuples(guards, effects), min_size=1, max_size=3)
 )
 
 
-def beside(trees: list[Json], rows: list[Json]) -> Json:
-    regions = {f"region{number}": region for number, region in enumerate((*trees, *rows))}
+def beside(trees: list[Json], transitions: list[Json]) -> Json:
+    regions = {f"region{number}": region for number, region in enumerate((*trees, *transitions))}
     states = {"all": {"parallel": regions}}
     return {"name": "m", "initial": "all", "blackboard": keys, "events": {"poke": {}}, "states": states}
 
@@ -202,7 +202,7 @@ def named_once(regions: tuple[list[Json], list[Json]]) -> bool:
 counting = st.builds(
     lambda number, asked, rest, do: beside(
         [tree_region(1, {"selector": [counted(number), rest], "memory": False}, {"on": "poke"}, [])],
-        [row_region(2, [({"key": "n0", ">": asked}, do)])],
+        [transition_region(2, [({"key": "n0", ">": asked}, do)])],
     ),
     st.integers(1, 6), st.integers(0, 5), st.sampled_from([{"wait_s": 1.5}, {"call": "horn"}]), effects,
 )  # fmt: skip
@@ -214,7 +214,7 @@ def counted(number: int) -> Json:
 
 
 several = (
-    st.tuples(st.lists(tree_regions, min_size=1, max_size=2), st.lists(row_regions, max_size=2))
+    st.tuples(st.lists(tree_regions, min_size=1, max_size=2), st.lists(transition_regions, max_size=2))
     .filter(named_once)
     .map(lambda regions: beside(*regions))
 )

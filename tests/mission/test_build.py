@@ -89,7 +89,7 @@ def test_operators_make_the_guards_that_json_has(guard: Guard, written: Any) -> 
 
 
 @pytest.mark.parametrize(
-    ("row", "written"),
+    ("transition", "written"),
     [
         (On("a", to="b"), {"on": "a", "to": "b"}),
         (On("a", "b", to=["c", "d"]), {"on": ["a", "b"], "to": ["c", "d"]}),
@@ -107,8 +107,8 @@ def test_operators_make_the_guards_that_json_has(guard: Guard, written: Any) -> 
     ],
     ids=lambda given: str(given) if isinstance(given, dict) else "",
 )
-def test_rows_are_named_by_what_fires_them(row: Any, written: Any) -> None:
-    assert row.written() == written
+def test_transitions_are_named_by_what_fires_them(transition: Any, written: Any) -> None:
+    assert transition.written() == written
 
 
 @pytest.mark.parametrize(

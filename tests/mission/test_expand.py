@@ -259,13 +259,13 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
             {},
             {"invariants": {"soon": {"elapsed_s": 5}}},
             "/states/dock/mission: its invariant 'soon' asks for 'elapsed_s', "
-            "which would count from the start of the whole; use a row with 'after_s'",
+            "which would count from the start of the whole; use a transition with 'after_s'",
         ),
         (
             {"with": {}},
             {"events": {}},
-            "/states/dock/mission: its row /states/approach/transitions/2 is for any event, and it declares none; "
-            "drop the row",
+            "/states/dock/mission: its transition /states/approach/transitions/2 is for any event, "
+            "and it declares none; drop the transition",
         ),
         (
             {},

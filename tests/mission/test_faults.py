@@ -97,8 +97,8 @@ ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         ),
         (state(control="agnet"), "/states/a/control: no such choice: 'agnet'; did you mean 'agent'?"),
         (row(on="e", too="a"), f"{ROW}/too: a transition has no 'too'; did you mean 'to'?"),
-        (row(to="a"), f"{ROW}: a row without 'on', 'after_s' and 'when' would fire at once, always; give one"),
-        (row(on="e", after_s=1), f"{ROW}: a row has 'on' or 'after_s', not both; write two rows"),
+        (row(to="a"), f"{ROW}: a transition without 'on', 'after_s' and 'when' would fire at once, always; give one"),
+        (row(on="e", after_s=1), f"{ROW}: a transition has 'on' or 'after_s', not both; write two transitions"),
         (when({"kye": "a", "<": 1}), f"{ROW}/when: no guard is written ['<', 'kye']; did you mean 'key'?"),
         (
             when({"key": "a", "less": 1}),

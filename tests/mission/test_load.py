@@ -108,8 +108,8 @@ def test_a_file_that_is_no_mission_is_for_the_caller_to_mend(tmp_path: Path, nam
 
 
 def test_ten_thousand_states_are_loaded(tmp_path: Path) -> None:
-    rows = [{"on": "succeeded", "to": "s0"}]
-    states = {f"s{number}": {"action": "go", "timeout_s": 5, "transitions": rows} for number in range(10_000)}
+    transitions = [{"on": "succeeded", "to": "s0"}]
+    states = {f"s{number}": {"action": "go", "timeout_s": 5, "transitions": transitions} for number in range(10_000)}
     (tmp_path / "m.json").write_text(json.dumps(json.loads(SMALL) | {"initial": "s0", "states": states}))
     assert len(load(tmp_path / "m.json").states) == 10_000
 

@@ -58,7 +58,7 @@ class Event:
     name: str
     done: str = ""
     """The state whose end it reports of."""
-    row: Transition | None = None
+    transition: Transition | None = None
     """The one transition that may answer: that of an `after_s`."""
 
 
@@ -104,8 +104,8 @@ class Interpreter:
         self._children(self.doc, document["states"])
         for element in (self.doc, *self.elements.values()):
             place = "/states/" + element.id if element.id else ""
-            rows = element.data.get("transitions", ()) if element.kind != "history" else ()
-            element.transitions = [self._transition(element, t, f"{place}/{i}") for i, t in enumerate(rows)]
+            transitions = element.data.get("transitions", ()) if element.kind != "history" else ()
+            element.transitions = [self._transition(element, t, f"{place}/{i}") for i, t in enumerate(transitions)]
         self.datamodel = {name: key.get("initial") for name, key in document.get("blackboard", {}).items()}
         self.configuration: set[Element] = set()
         self.history_value: dict[str, list[Element]] = {}
@@ -124,10 +124,10 @@ class Interpreter:
             (parent.histories if kind == "history" else parent.states).append(element)
             self._children(element, data.get("states") or data.get("parallel") or {})
 
-    def _transition(self, source: Element, row: dict[str, Any], place: str) -> Transition:
+    def _transition(self, source: Element, written: dict[str, Any], place: str) -> Transition:
         return Transition(
-            source, many(row.get("on")), row.get("when"), many(row.get("to")), bool(row.get("internal")),
-            row.get("do", []), row.get("after_s"), place,
+            source, many(written.get("on")), written.get("when"), many(written.get("to")),
+            bool(written.get("internal")), written.get("do", []), written.get("after_s"), place,
         )  # fmt: skip
 
     # -- what drives it -------------------------------------------------------------------------------------------
@@ -260,7 +260,9 @@ class Interpreter:
                 self.history_value[h.id] = sorted(value, key=lambda s0: s0.order)
         for s in states_to_exit:
             self.execute_content(s.data.get("exit", []))
-            self.delayed = [each for each in self.delayed if each.event.row is None or each.event.row.source is not s]
+            self.delayed = [
+                each for each in self.delayed if each.event.transition is None or each.event.transition.source is not s
+            ]
             self.configuration.remove(s)
 
     def compute_exit_set(self, transitions: Iterable[Transition]) -> set[Element]:
@@ -376,8 +378,8 @@ class Interpreter:
     # -- names, conditions and content ----------------------------------------------------------------------------
 
     def name_match(self, t: Transition, event: Event) -> bool:
-        if event.row is not None or t.after_s is not None:
-            return t is event.row
+        if event.transition is not None or t.after_s is not None:
+            return t is event.transition
         if event.done:
             done = self.elements[event.done]
             climbs = event.name != "succeeded" and not self._in_region(event.done)
@@ -428,4 +430,4 @@ class Interpreter:
     def _schedule_after(self, s: Element) -> None:
         for t in s.transitions:
             if t.after_s is not None:
-                self._send_later(t.after_s, None, Event("after_s", row=t))
+                self._send_later(t.after_s, None, Event("after_s", transition=t))

@@ -12,7 +12,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-__all__ = ("EVENTS", "Taste", "charts", "lineage", "scripts", "without_rows")
+__all__ = ("EVENTS", "Taste", "charts", "lineage", "scripts", "without_transitions")
 
 Json = dict[str, Any]
 EVENTS = ("a", "b", "c")
@@ -39,7 +39,7 @@ class Taste:
     several: bool = True
     """Several targets, and initials that are not children."""
     delayed: bool = False
-    root_rows: bool = False
+    root_transitions: bool = False
     wildcard: bool = False
     end: bool = True
     """A top-level final."""
@@ -178,8 +178,8 @@ class _Draft:
             known += [{"raise": "y", "after_s": 1.0, "id": "two"}]
         return self.draw(st.lists(st.sampled_from(known), max_size=2)) if self.some(of=2) else []
 
-    def row(self, name: str, index: int) -> Json:
-        row: Json = {}
+    def transition(self, name: str, index: int) -> Json:
+        transition: Json = {}
         state = self.states.get(name, {})
         kinds = ["event"] * 6
         kinds += ["eventless"] if self.taste.eventless and name else []
@@ -188,26 +188,26 @@ class _Draft:
         kind = self.draw(st.sampled_from(kinds))
         names = [*EVENTS, *(INNER if self.taste.raising else ()), *(["*"] if self.taste.wildcard else [])]
         if kind == "event":
-            row["on"] = self.draw(
+            transition["on"] = self.draw(
                 st.one_of(st.sampled_from(names), st.lists(st.sampled_from(names), min_size=1, max_size=2, unique=True))
             )
         elif kind == "done":
-            row["on"] = self.draw(
+            transition["on"] = self.draw(
                 st.sampled_from(["failed", "succeeded", "canceled"] if self.taste.outcomes else ["succeeded"])
             )
         elif kind == "after":
-            row["after_s"] = self.draw(st.sampled_from([0.25, 1.25]))
+            transition["after_s"] = self.draw(st.sampled_from([0.25, 1.25]))
         if kind == "eventless" or (self.taste.guards and self.some(of=3)):
-            row["when"] = self.guard()
+            transition["when"] = self.guard()
         if not (self.taste.targetless and self.some(of=5)) or kind == "eventless":
-            row["to"] = self.targets()
-        if self.taste.internal and "states" in state and row.get("to") and self.some(of=2):
-            row["to"] = self.draw(st.sampled_from(self.below(name)))
-            row["internal"] = True
-        row["do"] = [{"log": f"{name}.{index}"}, *self.effects()]
+            transition["to"] = self.targets()
+        if self.taste.internal and "states" in state and transition.get("to") and self.some(of=2):
+            transition["to"] = self.draw(st.sampled_from(self.below(name)))
+            transition["internal"] = True
+        transition["do"] = [{"log": f"{name}.{index}"}, *self.effects()]
         if kind == "eventless" and self.some(of=2):
-            row |= {"when": {"key": "n", "<": 3}, "do": [*row["do"], {"set": "n", "add": 1}]}
-        return row
+            transition |= {"when": {"key": "n", "<": 3}, "do": [*transition["do"], {"set": "n", "add": 1}]}
+        return transition
 
     def reports(self, name: str) -> bool:
         """Whether SCXML and we agree on when it is done: not for a parallel with a parallel for a region."""
@@ -235,8 +235,8 @@ class _Draft:
             for word in ("entry", "exit"):
                 state[word] += self.effects() if self.some(of=4) else []
             if "final" not in state:
-                rows = [self.row(name, index) for index in range(self.draw(st.integers(0, 3)))]
-                state["transitions"] = rows
+                transitions = [self.transition(name, index) for index in range(self.draw(st.integers(0, 3)))]
+                state["transitions"] = transitions
 
 
 @st.composite
@@ -260,8 +260,8 @@ def charts(draw: st.DrawFn, taste: Taste | None = None) -> Json:
         "events": {name: {} for name in (*EVENTS, *INNER)},
         "blackboard": {key: {"type": "integer", "initial": 0} for key in KEYS},
     }  # fmt: skip
-    if taste.root_rows and draw(st.booleans()):
-        document["transitions"] = [draft.row("", index) for index in range(draw(st.integers(1, 2)))]
+    if taste.root_transitions and draw(st.booleans()):
+        document["transitions"] = [draft.transition("", index) for index in range(draw(st.integers(1, 2)))]
     return document
 
 
@@ -291,9 +291,9 @@ def lineage(document: Json) -> tuple[dict[str, Json], dict[str, list[str]]]:
     return states, above
 
 
-def without_rows(document: Json, unwanted: Callable[[str, Json], bool]) -> Json:
+def without_transitions(document: Json, unwanted: Callable[[str, Json], bool]) -> Json:
     """The chart without the rows of which `unwanted(source, row)` is true."""
     for name, state in lineage(document)[0].items():
         if "transitions" in state:
-            state["transitions"] = [row for row in state["transitions"] if not unwanted(name, row)]
+            state["transitions"] = [transition for transition in state["transitions"] if not unwanted(name, transition)]
     return document

@@ -42,21 +42,21 @@ def _state(name: str, state: Json, parent: Json) -> Iterator[str]:
     yield f'<{word} id="{name}"{initial}>'
     yield f"<onentry>{_content(state.get('entry', []))}</onentry>"
     yield f"<onexit>{_content(state.get('exit', []))}</onexit>"
-    for row in state.get("transitions", []):
-        yield _transition(name, row)
+    for transition in state.get("transitions", []):
+        yield _transition(name, transition)
     for child, inner in (state.get("states") or state.get("parallel") or {}).items():
         yield from _state(child, inner, state)
     yield f"</{word}>"
 
 
-def _transition(source: str, row: Json) -> str:
-    names = [f"done.state.{source}" if name == "succeeded" else name for name in many(row.get("on"))]
+def _transition(source: str, transition: Json) -> str:
+    names = [f"done.state.{source}" if name == "succeeded" else name for name in many(transition.get("on"))]
     words = {
-        "event": " ".join(names), "cond": _condition(row["when"]) if "when" in row else "",
-        "target": " ".join(many(row.get("to"))), "type": "internal" if row.get("internal") else "",
+        "event": " ".join(names), "cond": _condition(transition["when"]) if "when" in transition else "",
+        "target": " ".join(many(transition.get("to"))), "type": "internal" if transition.get("internal") else "",
     }  # fmt: skip
     given = " ".join(f"{word}={quoteattr(value)}" for word, value in words.items() if value)
-    return f"<transition {given}>{_content(row.get('do', []))}</transition>"
+    return f"<transition {given}>{_content(transition.get('do', []))}</transition>"
 
 
 def _condition(guard: Json) -> str:

@@ -39,7 +39,7 @@ def test_delayed_events_come_and_are_canceled_as_sends_are(document: Json, scrip
 
 
 @lenient
-@given(charts(Taste(outcomes=True, root_rows=True, wildcard=True)), scripts(writes=True))
+@given(charts(Taste(outcomes=True, root_transitions=True, wildcard=True)), scripts(writes=True))
 def test_outcomes_go_where_they_are_addressed(document: Json, script: list[tuple[Any, ...]]) -> None:
     agree(document, script)
 

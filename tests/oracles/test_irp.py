@@ -13,11 +13,11 @@ import pytest
 
 from rai_missions.event import Event, Tick
 from tests.oracles.ours import told
-from tests.rigs.charts import chart, row
+from tests.rigs.charts import chart, transition
 
 Json = dict[str, Any]
 COUNT = {"n": {"type": "integer", "initial": 0}}
-FAIL = row("*", "fail")
+FAIL = transition("*", "fail")
 ENDS: Json = {"pass": {"final": "succeeded"}, "fail": {"final": "failed"}}
 
 
@@ -39,7 +39,7 @@ def raising(*names: str) -> list[Json]:
 
 def verdict(value: int) -> list[Json]:
     """Rows that pass if n is a value and fail if not."""
-    return [row(to="pass", when=is_(value)), row(to="fail", when={"not": is_(value)})]
+    return [transition(to="pass", when=is_(value)), transition(to="fail", when={"not": is_(value)})]
 
 
 class Assertion(NamedTuple):
@@ -62,167 +62,167 @@ def compound(initial: Any, states: Json, **words: Any) -> Json:
 
 PLAN = [
     Assertion(144, "events are taken from the internal queue in the order in which they were raised", {
-        "a": {"entry": raising("foo", "bar"), "transitions": [row("foo", "b"), FAIL]},
-        "b": {"transitions": [row("bar", "pass"), FAIL]},
+        "a": {"entry": raising("foo", "bar"), "transitions": [transition("foo", "b"), FAIL]},
+        "b": {"transitions": [transition("bar", "pass"), FAIL]},
     }),
     Assertion(158, "executable content is executed in document order", {
-        "a": {"entry": raising("event1", "event2"), "transitions": [row("event1", "b"), FAIL]},
-        "b": {"transitions": [row("event2", "pass"), FAIL]},
+        "a": {"entry": raising("event1", "event2"), "transitions": [transition("event1", "b"), FAIL]},
+        "b": {"transitions": [transition("event2", "pass"), FAIL]},
     }),
     Assertion(172, "what is raised can depend on what was assigned before it in the same block", {
-        "a": {"entry": [put(2), *raising("event1")], "transitions": [row("event1", "pass", when=is_(2)), FAIL]},
+        "a": {"entry": [put(2), *raising("event1")], "transitions": [transition("event1", "pass", when=is_(2)), FAIL]},
     }),
     Assertion(175, "a delayed event waits for as long as it was told", {
         "a": {"entry": [{"raise": "event2", "after_s": 1.0}, {"raise": "event1", "after_s": 0.5}],
-              "transitions": [row("event1", "b"), row("event2", "fail")]},
-        "b": {"transitions": [row("event2", "pass"), FAIL]},
+              "transitions": [transition("event1", "b"), transition("event2", "fail")]},
+        "b": {"transitions": [transition("event2", "pass"), FAIL]},
     }, until_s=2.0),
     Assertion(186, "what a delayed event carries is settled when it is sent, not when it comes", {
         "a": {"entry": [{"raise": "later", "after_s": 1.0, "data": {"v": {"from": "n"}}}, put(2)],
-              "transitions": [row("later", "pass", when={"key": "event.v", "==": 0}), FAIL]},
+              "transitions": [transition("later", "pass", when={"key": "event.v", "==": 0}), FAIL]},
     }, until_s=2.0),
     Assertion(189, "internal events come before external ones", {
-        "a": {"transitions": [row("go", "b", do=[{"raise": "external", "after_s": 0.0}, *raising("internal")])]},
-        "b": {"transitions": [row("internal", "pass"), row("external", "fail")]},
+        "a": {"transitions": [transition("go", "b", do=[{"raise": "external", "after_s": 0.0}, *raising("internal")])]},
+        "b": {"transitions": [transition("internal", "pass"), transition("external", "fail")]},
     }, send=("go", "tick")),
     Assertion(208, "a delayed event that is canceled does not come", {
         "a": {"entry": [{"raise": "event1", "after_s": 1.0, "id": "foo"}, {"raise": "event2", "after_s": 1.5}, {"drop": "foo"}],
-              "transitions": [row("event2", "pass"), FAIL]},
+              "transitions": [transition("event2", "pass"), FAIL]},
     }, until_s=2.0),
     Assertion(355, "without 'initial' … with one, the state it names is the one entered", {"a": {"transitions": verdict(0)}}),
     Assertion(364, "an initial names deep descendants, one in each region", {
         "s1": compound(["s11p112", "s11p122"], {
-            "s11": compound("s111", {"s111": {"transitions": [row(to="fail", when=is_(0))]}}),
+            "s11": compound("s111", {"s111": {"transitions": [transition(to="fail", when=is_(0))]}}),
             "s11p1": regions(
-                s11p11=compound("s11p111", {"s11p111": {"transitions": [row(to="fail", when=is_(0))]},
+                s11p11=compound("s11p111", {"s11p111": {"transitions": [transition(to="fail", when=is_(0))]},
                                             "s11p112": {"entry": raising("in_first")}}),
-                s11p12=compound("s11p121", {"s11p121": {"transitions": [row(to="fail", when=is_(0))]},
-                                            "s11p122": {"transitions": [row("in_first", "pass")]}}),
+                s11p12=compound("s11p121", {"s11p121": {"transitions": [transition(to="fail", when=is_(0))]},
+                                            "s11p122": {"transitions": [transition("in_first", "pass")]}}),
             ),
         }),
     }),
     Assertion(372, "the end of a compound state is told after the final's entry and before its exit", {
         "a": compound("end", {"end": {"final": "succeeded", "entry": [put(2)], "exit": [put(3)]}},
-                      transitions=[row("succeeded", "pass", when=is_(2)), row("succeeded", "fail")]),
+                      transitions=[transition("succeeded", "pass", when=is_(2)), transition("succeeded", "fail")]),
     }),
     Assertion(375, "entry effects are executed in document order", {
-        "a": {"entry": [*raising("event1"), *raising("event2")], "transitions": [row("event1", "b"), FAIL]},
-        "b": {"transitions": [row("event2", "pass"), FAIL]},
+        "a": {"entry": [*raising("event1"), *raising("event2")], "transitions": [transition("event1", "b"), FAIL]},
+        "b": {"transitions": [transition("event2", "pass"), FAIL]},
     }),
     Assertion(377, "exit effects are executed in document order", {
-        "a": {"exit": raising("event1", "event2"), "transitions": [row(to="b", when=is_(0))]},
-        "b": {"transitions": [row("event1", "c"), FAIL]},
-        "c": {"transitions": [row("event2", "pass"), FAIL]},
+        "a": {"exit": raising("event1", "event2"), "transitions": [transition(to="b", when=is_(0))]},
+        "b": {"transitions": [transition("event1", "c"), FAIL]},
+        "c": {"transitions": [transition("event2", "pass"), FAIL]},
     }),
     Assertion(387, "a history without memory leads to the default", {
-        "a": {"transitions": [row(to="deep", when=is_(0))]},
+        "a": {"transitions": [transition(to="deep", when=is_(0))]},
         "s": compound("s1", {"deep": {"history": "deep"},
                              "s1": compound("s11", {"s11": {"entry": raising("right")}, "s12": {"entry": raising("wrong")}}),
-                             "s2": {}}, transitions=[row("right", "pass"), row("wrong", "fail")]),
+                             "s2": {}}, transitions=[transition("right", "pass"), transition("wrong", "fail")]),
     }),
     Assertion(388, "shallow history recalls the child, deep history the innermost state", {
         "s0": compound("s012", {
             "s01": compound("s011", {"s011": {"entry": raising("in_s011")}, "s012": {"entry": raising("in_s012")}}),
             "shallow": {"history": "shallow"}, "deep": {"history": "deep"},
         }, entry=[up()], transitions=[
-            row("in_s012", "s1", when=is_(1)), row("in_s012", "s2", when=is_(2)), row("in_s011", "pass", when=is_(3)),
-            row(["in_s011", "in_s012"], "fail"),
+            transition("in_s012", "s1", when=is_(1)), transition("in_s012", "s2", when=is_(2)), transition("in_s011", "pass", when=is_(3)),
+            transition(["in_s011", "in_s012"], "fail"),
         ]),
-        "s1": {"transitions": [row(to="deep", when=is_(1))]},
-        "s2": {"transitions": [row(to="shallow", when=is_(2))]},
+        "s1": {"transitions": [transition(to="deep", when=is_(1))]},
+        "s2": {"transitions": [transition(to="shallow", when=is_(2))]},
     }),
     Assertion(396, "the event's name is what rows are matched with", {
-        "a": {"entry": raising("foo"), "transitions": [row("bar", "fail"), row("foo", "pass")]},
+        "a": {"entry": raising("foo"), "transitions": [transition("bar", "fail"), transition("foo", "pass")]},
     }),
     Assertion(403, "an inner row goes before an outer one; an inner one that is not enabled leaves it to the outer", {
         "s0": compound("s01", {
-            "s01": {"entry": raising("event1"), "transitions": [row("event1", "s02"), FAIL]},
-            "s02": {"entry": raising("event2"), "transitions": [row("event1", "fail"), row("event2", "fail", when=is_(9))]},
-        }, transitions=[row("event1", "fail"), row("event2", "pass")]),
+            "s01": {"entry": raising("event1"), "transitions": [transition("event1", "s02"), FAIL]},
+            "s02": {"entry": raising("event2"), "transitions": [transition("event1", "fail"), transition("event2", "fail", when=is_(9))]},
+        }, transitions=[transition("event1", "fail"), transition("event2", "pass")]),
     }),
     Assertion(404, "exit is innermost first and last region first, then the rows' content", {
         "s01p": {**regions(s01p1={"exit": raising("event2")}, s01p2={"exit": raising("event1")}), "exit": raising("event3"),
-                 "transitions": [row(to="s02", when=is_(0), do=raising("event4"))]},
-        "s02": {"transitions": [row("event1", "s03"), FAIL]}, "s03": {"transitions": [row("event2", "s04"), FAIL]},
-        "s04": {"transitions": [row("event3", "s05"), FAIL]}, "s05": {"transitions": [row("event4", "pass"), FAIL]},
+                 "transitions": [transition(to="s02", when=is_(0), do=raising("event4"))]},
+        "s02": {"transitions": [transition("event1", "s03"), FAIL]}, "s03": {"transitions": [transition("event2", "s04"), FAIL]},
+        "s04": {"transitions": [transition("event3", "s05"), FAIL]}, "s05": {"transitions": [transition("event4", "pass"), FAIL]},
     }),
     Assertion(405, "the content of rows is executed after the exits, in document order of the regions", {
         "p": {**regions(
-            r=compound("r1", {"r1": {"exit": raising("event2"), "transitions": [row(to="r2", when=is_(0), do=raising("event3"))]}, "r2": {}}),
-            s=compound("t1", {"t1": {"exit": raising("event1"), "transitions": [row(to="t2", when=is_(0), do=raising("event4"))]}, "t2": {}}),
-        ), "transitions": [row("event1", "b")]},
-        "b": {"transitions": [row("event2", "c"), FAIL]}, "c": {"transitions": [row("event3", "d"), FAIL]},
-        "d": {"transitions": [row("event4", "pass"), FAIL]},
+            r=compound("r1", {"r1": {"exit": raising("event2"), "transitions": [transition(to="r2", when=is_(0), do=raising("event3"))]}, "r2": {}}),
+            s=compound("t1", {"t1": {"exit": raising("event1"), "transitions": [transition(to="t2", when=is_(0), do=raising("event4"))]}, "t2": {}}),
+        ), "transitions": [transition("event1", "b")]},
+        "b": {"transitions": [transition("event2", "c"), FAIL]}, "c": {"transitions": [transition("event3", "d"), FAIL]},
+        "d": {"transitions": [transition("event4", "pass"), FAIL]},
     }),
     Assertion(406, "entry is outermost first, in document order, after the rows' content", {
-        "a": {"transitions": [row(to="p", when=is_(0), do=raising("event1"))]},
+        "a": {"transitions": [transition(to="p", when=is_(0), do=raising("event1"))]},
         "p": {**regions(r={"entry": raising("event3")}, s={"entry": raising("event4")}), "entry": raising("event2"),
-              "transitions": [row("event1", "b"), FAIL]},
-        "b": {"transitions": [row("event2", "c"), FAIL]}, "c": {"transitions": [row("event3", "d"), FAIL]},
-        "d": {"transitions": [row("event4", "pass"), FAIL]},
+              "transitions": [transition("event1", "b"), FAIL]},
+        "b": {"transitions": [transition("event2", "c"), FAIL]}, "c": {"transitions": [transition("event3", "d"), FAIL]},
+        "d": {"transitions": [transition("event4", "pass"), FAIL]},
     }),
     Assertion(409, "while exits are executed, what was exited before is active no more", {
-        "a": compound("b", {"b": compound("c", {"c": {"transitions": [row(to="e", when=is_(0))]}}, exit=[put(5)])}),
+        "a": compound("b", {"b": compound("c", {"c": {"transitions": [transition(to="e", when=is_(0))]}}, exit=[put(5)])}),
         "e": {"transitions": verdict(5)},
     }),
     Assertion(411, "a state is active only once it is entered: what its parent's entry raises meets it active", {
-        "s0": compound("s01", {"s01": {"transitions": [row("event1", "pass")]}}, entry=raising("event1"), transitions=[FAIL]),
+        "s0": compound("s01", {"s01": {"transitions": [transition("event1", "pass")]}}, entry=raising("event1"), transitions=[FAIL]),
     }),
     Assertion(416, "a final child ends its compound state", {
-        "s1": compound("s11", {"s11": compound("end", {"end": {"final": "succeeded"}}, transitions=[row("succeeded", "pass")])}),
+        "s1": compound("s11", {"s11": compound("end", {"end": {"final": "succeeded"}}, transitions=[transition("succeeded", "pass")])}),
     }),
     Assertion(417, "a parallel state ends when all regions have", {
         "s1": {**regions(r=compound("re", {"re": {"final": "succeeded"}}), s=compound("se", {"se": {"final": "succeeded"}})),
-               "transitions": [row("succeeded", "pass")]},
+               "transitions": [transition("succeeded", "pass")]},
     }),
     Assertion(419, "rows without an event go before those with one", {
-        "a": {"entry": raising("internal"), "transitions": [row("internal", "fail"), row(to="pass", when=is_(0))]},
+        "a": {"entry": raising("internal"), "transitions": [transition("internal", "fail"), transition(to="pass", when=is_(0))]},
     }),
     Assertion(421, "internal events are taken until one fires something, before any external one", {
         "a": compound("a1", {
             "a1": {"entry": [{"raise": "external", "after_s": 0.0}, *raising("internal1", "internal2", "internal3")],
-                   "transitions": [row("internal3", "a2")]},
-            "a2": {"transitions": [row("internal4", "pass")]},
-        }, transitions=[row("external", "fail"), row("internal2", do=raising("internal4"))]),
+                   "transitions": [transition("internal3", "a2")]},
+            "a2": {"transitions": [transition("internal4", "pass")]},
+        }, transitions=[transition("external", "fail"), transition("internal2", do=raising("internal4"))]),
     }),
     Assertion(423, "external events are taken until one fires something", {
         "a": {"entry": [{"raise": "external1", "after_s": 0.0}, {"raise": "external2", "after_s": 1.0}],
-              "transitions": [row("external2", "pass")]},
+              "transitions": [transition("external2", "pass")]},
     }, until_s=2.0),
     Assertion(503, "a row without a target leaves and enters nothing", {
-        "s2": {"entry": raising("foo", "bar"), "exit": [up()], "transitions": [row("foo", do=[]), row("bar", "s3", when=is_(0)), FAIL]},
+        "s2": {"entry": raising("foo", "bar"), "exit": [up()], "transitions": [transition("foo", do=[]), transition("bar", "s3", when=is_(0)), FAIL]},
         "s3": {"transitions": verdict(1)},
     }),
     Assertion(504, "an external row leaves all that is inside the nearest compound state above both ends", {
         "outer": compound("p", {
             "p": {**regions(ps1={"exit": [up()]}, ps2={"exit": [up()]}), "entry": raising("foo", "bar"), "exit": [up()],
-                  "transitions": [row("foo", "ps1", when=is_(0)), row("bar", "s4", when=is_(3))]},
+                  "transitions": [transition("foo", "ps1", when=is_(0)), transition("bar", "s4", when=is_(3))]},
             "s4": {"transitions": verdict(6)},
         }),
     }),
     Assertion(505, "an internal row from a compound state to a state inside it does not leave it", {
         "s1": compound("s11", {"s11": {"exit": [up()]}}, exit=[{"set": "n", "add": 10}], entry=raising("foo", "bar"),
-                       transitions=[row("foo", "s11", internal=True), row("bar", "s2")]),
+                       transitions=[transition("foo", "s11", internal=True), transition("bar", "s2")]),
         "s2": {"transitions": verdict(12)},
     }),
     Assertion(533, "an internal row whose source is no compound state is an external one", {
         "p": {**regions(ps1={"exit": [up()]}, ps2={"exit": [up()]}), "entry": raising("foo", "bar"), "exit": [up()],
-              "transitions": [row("foo", "ps1", when=is_(0), internal=True), row("bar", "s4", when=is_(3))]},
+              "transitions": [transition("foo", "ps1", when=is_(0), internal=True), transition("bar", "s4", when=is_(3))]},
         "s4": {"transitions": verdict(6)},
     }),
     Assertion(570, "the end of a parallel state is told once all its regions have ended", {
         "p": {**regions(
-            a=compound("a1", {"a1": {"transitions": [row("e1", "af")]}, "af": {"final": "succeeded"}}),
-            b=compound("b1", {"b1": {"transitions": [row("e2", "bf")]}, "bf": {"final": "succeeded"}}),
-        ), "entry": raising("e1", "e2"), "transitions": [row("succeeded", "pass")]},
+            a=compound("a1", {"a1": {"transitions": [transition("e1", "af")]}, "af": {"final": "succeeded"}}),
+            b=compound("b1", {"b1": {"transitions": [transition("e2", "bf")]}, "bf": {"final": "succeeded"}}),
+        ), "entry": raising("e1", "e2"), "transitions": [transition("succeeded", "pass")]},
     }),
     Assertion(576, "the mission's initial may name a state in each region", {
-        "s0": {"transitions": [row(to="fail", when=is_(0))]},
+        "s0": {"transitions": [transition(to="fail", when=is_(0))]},
         "s1": compound("s11", {
-            "s11": {"transitions": [row(to="fail", when=is_(0))]},
+            "s11": {"transitions": [transition(to="fail", when=is_(0))]},
             "p": regions(
                 q=compound("q1", {"q1": {}, "q2": {"entry": raising("in_q2")}}),
-                r=compound("r1", {"r1": {}, "r2": {"transitions": [row("in_q2", "pass")]}}),
+                r=compound("r1", {"r1": {}, "r2": {"transitions": [transition("in_q2", "pass")]}}),
             ),
         }),
     }, initial=["q2", "r2"]),
@@ -239,7 +239,10 @@ def test_an_interpreter_keeps_the_assertion(plan: Assertion) -> None:
 
 
 def test_580_a_history_is_never_active_itself() -> None:
-    states = {"p": compound("s1", {"s1": {}, "h": {"history": "shallow"}}), "start": {"transitions": [row("go", "h")]}}
+    states = {
+        "p": compound("s1", {"s1": {}, "h": {"history": "shallow"}}),
+        "start": {"transitions": [transition("go", "h")]},
+    }
     made = chart(states, "start")
     step = made.send(Event("go", 0.0))
     assert (made.active, step.entered) == ({"p", "s1"}, ("p", "s1"))
@@ -248,10 +251,10 @@ def test_580_a_history_is_never_active_itself() -> None:
 def test_579_a_history_that_remembers_does_not_lead_to_its_default() -> None:
     inside = {
         "back": {"history": "shallow"},
-        "default": {"entry": raising("event1"), "transitions": [row("event1", "other")]},
-        "other": {"transitions": [row(to="away", when=is_(0))]},
+        "default": {"entry": raising("event1"), "transitions": [transition("event1", "other")]},
+        "other": {"transitions": [transition(to="away", when=is_(0))]},
     }
-    away = {"entry": [up()], "transitions": [row(to="back", when=is_(1))]}
+    away = {"entry": [up()], "transitions": [transition(to="back", when=is_(1))]}
     made = chart({"s": compound("default", inside), "away": away}, blackboard=COUNT)
     assert made.active == {"s", "other"}
 

@@ -18,7 +18,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from tests.oracles.appendix_d import Endless, many
-from tests.oracles.documents import Taste, charts, lineage, scripts, without_rows
+from tests.oracles.documents import Taste, charts, lineage, scripts, without_transitions
 from tests.oracles.ours import Told, of_appendix_d, of_ours
 from tests.oracles.scxml_text import scxml_text
 
@@ -33,12 +33,12 @@ def at_home(document: Json) -> Json:
     """The chart without rows that lead out of a region: which of two such is taken goes by the order of the regions."""
     states, above = lineage(document)
 
-    def unwanted(source: str, row: Json) -> bool:
+    def unwanted(source: str, transition: Json) -> bool:
         regions = [name for name in (source, *above[source]) if above[name] and "parallel" in states[above[name][0]]]
-        leaves = "to" in row and source in regions and not row.get("internal")
-        return leaves or any(region not in above[target] for target in many(row.get("to")) for region in regions)
+        leaves = "to" in transition and source in regions and not transition.get("internal")
+        return leaves or any(region not in above[target] for target in many(transition.get("to")) for region in regions)
 
-    return without_rows(document, unwanted)
+    return without_transitions(document, unwanted)
 
 
 def unordered(reported: Told) -> tuple[frozenset[str], list[str], str]:

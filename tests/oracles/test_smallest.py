@@ -8,7 +8,7 @@ import pytest
 from rai_missions.engine.step import CancelGoal
 from rai_missions.event import Event, Tick
 from tests.oracles.ours import of_appendix_d, told
-from tests.rigs.charts import chart, row, sent
+from tests.rigs.charts import chart, sent, transition
 
 COUNTER = {"n": {"type": "integer", "initial": 0}}
 ALWAYS = {"key": "n", "==": 0}
@@ -16,11 +16,17 @@ ALWAYS = {"key": "n", "==": 0}
 
 def test_passing_a_state_twice_is_no_circle_while_other_events_wait() -> None:
     states = {
-        "a": {"transitions": [row(to="b", when=ALWAYS)]},
-        "b": {"transitions": [row("x", "a", do=[{"raise": "z"}]), row("y", "a", do=[{"raise": "z"}]), row("z", "c")]},
-        "c": {"transitions": [row("y", "d")]},
+        "a": {"transitions": [transition(to="b", when=ALWAYS)]},
+        "b": {
+            "transitions": [
+                transition("x", "a", do=[{"raise": "z"}]),
+                transition("y", "a", do=[{"raise": "z"}]),
+                transition("z", "c"),
+            ]
+        },
+        "c": {"transitions": [transition("y", "d")]},
         "d": {},
-        "start": {"transitions": [row("go", "a", do=[{"raise": "x"}, {"raise": "y"}])]},
+        "start": {"transitions": [transition("go", "a", do=[{"raise": "x"}, {"raise": "y"}])]},
     }
     made = chart(states, "start", blackboard=COUNTER)
     sent(made, "go")
@@ -34,23 +40,23 @@ def test_passing_a_state_twice_is_no_circle_while_other_events_wait() -> None:
 
 
 def test_a_history_remembers_what_the_same_microstep_leaves() -> None:
-    inside = {"b": {"transitions": [row("e", "c")]}, "c": {}, "back": {"history": "deep"}}
-    made = chart({"a": {"initial": "b", "states": inside, "transitions": [row("again", "back")]}})
+    inside = {"b": {"transitions": [transition("e", "c")]}, "c": {}, "back": {"history": "deep"}}
+    made = chart({"a": {"initial": "b", "states": inside, "transitions": [transition("again", "back")]}})
     sent(made, "e", "again")
     assert made.active == {"a", "c"}
 
 
 def test_a_state_that_was_left_meanwhile_does_not_fail_the_mission() -> None:
     ends = {"end": {"final": "failed", "entry": [{"set": "n", "value": 1}]}}
-    left = {"initial": "end", "states": ends, "transitions": [row(to="b", when={"key": "n", "==": 1})]}
+    left = {"initial": "end", "states": ends, "transitions": [transition(to="b", when={"key": "n", "==": 1})]}
     made = chart({"a": left, "b": {}}, blackboard=COUNTER)
     assert (made.active, made.outcome) == ({"b"}, None)
 
 
 def test_held_counts_from_the_last_entry_however_often_the_way_was_taken() -> None:
     states = {
-        "a": {"transitions": [row("go", "c"), row(to="b", when={"held": ALWAYS, "for_s": 2})]},
-        "b": {}, "c": {"transitions": [row("back", "a")]},
+        "a": {"transitions": [transition("go", "c"), transition(to="b", when={"held": ALWAYS, "for_s": 2})]},
+        "b": {}, "c": {"transitions": [transition("back", "a")]},
     }  # fmt: skip
     made = chart(states, blackboard=COUNTER)
     for name, at in (("go", 0.1), ("back", 0.2), ("go", 1.0), ("back", 1.9)):
@@ -63,20 +69,23 @@ def test_held_counts_from_the_last_entry_however_often_the_way_was_taken() -> No
 def test_an_option_may_be_called_round() -> None:
     options = {"round": {"about": "go round"}, "stay": {"about": "stay"}}
     asked = {"question": "Which way?", "options": options, "ask": ["rules"], "fallback": "round", "deadline_s": 5}
-    states = {"a": {"decision": asked, "transitions": [row("round", "b"), row("stay", "a")]}, "b": {}}
+    states = {"a": {"decision": asked, "transitions": [transition("round", "b"), transition("stay", "a")]}, "b": {}}
     made = chart(states)
     made.send(Tick(6.0))
     assert made.active == {"b"}
 
 
 def test_an_invariant_that_is_broken_on_the_way_into_the_final_is_not_overlooked() -> None:
-    states = {"a": {"transitions": [row("e", "end", do=[{"set": "n", "value": 1}])]}, "end": {"final": "succeeded"}}
+    states = {
+        "a": {"transitions": [transition("e", "end", do=[{"set": "n", "value": 1}])]},
+        "end": {"final": "succeeded"},
+    }
     made = chart(states, blackboard=COUNTER, invariants={"nothing_happens": ALWAYS})
     assert sent(made, "e").outcome == "aborted"
 
 
 def test_a_goal_that_was_given_up_and_is_accepted_at_last_is_canceled() -> None:
-    made = chart({"a": {"action": "drive", "timeout_s": 99, "transitions": [row("stop", "b")]}, "b": {}})
+    made = chart({"a": {"action": "drive", "timeout_s": 99, "transitions": [transition("stop", "b")]}, "b": {}})
     made.send(Event("stop", 1.0))
     assert any("orphaned" in note for note in made.send(Tick(20.0)).notes)
     assert CancelGoal(1, "drive") in made.send(Event("drive", 21.0, {}, "accepted", 1)).effects
@@ -86,7 +95,7 @@ def test_what_a_state_does_when_it_is_left_is_done_at_a_failing_end_too() -> Non
     states = {
         "a": {
             "initial": "b", "exit": [{"log": "lamp off"}],
-            "states": {"b": {"transitions": [row("e", "end")]}, "end": {"final": "failed"}},
+            "states": {"b": {"transitions": [transition("e", "end")]}, "end": {"final": "failed"}},
         }
     }  # fmt: skip
     made = chart(states)

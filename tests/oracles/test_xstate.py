@@ -22,7 +22,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from tests.oracles.appendix_d import Endless, many
-from tests.oracles.documents import Taste, charts, lineage, scripts, without_rows
+from tests.oracles.documents import Taste, charts, lineage, scripts, without_transitions
 from tests.oracles.ours import Told, of_appendix_d, of_ours
 
 Json = dict[str, Any]
@@ -60,15 +60,15 @@ def tamed(document: Json) -> Json:
     states, above = lineage(document)
     regions = any("parallel" in state for state in states.values())
 
-    def unwanted(source: str, row: Json) -> bool:
-        if "to" not in row:
+    def unwanted(source: str, transition: Json) -> bool:
+        if "to" not in transition:
             return regions
-        if any("history" in states[target] and above[target][0] in above[source] for target in many(row["to"])):
+        if any("history" in states[target] and above[target][0] in above[source] for target in many(transition["to"])):
             return True
-        shared = [up for up in above[source] if all(up in above[target] for target in many(row["to"]))]
-        return bool(shared) and "parallel" in states[shared[0]] and not row.get("internal")
+        shared = [up for up in above[source] if all(up in above[target] for target in many(transition["to"]))]
+        return bool(shared) and "parallel" in states[shared[0]] and not transition.get("internal")
 
-    return without_rows(document, unwanted)
+    return without_transitions(document, unwanted)
 
 
 @settings(suppress_health_check=list(HealthCheck))

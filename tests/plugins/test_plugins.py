@@ -297,8 +297,8 @@ def guard_of(
     offers = f"[rai_missions.guards]\n{offered or word} = {package}:Odd\n"
     sys.path.insert(0, str(laid_out(folder / "site", package, "1.0", offers=offers, code=code)))
     try:
-        row = {"when": {offered or word: "x"}, "to": "b"}
-        states = {"a": {"transitions": [row]}, "b": {"final": "aborted"}}
+        transition = {"when": {offered or word: "x"}, "to": "b"}
+        states = {"a": {"transitions": [transition]}, "b": {"final": "aborted"}}
         return told(lambda: Mission("m", uses=[] if names_nothing else [package], initial="a", states=states))
     finally:
         del sys.path[0]

@@ -40,7 +40,7 @@ class Drawing:
             f"r{number}": self.compound(depth=1, region=f"r{number}") for number in range(self.random.choice([1, 2, 2]))
         }
         for name, region in regions.items():
-            self.rows(region, name)
+            self.transitions(region, name)
         return {
             "format": 1, "name": "drawn", "version": "1.0.0", "initial": "all",
             "blackboard": {**{name: {"type": "boolean", "initial": False} for name in FLAGS},
@@ -63,25 +63,31 @@ class Drawing:
                     states[name][word] = [self.effect(raising=False)]
         return {"initial": next(iter(states)), "states": states}
 
-    def rows(self, state: Json, region: str) -> None:
+    def transitions(self, state: Json, region: str) -> None:
         for each in state.get("states", {}).values():
-            rows = [self.row(region) for _ in range(self.random.randint(0, 3))]
+            transitions = [self.transition(region) for _ in range(self.random.randint(0, 3))]
             if self.random.random() < 0.25:  # it makes its own guard false, so that no cycle is without end
-                rows.append({"when": {"key": "p", "==": True}, "to": self.random.choice(self.regions[region]),
+                transitions.append({"when": {"key": "p", "==": True}, "to": self.random.choice(self.regions[region]),
                              "do": [{"set": "p", "value": False}]})  # fmt: skip
-            if rows:
-                each["transitions"] = rows
-            self.rows(each, region)
+            if transitions:
+                each["transitions"] = transitions
+            self.transitions(each, region)
 
-    def row(self, region: str) -> Json:
-        row: Json = {"on": self.random.choice([*EVENTS, *EVENTS, *RAISED])}
+    def transition(self, region: str) -> Json:
+        transition: Json = {"on": self.random.choice([*EVENTS, *EVENTS, *RAISED])}
         if self.random.random() < 0.6:
-            row["when"] = self.guard()
+            transition["when"] = self.guard()
         if self.random.random() < 0.85:
-            row["to"] = self.random.choice(self.regions[region])
-        raising = row["on"] in EVENTS
-        row["do"] = [self.effect(raising=raising) for _ in range(self.random.randint(0 if "to" in row else 1, 2))]
-        return row if row["do"] else {word: reported for word, reported in row.items() if word != "do"}
+            transition["to"] = self.random.choice(self.regions[region])
+        raising = transition["on"] in EVENTS
+        transition["do"] = [
+            self.effect(raising=raising) for _ in range(self.random.randint(0 if "to" in transition else 1, 2))
+        ]
+        return (
+            transition
+            if transition["do"]
+            else {word: reported for word, reported in transition.items() if word != "do"}
+        )
 
     def effect(self, *, raising: bool) -> Json:
         if raising and self.random.random() < 0.5:
@@ -174,9 +180,10 @@ class Translation:
             if "states" in leaf.state:
                 continue
             tests = "".join(
-                f":: else -> if :: ({_fires(row, self.raises)}) -> sel{at} = {_row_number(region, owner, index)} "
+                f":: else -> if :: ({_fires(each, self.raises)}) -> "
+                f"sel{at} = {_transition_number(region, owner, index)} "
                 for owner in leaf.chain
-                for index, row in enumerate(region[owner].state.get("transitions", ()))
+                for index, each in enumerate(region[owner].state.get("transitions", ()))
             )
             depth = tests.count(":: else ->")
             branches.append(
@@ -187,35 +194,35 @@ class Translation:
     def _moves(self) -> str:
         """Exits of all that were selected, the last in the document first; then what the rows do; then entries."""
         parts = ["moved = false;"]
-        parts += [self._each_row(at, "exit") for at in reversed(range(len(self.regions)))]
-        parts += [self._each_row(at, "do") for at in range(len(self.regions))]
-        parts += [self._each_row(at, "entry") for at in range(len(self.regions))]
+        parts += [self._each_transition(at, "exit") for at in reversed(range(len(self.regions)))]
+        parts += [self._each_transition(at, "do") for at in range(len(self.regions))]
+        parts += [self._each_transition(at, "entry") for at in range(len(self.regions))]
         return " ".join(parts)
 
-    def _each_row(self, at: int, phase: str) -> str:
+    def _each_transition(self, at: int, phase: str) -> str:
         region, branches = self.regions[at], []
         for leaf in region.values():
             if "states" in leaf.state:
                 continue
             for owner in leaf.chain:
-                for index, row in enumerate(region[owner].state.get("transitions", ())):
-                    test = f"cur{at} == {leaf.number} && sel{at} == {_row_number(region, owner, index)}"
-                    did = " ".join(self._phase(region, at, leaf, row, owner, phase))
+                for index, transition in enumerate(region[owner].state.get("transitions", ())):
+                    test = f"cur{at} == {leaf.number} && sel{at} == {_transition_number(region, owner, index)}"
+                    did = " ".join(self._phase(region, at, leaf, transition, owner, phase))
                     if phase == "entry":  # the configuration changes last: until then it states where the row began
-                        test = f"sel{at} == {_row_number(region, owner, index)} && cur{at} == {leaf.number}"
+                        test = f"sel{at} == {_transition_number(region, owner, index)} && cur{at} == {leaf.number}"
                     branches.append(f":: {test} -> {did or 'skip;'} skip")
         return f"if {' '.join(branches)} :: else -> skip fi;" if branches else ""
 
     def _phase(
-        self, region: Mapping[str, Inner], at: int, leaf: Inner, row: Json, owner: str, phase: str
+        self, region: Mapping[str, Inner], at: int, leaf: Inner, transition: Json, owner: str, phase: str
     ) -> Iterator[str]:
         if phase == "do":
             yield "moved = true;"
-            yield from _effects(row.get("do", ()), self.raises)
+            yield from _effects(transition.get("do", ()), self.raises)
             return
-        if "to" not in row:
+        if "to" not in transition:
             return
-        target = row["to"]
+        target = transition["to"]
         domain = next((each for each in region[owner].chain[1:] if each in region[target].chain[1:]), None)
         if phase == "exit":
             for name in leaf.chain:
@@ -254,13 +261,13 @@ class Translation:
         return frozenset(names[at][number] for at, number in enumerate(numbers))
 
 
-def _row_number(region: Mapping[str, Inner], owner: str, index: int) -> int:
+def _transition_number(region: Mapping[str, Inner], owner: str, index: int) -> int:
     return region[owner].number * 10 + index
 
 
-def _fires(row: Json, events: list[str]) -> str:
-    trigger = f"ev == {events.index(row['on'])}" if "on" in row else "ev == 255"
-    return f"{trigger} && {_guard(row['when'])}" if "when" in row else trigger
+def _fires(transition: Json, events: list[str]) -> str:
+    trigger = f"ev == {events.index(transition['on'])}" if "on" in transition else "ev == 255"
+    return f"{trigger} && {_guard(transition['when'])}" if "when" in transition else trigger
 
 
 def _guard(guard: Json) -> str:

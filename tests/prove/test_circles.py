@@ -20,12 +20,12 @@ NEVER: Json = {"check": {"key": "n", "<": 0}}
 
 def failing(tree: Json, failed: str, *, between: bool = False) -> Mission:
     """A tree that fails at once, and what is done then; `between`, another state is on the way back."""
-    rows: list[Json] = [{"on": ["succeeded", "timed_out"], "to": "over"}, {"on": "go", "to": "there"}]
-    rows.append({"on": "failed", "to": "between" if between else failed})
+    transitions: list[Json] = [{"on": ["succeeded", "timed_out"], "to": "over"}, {"on": "go", "to": "there"}]
+    transitions.append({"on": "failed", "to": "between" if between else failed})
     return Mission.model_validate({
         "format": 1, "name": "failing", "initial": "going", "events": {"go": {}},
         "blackboard": {"n": {"type": "integer", "initial": 0}},
-        "states": {"going": {"tree": tree, "transitions": rows}, "over": {"final": "aborted"}, "there": {},
+        "states": {"going": {"tree": tree, "transitions": transitions}, "over": {"final": "aborted"}, "there": {},
                    "between": {"transitions": [{"when": {"key": "n", ">=": 0}, "to": failed}]}},
     })  # fmt: skip
 

@@ -27,9 +27,9 @@ DONE: Json = {"final": "succeeded", "requires": {"key": "at_home", "==": True}}
 ABORTED: Json = {"final": "aborted"}
 
 
-def asking(options: Json, rows: list[Json], **words: Any) -> Json:
+def asking(options: Json, transitions: list[Json], **words: Any) -> Json:
     asked = {"question": "What now?", "options": options, "ask": ["agent"], "deadline_s": 10, **words}
-    return {"decision": asked, "transitions": rows}
+    return {"decision": asked, "transitions": transitions}
 
 
 def mission(states: Json, **words: Any) -> Json:
@@ -129,7 +129,7 @@ def test_a_flaw_is_refuted_by_its_shortest_run_replayed_and_drawn(
 
 
 REFUSED = {
-    "rows that follow one another": (CIRCLE, "follow one another for ever"),
+    "transitions that follow one another": (CIRCLE, "follow one another for ever"),
     "a success that the robot has no part in": (BY_WORD, "without a word of the robot"),
     "an option that excludes itself": (NEVER, "this can never be true"),
 }

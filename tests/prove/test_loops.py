@@ -32,10 +32,10 @@ KEYS: Json = {
 
 
 def looping(tree: Json, *, failed: str = "over", **words: Any) -> Mission:
-    rows = [{"on": ["succeeded", "timed_out"], "to": "over"}, {"on": "failed", "to": failed}]
+    transitions = [{"on": ["succeeded", "timed_out"], "to": "over"}, {"on": "failed", "to": failed}]
     return Mission.model_validate({
         "format": 1, "name": "looping", "initial": "going", "blackboard": KEYS,
-        "states": {"going": {"tree": tree, "timeout_s": 1e6, "transitions": rows}, "over": {"final": "aborted"},
+        "states": {"going": {"tree": tree, "timeout_s": 1e6, "transitions": transitions}, "over": {"final": "aborted"},
                    "stuck": {}}, **words,
     })  # fmt: skip
 
@@ -108,11 +108,11 @@ UNLIKE: dict[str, tuple[Json, int]] = {
 
 @pytest.mark.parametrize(("tree", "steps"), UNLIKE.values(), ids=UNLIKE)
 def test_rounds_that_are_not_alike_are_explored_each(tree: Json, steps: int) -> None:
-    rows = [{"on": ["succeeded", "failed"], "to": "stuck"}, {"on": "timed_out", "to": "over"}]
+    transitions = [{"on": ["succeeded", "failed"], "to": "stuck"}, {"on": "timed_out", "to": "over"}]
     mission = looping(tree)
     mission = Mission.model_validate({
         **mission.model_dump(by_alias=True, exclude_unset=True),
-        "states": {"going": {"tree": tree, "timeout_s": 1e6, "transitions": rows}, "over": {"final": "aborted"},
+        "states": {"going": {"tree": tree, "timeout_s": 1e6, "transitions": transitions}, "over": {"final": "aborted"},
                    "stuck": {}},
     })  # fmt: skip
     assert len(proof_of(mission).ways["ends"]) == steps

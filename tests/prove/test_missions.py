@@ -50,8 +50,8 @@ def test_the_design_s_mission_is_proved_without_a_profile() -> None:
 def over_people(given: Json) -> None:
     """The guard of the option is gone, and the row that would stop it."""
     given["states"]["assessing"]["decision"]["options"]["drive_over"].pop("when")
-    rows = given["states"]["crossing"]["transitions"]
-    given["states"]["crossing"]["transitions"] = [row for row in rows if "on" in row]
+    transitions = given["states"]["crossing"]["transitions"]
+    given["states"]["crossing"]["transitions"] = [transition for transition in transitions if "on" in transition]
 
 
 def no_way_out(given: Json) -> None:

@@ -46,13 +46,13 @@ def test_an_event_brings_each_payload_that_guards_report_apart() -> None:
 
 
 def test_events_whose_fields_share_a_name_each_bring_their_own_type() -> None:
-    rows = [
+    transitions = [
         {"on": "seen", "when": {"key": "event.what", ">": 3}, "to": "driving"},
         {"on": "heard", "when": {"key": "event.what", "==": "horn"}, "to": "wrong"},
     ]
     events = {"seen": {"fields": {"what": "number"}}, "heard": {"fields": {"what": "string"}}}
     for given in (events, dict(reversed(events.items()))):
-        proof = proof_of({"waiting": {"transitions": rows}, "driving": DRIVING, "wrong": WRONG}, events=given)
+        proof = proof_of({"waiting": {"transitions": transitions}, "driving": DRIVING, "wrong": WRONG}, events=given)
         assert refuted(proof) == {} and proof.never == ()
 
 
@@ -76,13 +76,14 @@ def test_what_a_raised_event_takes_from_a_key_is_distinguished() -> None:
 
 def answering(schema: Json, when: Json | None = None, whole: Json | None = None) -> Proof:
     parameters = whole or {"type": "object", "properties": {"speed": schema}, "required": ["speed"]}
-    rows = [{"on": "go", "to": "wrong", "when": when}] if when is not None else []
+    transitions = [{"on": "go", "to": "wrong", "when": when}] if when is not None else []
     states = {
         "asking": asking({"go": {"parameters": parameters}, "stop": {}},
-                         [*rows, {"on": "go", "to": "driving"}, {"on": "stop", "to": "aborted"}], fallback="stop"),
+                         [*transitions, {"on": "go", "to": "driving"}, {"on": "stop", "to": "aborted"}],
+                         fallback="stop"),
         "driving": DRIVING,
     }  # fmt: skip
-    return proof_of({**states, "wrong": WRONG} if rows else states, invariants=NEVER if rows else {})
+    return proof_of({**states, "wrong": WRONG} if transitions else states, invariants=NEVER if transitions else {})
 
 
 SCHEMAS: dict[str, Json] = {
@@ -167,12 +168,12 @@ def test_a_list_may_be_a_field_of_an_object() -> None:
 
 
 def test_two_rounds_of_one_list_each_look_at_its_items_in_their_own_way() -> None:
-    def going(item: str, word: str, number: int, rows: list[Json]) -> Json:
+    def going(item: str, word: str, number: int, transitions: list[Json]) -> Json:
         rest = [{"when": {"key": item, "==": word}, "to": f"lost{number}"}, {"on": "next", "to": f"ok{number}"}]
         states = {"transitions": rest}
         ends = {f"lost{number}": {"final": "failed"}, f"ok{number}": {"final": "succeeded"}}
         return {"each": "jobs", "as": item, "initial": f"at{number}", "states": {f"at{number}": states, **ends},
-                "transitions": rows}  # fmt: skip
+                "transitions": transitions}  # fmt: skip
 
     proof = proof_of(
         {"first": going("one", "log", 1, [{"on": "succeeded", "to": "second"}, {"on": "failed", "to": "aborted"}]),
@@ -186,9 +187,12 @@ def test_two_rounds_of_one_list_each_look_at_its_items_in_their_own_way() -> Non
 
 @pytest.mark.parametrize(("optional", "claims"), [(False, set()), (True, {"ends"})])
 def test_no_run_starts_without_an_argument_that_it_needs(optional: bool, claims: set[str]) -> None:
-    rows = [{"when": {"key": "alleys", ">": 0}, "to": "driving"}, {"when": {"key": "alleys", "<=": 0}, "to": "aborted"}]
+    transitions = [
+        {"when": {"key": "alleys", ">": 0}, "to": "driving"},
+        {"when": {"key": "alleys", "<=": 0}, "to": "aborted"},
+    ]
     keys = {"alleys": {"type": "integer", "source": "argument", "optional": optional}}
-    assert set(refuted(proof_of({"choosing": {"transitions": rows}, "driving": DRIVING}, keys))) == claims
+    assert set(refuted(proof_of({"choosing": {"transitions": transitions}, "driving": DRIVING}, keys))) == claims
 
 
 # -- trees -----------------------------------------------------------------------------------------------------------
@@ -206,8 +210,8 @@ TREES: dict[str, Json] = {
 
 @pytest.mark.parametrize("tree", TREES.values(), ids=TREES)
 def test_a_tree_that_continues_for_long_has_few_states(tree: Json) -> None:
-    rows = [{"on": "succeeded", "to": "driving"}, {"on": ["failed", "timed_out"], "to": "aborted"}]
-    lifting = {"tree": tree, "timeout_s": 30, "transitions": rows}
+    transitions = [{"on": "succeeded", "to": "driving"}, {"on": ["failed", "timed_out"], "to": "aborted"}]
+    lifting = {"tree": tree, "timeout_s": 30, "transitions": transitions}
     mission = Mission.model_validate({
         "format": 1, "name": "lifting", "initial": "lifting",
         "blackboard": {"at_home": AT_HOME, "clear": {"type": "boolean", "source": "robot", "max_age_s": 2}},

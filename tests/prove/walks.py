@@ -64,14 +64,14 @@ class Drawn:
     def target(self) -> str:
         return self.r.choice([*self.names, *self.names, "over", "done"])
 
-    def row(self, given: Json, *, stays: bool = False) -> Json:
+    def transition(self, given: Json, *, stays: bool = False) -> Json:
         do = self.do()
         if stays:
             return {**given, "do": do or [{"log": "stays"}]}
         return {**given, "to": self.target(), **({"do": do} if do else {})}
 
-    def rows(self, ends: list[Json]) -> list[Json]:
-        r, rows = self.r, [self.row(end) for end in ends]
+    def transitions(self, ends: list[Json]) -> list[Json]:
+        r, transitions = self.r, [self.transition(end) for end in ends]
         seen = {repr(end) for end in ends}
         for _ in range(r.randint(0, 2)):
             kind: Json = r.choice([{"on": "go"}, {"on": "stop"}, {"after_s": r.choice(SPANS)}])
@@ -79,10 +79,10 @@ class Drawn:
                 continue  # `check` refuses a transition that another one hides
             seen.add(repr(kind))
             guarded = {**kind, "when": self.guard()} if r.random() < 0.4 else kind
-            rows.append(self.row(guarded, stays=r.random() < 0.2))
+            transitions.append(self.transition(guarded, stays=r.random() < 0.2))
         if r.random() < 0.2:
-            rows.append({"when": self.guard(), "to": r.choice(["over", "done"])})
-        return rows
+            transitions.append({"when": self.guard(), "to": r.choice(["over", "done"])})
+        return transitions
 
     def node(self, depth: int) -> Json:
         r = self.r
@@ -114,22 +114,22 @@ class Drawn:
         if kind == "parallel" and not depth:
             kind = "wait"
         if kind == "wait":
-            rows = self.rows([r.choice([{"on": "go"}, {"after_s": r.choice(SPANS)}])])
-            return {**made, "transitions": rows}
+            transitions = self.transitions([r.choice([{"on": "go"}, {"after_s": r.choice(SPANS)}])])
+            return {**made, "transitions": transitions}
         if kind == "tree":
             timeout = {"timeout_s": r.choice([4, 9])} if r.random() < 0.3 else {}
             ends += [{"on": "timed_out"}] if timeout else []
-            return {**made, "tree": self.node(3), **timeout, "transitions": self.rows(ends)}
+            return {**made, "tree": self.node(3), **timeout, "transitions": self.transitions(ends)}
         if kind == "call":
-            return {**made, "call": "horn", "timeout_s": r.choice(SPANS), "transitions": self.rows(
+            return {**made, "call": "horn", "timeout_s": r.choice(SPANS), "transitions": self.transitions(
                 [{"on": "succeeded"}, {"on": FAILED[:3]}])}  # fmt: skip
         if kind == "action":
             return {**made, "action": r.choice(["lift", "drive"]), "timeout_s": r.choice(SPANS),
-                    "transitions": self.rows([{"on": "succeeded"}, {"on": FAILED[:3]}])}  # fmt: skip
+                    "transitions": self.transitions([{"on": "succeeded"}, {"on": FAILED[:3]}])}  # fmt: skip
         if kind == "decision":
             asked = {"question": "What now?", "options": {"one": {}, "two": {}}, "ask": ["agent"],
                      "deadline_s": r.choice(SPANS), "fallback": "one"}  # fmt: skip
-            return {**made, "decision": asked, "transitions": self.rows([{"on": "one"}, {"on": "two"}])}
+            return {**made, "decision": asked, "transitions": self.transitions([{"on": "one"}, {"on": "two"}])}
         regions = {}
         for number in range(2):
             name = f"r{number}{len(self.names)}{r.randint(0, 10**6)}"
@@ -137,7 +137,7 @@ class Drawn:
             regions[name] = {"initial": inner[0], "states": {
                 each: {"transitions": [{**r.choice([{"on": "go"}, {"after_s": r.choice(SPANS)}]), "to": other}]}
                 for each, other in zip(inner, reversed(inner), strict=True)}}  # fmt: skip
-        return {**made, "parallel": regions, "transitions": self.rows([{"on": "stop"}])}
+        return {**made, "parallel": regions, "transitions": self.transitions([{"on": "stop"}])}
 
     def mission(self) -> Json:
         r = self.r
@@ -161,7 +161,7 @@ class Drawn:
         events = []
         for number, name in enumerate(list(states)[1:], 1):
             earlier = [state for each, state in list(states.items())[:number] if "final" not in state]
-            if not any(row.get("to") == name for state in earlier for row in state["transitions"]):
+            if not any(transition.get("to") == name for state in earlier for transition in state["transitions"]):
                 event = f"to_{name}"
                 self.r.choice(earlier)["transitions"].append({"on": event, "to": name})
                 events.append(event)

@@ -200,7 +200,7 @@ REFUSED: Mapping[str, tuple[Mission, dict[str, Any], str]] = {
         "/states/waiting: the mission now has no state 'wating'; did you mean 'waiting'?"),
     "an end": (
         ERRAND, {"states": {"moving": "over", "waiting": None, "head": None, "body": None, "work": None}},
-        "/states/moving: 'over' is a final: a map ends no run; name a state from which a row leads there"),
+        "/states/moving: 'over' is a final: a map ends no run; name a state from which a transition leads there"),
     "states that exclude each other": (
         changed((("states", "aside"), {"transitions": [{"on": "go", "to": "work"}]})),
         {"states": {"moving": "aside"}},

@@ -10,7 +10,7 @@ from rai_missions.engine.step import Ask, CallService, Handover, StartBehaviour,
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 
-__all__ = ("Drawn", "ScriptedRobot", "chart", "mission", "row", "sent", "ticked")
+__all__ = ("Drawn", "ScriptedRobot", "chart", "mission", "sent", "ticked", "transition")
 
 Drawn = tuple[Any, ...]
 """One thing that happens, as a script has it: its kind, and the words that `ScriptedRobot.event` reads."""
@@ -39,7 +39,7 @@ def chart(states: dict[str, Any], initial: Any = None, *, started: bool = True, 
     return made
 
 
-def row(on: Any = None, to: Any = None, **words: Any) -> dict[str, Any]:
+def transition(on: Any = None, to: Any = None, **words: Any) -> dict[str, Any]:
     """A transition as JSON has it."""
     return {key: value for key, value in {"on": on, "to": to, **words}.items() if value is not None}
 

@@ -307,7 +307,7 @@ def test_a_stale_reading_counts_as_unknown() -> None:
     assert rig.run().duration_s == pytest.approx(2.9, abs=0.11), "2 s after the newest stamp, whenever it was heard"
 
 
-def test_effects_are_performed_only_after_their_row_is_written() -> None:
+def test_effects_are_performed_only_after_their_transition_is_written() -> None:
     rig = Rig(MOVING)
     order: list[str] = []
     rig.book.on_write = lambda step: order.extend("written" for effect in step.effects if isinstance(effect, StartGoal))
@@ -327,7 +327,7 @@ def test_writes_that_enable_nothing_travel_and_the_newest_of_a_key_arrives() -> 
     assert max(later[2] - sooner[2] for sooner, later in zip(rig.book.quiet, rig.book.quiet[1:], strict=False)) <= 1.2
 
 
-def test_what_is_due_in_the_instant_of_a_quiet_row_is_done() -> None:
+def test_what_is_due_in_the_instant_of_a_quiet_transition_is_done() -> None:
     states = {
         "waiting": {"transitions": [{"after_s": 2.0, "to": "calling"}]},
         **{name: CALLING[name] for name in ("calling", "over", "lost")},
@@ -337,7 +337,7 @@ def test_what_is_due_in_the_instant_of_a_quiet_row_is_done() -> None:
     assert rig.run().outcome == "aborted" and rig.called == [(2.0, "/horn")]
 
 
-def test_an_event_that_no_row_handles_is_in_the_journal() -> None:
+def test_an_event_that_no_transition_handles_is_in_the_journal() -> None:
     rig = Rig(CALLING)
     rig.stage.play({0.5: lambda: rig.post("again"), 0.7: lambda: rig.post("unheard_of"), 1.0: lambda: rig.post("go")})
     rig.run()

@@ -164,8 +164,8 @@ def test_rounds_that_have_no_room_in_a_step_take_no_time() -> None:
 
 
 def test_a_burst_that_came_in_one_instant_is_taken_in_one_instant() -> None:
-    rows = [{"on": "go", "do": [{"set": "count", "add": 1}]}, {"on": "stop_now", "to": "over"}]
-    states = {"counting": {"transitions": rows}, "over": {"final": "aborted"}}
+    transitions = [{"on": "go", "do": [{"set": "count", "add": 1}]}, {"on": "stop_now", "to": "over"}]
+    states = {"counting": {"transitions": transitions}, "over": {"final": "aborted"}}
     rig = Rig(states)
     rig.stage.play({1.0: lambda: [rig.post(name) for name in [*["go"] * 1000, "stop_now"]]})
     assert rig.run().duration_s == 1.0 and rig.runner.view.board["count"].value == 1000

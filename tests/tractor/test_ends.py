@@ -27,7 +27,7 @@ def test_an_option_and_its_end_do_what_they_state(name: str) -> None:
     for _, _, state in mission.walk():
         if isinstance(state, Decision):
             for option, words in state.options.items():
-                targets = [to for row in state.transitions if option in row.on for to in row.to]
+                targets = [to for transition in state.transitions if option in transition.on for to in transition.to]
                 for to in targets:
                     if to in promised:
                         promised[to] += f"; {words.about}"

@@ -35,12 +35,12 @@ class Count(py_trees.behaviour.Behaviour):
 
 def ran(ticks: int, ends: py_trees.common.Status = py_trees.common.Status.SUCCESS, **words: Any) -> Result:
     tree = Sequence([BehaviourLeaf(lambda: Count(ticks, ends), 0.5), WaitLeaf(1.0)])
-    rows = [Transition("succeeded", to="good"), Transition(["failed", "timed_out"], to="bad")]
+    transitions = [Transition("succeeded", to="good"), Transition(["failed", "timed_out"], to="bad")]
     mission = Mission(
         "counting",
         initial="work",
         states={
-            "work": Tree(tree, timeout_s=60, transitions=rows, **words),
+            "work": Tree(tree, timeout_s=60, transitions=transitions, **words),
             "good": Final("aborted"),
             "bad": Final("failed"),
         },

@@ -50,7 +50,7 @@ def count(chart: Chart) -> int:
 # -- what a tree writes ---------------------------------------------------------------------------------------------
 
 
-def test_a_row_next_to_a_tree_sees_what_it_writes() -> None:
+def test_a_transition_next_to_a_tree_sees_what_it_writes() -> None:
     keep = {"sequence": [COUNT, {"check": {"key": "waiting", "==": True}}], "memory": False}
     pokes = {"on": "poke", "do": [{"set": "waiting", "value": True}]}
     waits = {"waits": {"transitions": [pokes, {"when": {"key": "n", ">=": 2}, "to": "there"}]}, "there": {}}

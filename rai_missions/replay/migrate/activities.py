@@ -62,10 +62,10 @@ class _Carrying:
         self.faults: list[Fault] = []
         self.running: dict[str, Any] = {}
         self.begins: list[tuple[str, bool]] = []
-        self.rows = {
+        self.transitions = {
             then: now
             for new, old in (("", ""), *found.origins.items())
-            for then, now in naming.rows(old, new)
+            for then, now in naming.transitions(old, new)
         }  # fmt: skip
 
     def carried(self, under: InFlight) -> Carried:
@@ -179,12 +179,12 @@ class _Carrying:
     def _after(self, name: str, old: str | None, was: Mapping[Any, Timer]) -> dict[Any, Timer]:
         """A row's time goes on where the row is as it was; one that has fired does not fire again."""
         timers: dict[Any, Timer] = {}
-        same = {now: then for then, now in self.naming.rows(old, name)} if old is not None else {}
-        for place, row in self.naming.rows_now(name):
-            if "after_s" not in row:
+        same = {now: then for then, now in self.naming.transitions(old, name)} if old is not None else {}
+        for place, transition in self.naming.transitions_now(name):
+            if "after_s" not in transition:
                 continue
             if place not in same:
-                timers["after", place] = self._anew(f"the time of {place}", row["after_s"], "after_s")
+                timers["after", place] = self._anew(f"the time of {place}", transition["after_s"], "after_s")
             elif (left := was.get(("after", same[place]))) is not None:
                 timers["after", place] = left
         return timers
@@ -269,7 +269,7 @@ class _Carrying:
         held = {}
         for memory, since in was.items():
             place, sign, number = memory.rpartition("#")
-            now = self.rows.get(place)
+            now = self.transitions.get(place)
             if now is not None:
                 held[f"{now}{sign}{number}"] = since
             elif place.startswith("/invariants/"):

@@ -82,7 +82,7 @@ def _unfit(naming: Naming, old: str, new: str) -> Iterator[Fault]:
     if isinstance(now, History):
         yield Fault(place, f"'{new}' is a history, in which no run stands; name the state that it leads to")
     elif isinstance(now, Final) and (not isinstance(was, Final) or was.final != now.final or is_deep[0] != is_deep[1]):
-        yield Fault(place, f"'{new}' is a final: a map ends no run; name a state from which a row leads there")
+        yield Fault(place, f"'{new}' is a final: a map ends no run; name a state from which a transition leads there")
     elif isinstance(now, Each):
         yield Fault(place, f"'{new}' goes through a list; name a state inside it")
 

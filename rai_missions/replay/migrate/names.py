@@ -100,24 +100,24 @@ class Naming:
             word: item for word, item in now.items() if word not in RULES
         }
 
-    def rows(self, old: str, new: str) -> Iterator[tuple[str, str]]:
+    def transitions(self, old: str, new: str) -> Iterator[tuple[str, str]]:
         """The places of the rows that two states have in common: then, and now. Empty names stand for the missions."""
-        left = list(self.rows_now(new))
-        for place, row in self._rows_then(old):
-            match = next((each for each in left if each[1] == row), None)
+        left = list(self.transitions_now(new))
+        for place, transition in self._transitions_then(old):
+            match = next((each for each in left if each[1] == transition), None)
             if match is not None:
                 left.remove(match)
                 yield place, match[0]
 
-    def rows_now(self, name: str) -> Iterator[TransitionName]:
-        place, rows = self.states_now[name] if name else ("", self.now)
-        for index, row in enumerate(rows.transitions):
-            yield f"{place}/transitions/{index}", row.written()
+    def transitions_now(self, name: str) -> Iterator[TransitionName]:
+        place, transitions = self.states_now[name] if name else ("", self.now)
+        for index, transition in enumerate(transitions.transitions):
+            yield f"{place}/transitions/{index}", transition.written()
 
-    def _rows_then(self, name: str) -> Iterator[TransitionName]:
-        place, rows = self.states_then[name] if name else ("", self.was)
-        for index, row in enumerate(rows.transitions):
-            yield f"{place}/transitions/{index}", renamed(row, self._names).written()
+    def _transitions_then(self, name: str) -> Iterator[TransitionName]:
+        place, transitions = self.states_then[name] if name else ("", self.was)
+        for index, transition in enumerate(transitions.transitions):
+            yield f"{place}/transitions/{index}", renamed(transition, self._names).written()
 
     def _then(self, name: str) -> Mapping[str, Any]:
         """A state of then, in today's names."""

@@ -11,7 +11,7 @@ from rai_missions.check.outcomes import together
 from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never
 from rai_missions.states.state import ANY_EVENT
 
-__all__ = ("impossible_guards", "overlapping_rows", "unwatched_holds")
+__all__ = ("impossible_guards", "overlapping_transitions", "unwatched_holds")
 
 Found = Iterator[tuple[str, str]]
 NEAR = 64
@@ -20,32 +20,34 @@ WATCHED = ("invariants", "check", "eternal_guard")
 """The fields whose guards are asked for how long something has held; next to the guards of rows."""
 
 
-def overlapping_rows(survey: MissionIndex) -> Found:
+def overlapping_transitions(survey: MissionIndex) -> Found:
     """No row comes after one of the same state that fires whenever it would."""
-    for _, rows in itertools.groupby(survey.rows, key=lambda row: row.owner):
+    for _, transitions in itertools.groupby(survey.transitions, key=lambda transition: transition.owner):
         earlier: dict[tuple[str, str], list[tuple[TransitionRef, Form]]] = {}
-        for row in rows:
-            guard = form(row.transition.when)
-            words = _triggers(row)
+        for transition in transitions:
+            guard = form(transition.definition.when)
+            words = _triggers(transition)
             if not never(guard):
                 before = [_first(survey, earlier, word, guard) for word in words]
                 if before and all(found is not None for found in before):
-                    yield row.place, _overlap(row, [found for found in before if found is not None])
-                elif row.transition.after_s is not None and (late := _late(earlier, row.transition.after_s)):
+                    yield transition.place, _overlap(transition, [found for found in before if found is not None])
+                elif transition.definition.after_s is not None and (
+                    late := _late(earlier, transition.definition.after_s)
+                ):
                     yield (
-                        row.place,
-                        f"this row never fires: {late.place} leaves the state before; swap their times",
+                        transition.place,
+                        f"this transition never fires: {late.place} leaves the state before; swap their times",
                     )
             for word in words:
-                earlier.setdefault(word, []).append((row, guard))
+                earlier.setdefault(word, []).append((transition, guard))
 
 
-def _triggers(row: TransitionRef) -> list[tuple[str, str]]:
+def _triggers(transition: TransitionRef) -> list[tuple[str, str]]:
     """What can fire a row: each word of `on` with the state that it is `of`, the time, or nothing."""
-    transition = row.transition
-    if transition.after_s is not None:
-        return [("after_s", str(transition.after_s))]
-    return [(word, transition.of or "") for word in transition.on] or [("", "")]
+    definition = transition.definition
+    if definition.after_s is not None:
+        return [("after_s", str(definition.after_s))]
+    return [(word, definition.of or "") for word in definition.on] or [("", "")]
 
 
 def _first(
@@ -56,28 +58,31 @@ def _first(
 ) -> TransitionRef | None:
     """The earlier row that fires whenever this guard is true and this trigger comes."""
     declared = word[0] in survey.mission.events
-    rows = earlier.get(word, []) + (earlier.get((ANY_EVENT, ""), []) if declared else [])
-    for row, other in (*rows[:NEAR], *rows[NEAR:][-NEAR:]):
+    transitions = earlier.get(word, []) + (earlier.get((ANY_EVENT, ""), []) if declared else [])
+    for transition, other in (*transitions[:NEAR], *transitions[NEAR:][-NEAR:]):
         if other == ALWAYS or implies(guard, other):
-            return row
+            return transition
     return None
 
 
 def _late(earlier: dict[tuple[str, str], list[tuple[TransitionRef, Form]]], after_s: float) -> TransitionRef | None:
     """A row that has left the state by then, whatever is known."""
-    for (word, _), rows in earlier.items():
-        for row, guard in rows[:NEAR] if word == "after_s" else ():
-            sooner = row.transition.after_s is not None and row.transition.after_s < after_s
-            if sooner and guard == ALWAYS and row.transition.to and not row.transition.internal:
-                return row
+    for (word, _), transitions in earlier.items():
+        for transition, guard in transitions[:NEAR] if word == "after_s" else ():
+            sooner = transition.definition.after_s is not None and transition.definition.after_s < after_s
+            if sooner and guard == ALWAYS and transition.definition.to and not transition.definition.internal:
+                return transition
     return None
 
 
-def _overlap(row: TransitionRef, before: list[TransitionRef]) -> str:
+def _overlap(transition: TransitionRef, before: list[TransitionRef]) -> str:
     places = ", ".join(dict.fromkeys(found.place for found in before))
-    when = "its guard holds" if row.transition.when is not None else "its trigger comes"
+    when = "its guard holds" if transition.definition.when is not None else "its trigger comes"
     verb = "comes" if len({found.place for found in before}) == 1 else "come"
-    return f"this row never fires: whenever {when}, {places} {verb} first; put the narrower row first, or take one away"
+    return (
+        f"this transition never fires: whenever {when}, {places} {verb} first; "
+        "put the narrower transition first, or take one away"
+    )
 
 
 def impossible_guards(survey: MissionIndex) -> Found:
@@ -96,11 +101,11 @@ def unwatched_holds(survey: MissionIndex) -> Found:
     """`held` is in a row, an invariant or a tree: it is watched there, and nowhere else."""
     for guard, place, role, scope in survey.guards:
         held = next((part for part in guard.walk() if part.held_s > 0), None)
-        if held is not None and scope.row is None and role not in WATCHED:
+        if held is not None and scope.transition is None and role not in WATCHED:
             yield (
                 place,
-                f"'held' is watched in rows, invariants and trees, and is never true here: {held.words():.200}; "
-                "ask here for what is so now, and wait for how long in a row",
+                f"'held' is watched in transitions, invariants and trees, and is never true here: {held.words():.200}; "
+                "ask here for what is so now, and wait for how long in a transition",
             )
 
 
