@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values for somebody else's hands: equal to the run's own, and none of them.
+"""Values as plain data: copies that share nothing, JSON for readers, and one line of text.
 
-Rule: whoever is asked, called or commanded is given nothing by which the mission or the blackboard could be changed.
+Rule: what a client, a server or an answerer receives is a copy; changing it changes neither mission nor blackboard.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import base64
+import math
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from typing import Any
 
-__all__ = ("apart", "listed")
+from rai_missions.image import Image
+
+__all__ = ("apart", "listed", "plain")
 
 LEAVES = frozenset({str, int, float, bool, type(None)})
 
@@ -22,6 +27,23 @@ def apart(value: Any) -> Any:
         made = [item if type(item) in LEAVES else apart(item) for item in value]
         return made if isinstance(value, list) else tuple(made)
     return value
+
+
+def plain(value: Any) -> Any:
+    """Any value as JSON has it: bytes in base64, a picture by its reference, NaN and infinity as text."""
+    if value is None or isinstance(value, str | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, Mapping):
+        return {str(name): plain(item) for name, item in value.items()}
+    if isinstance(value, bytes | bytearray | memoryview):
+        return base64.b64encode(value).decode()
+    if isinstance(value, Image):
+        return {"picture": value.ref, "width": value.width, "height": value.height, "encoding": value.encoding}
+    if isinstance(value, Sequence | AbstractSet):
+        return [plain(item) for item in value]
+    return str(value)
 
 
 def listed(value: Any) -> str:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import time
 from collections.abc import Callable, Iterable
@@ -15,6 +14,7 @@ from rai_missions.errors import UsageError
 from rai_missions.journal import Header
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import plain
 from rai_missions.profile import Robot, dump_profile, terms
 from rai_missions.prove import MOST_STATES, Proof, record
 from rai_missions.replay.rebuild import default_ticker
@@ -181,7 +181,7 @@ def as_json(mission: Mission, proof: Proof, journals: dict[str, Any]) -> dict[st
     claims = [
         {
             "claim": each.name, "words": each.words, "verdict": each.verdict, "sentence": each.sentence,
-            "run": [{"happens": scene.words, "facts": _plain(scene.facts), "active": sorted(scene.active),
+            "run": [{"happens": scene.words, "facts": plain(scene.facts), "active": sorted(scene.active),
                      "outcome": scene.outcome, "why": scene.why} for scene in proof.ways.get(each.name, ())],
             **journals.get(each.name, {}),
         }
@@ -189,15 +189,3 @@ def as_json(mission: Mission, proof: Proof, journals: dict[str, Any]) -> dict[st
     ]  # fmt: skip
     counts = {name: getattr(proof, name) for name in FIELDS}
     return {"mission": mission.name, "version": mission.version, "verdict": proof.verdict, **counts, "claims": claims}
-
-
-def _plain(facts: Any) -> dict[str, Any]:
-    return {name: value if _is_json(value) else str(value) for name, value in facts.items()}
-
-
-def _is_json(value: Any) -> bool:
-    try:
-        json.dumps(value)
-    except TypeError:
-        return False
-    return True

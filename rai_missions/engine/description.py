@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A step in words, for the terminal, the pages, the recording and the node.
+"""A step in words and as JSON, for the terminal, the pages, the recording and the node.
 
 Rule: this is the only place that words a step; who shows it chooses, cuts and colours.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Collection, Sequence
+from typing import Any, NamedTuple
 
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
+from rai_missions.plain_data import plain
 
-__all__ = ("Description", "describe", "event_words", "resting_words", "way_words")
+__all__ = ("Description", "describe", "effect_word", "event_words", "resting_words", "step_json", "way_words")
+
+
+TRUTHS = {True: "true", False: "false", None: "unknown"}
 
 
 class Description(NamedTuple):
@@ -43,6 +47,34 @@ def describe(step: Step) -> Description:
         tuple(effect.describe() for effect in step.effects), verdicts, (*step.remarks, *resting),
         f"{step.outcome}: {step.why}" if step.outcome else step.why, (*step.notes, *resting),
     )  # fmt: skip
+
+
+def step_json(step: Step, *, without: Collection[str] = ()) -> dict[str, Any]:
+    """A step as JSON for its readers; what brings it back exactly is `journal.encode`.
+
+    Args:
+        step: Any step.
+        without: The names of fields that are left out.
+    """
+    event, described = step.event, describe(step)
+    fields = {
+        "seq": step.seq, "at": step.at,
+        "event": {
+            "name": event.name, "kind": event.kind, "at": event.at, "number": event.number, "data": plain(event.data),
+        },
+        "exited": list(step.exited), "entered": list(step.entered),
+        "taken": [place for move in step.moves for place in move.taken],
+        "guards": [{"place": place, "value": TRUTHS[truth]} for place, truth in step.guards],
+        "verdicts": list(described.verdicts), "notes": list(described.remarks),
+        "effects": [{"name": effect_word(type(each)), "about": each.describe()} for each in step.effects],
+        "outcome": step.outcome or "", "why": step.why,
+    }  # fmt: skip
+    return {name: value for name, value in fields.items() if name not in without}
+
+
+def effect_word(kind: type[Any]) -> str:
+    """What a kind of effect is called in JSON: `start_goal`."""
+    return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in kind.__name__).lstrip("_")
 
 
 def event_words(event: Event) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 from rai_missions.engine.decision import Evidence, Offer, Question, Verdict
+from rai_missions.engine.description import effect_word
 from rai_missions.engine.modes import Mode
 from rai_missions.engine.step import Ask, Effect, Move, Step
 from rai_missions.errors import UsageError
@@ -164,12 +165,8 @@ QUESTION = _record(
 )
 
 
-def _snake(name: str) -> str:
-    return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in name).lstrip("_")
-
-
 EFFECTS: Mapping[type[Any], tuple[str, FieldCodec]] = {
-    kind: (_snake(kind.__name__), _record(kind, **({"question": QUESTION} if kind is Ask else {})))
+    kind: (effect_word(kind), _record(kind, **({"question": QUESTION} if kind is Ask else {})))
     for kind in cast("tuple[type[Any], ...]", Effect.__args__)
 }
 """Each effect is written as `{"start_goal": {…}}`."""

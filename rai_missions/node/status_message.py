@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
+from rai_missions.engine.description import step_json
 from rai_missions.engine.step import Step
 from rai_missions.journal.codec import encode
 from rai_missions.redaction import cut
@@ -110,11 +111,9 @@ def step_text(step: Step, run: str) -> str:
 
 def step_fields(step: Step, run: str, text: str) -> dict[str, Any]:
     """A step as `rai_missions_msgs/msg/Step`."""
-    return {
-        "run": run, "seq": step.seq, "at": step.at, "event": step.event.name, "kind": step.event.kind,
-        "exited": list(step.exited), "entered": list(step.entered), "outcome": step.outcome or "", "why": step.why,
-        "notes": list(step.notes), "json": text,
-    }  # fmt: skip
+    fields = step_json(step, without=("event", "taken", "guards", "effects", "verdicts"))
+    more = {"run": run, "event": step.event.name, "kind": step.event.kind, "notes": list(step.notes), "json": text}
+    return fields | more
 
 
 def text_of(data: Mapping[str, Any]) -> str:

@@ -11,9 +11,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.connectors.connector import Message, RawMessage
-from rai_missions.journal import Blob, Raw
+from rai_missions.journal import Blob, Raw, decode
 from rai_missions.mission.mission import Mission
-from rai_missions.recording.json_messages import image_in, log_of, picture_of, plain, step_of
+from rai_missions.plain_data import plain
+from rai_missions.recording.json_messages import image_in, log_of, picture_of, step_of
 from rai_missions.recording.schemas import JOURNAL, LOG, STEP, Schema, described
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class MessageEncoder:
         self.attach(blobs, when)
         self.json(JOURNAL_TOPIC, JOURNAL, {"row": number, "kind": kind, "content": content, "hash": digest}, when)
         if kind == "step":
-            step = step_of(json.loads(content)["step"])
+            step = step_of(decode(json.loads(content)["step"]))
             self.json(f"{TOPIC}steps", STEP, step, when)
             self.json(f"{TOPIC}log", LOG, log_of(step, self._mission.name, when.run), when)
 

@@ -12,17 +12,18 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rai_missions.engine.description import way_words
+from rai_missions.engine.description import step_json, way_words
+from rai_missions.engine.step import Step
 from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import plain
 from rai_missions.recording.schemas import COMPRESSED_IMAGE, RAW_IMAGE, Schema
 from rai_missions.runtime.lifecycle import Status
 
-__all__ = ("image_in", "log_of", "picture_of", "plain", "stamp", "state_of", "status_of", "step_of", "write_of")
+__all__ = ("image_in", "log_of", "picture_of", "short", "stamp", "state_of", "status_of", "step_of", "write_of")
 
 Json = dict[str, Any]
 INFO, WARNING, ERROR = 2, 3, 4
-TRUTHS = {True: "true", False: "false", None: "unknown"}
 SHORT = 200
 
 
@@ -30,23 +31,6 @@ def stamp(at_ns: int) -> Json:
     """A time as Foxglove has it."""
     sec, nsec = divmod(max(0, at_ns), 10**9)
     return {"sec": sec, "nsec": nsec}
-
-
-def plain(value: Any) -> Any:
-    """Any value as JSON has it: bytes in base64, a picture by its reference, NaN and infinity as text."""
-    if value is None or isinstance(value, str | bool | int):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
-    if isinstance(value, Mapping):
-        return {str(name): plain(item) for name, item in value.items()}
-    if isinstance(value, bytes | bytearray | memoryview):
-        return base64.b64encode(value).decode()
-    if isinstance(value, Image):
-        return {"picture": value.ref, "width": value.width, "height": value.height, "encoding": value.encoding}
-    if isinstance(value, Sequence):
-        return [plain(item) for item in value]
-    return str(value)
 
 
 def short(value: Any) -> str:
@@ -100,29 +84,10 @@ def state_of(active: Sequence[str], mission: Mission) -> str:
     return ", ".join(name for name in active if all_of_them.isdisjoint(mission.state(name).children()))
 
 
-def step_of(written: Json) -> Json:
-    """A step, out of its row in the journal (`journal.codec` reports how it is written there)."""
-    event, moves, notes = written.get("event", {}), written.get("moves", []), written.get("notes", [])
-    judged = [each["note"] for each in written.get("verdicts", []) if "note" in each]
-    return {
-        "seq": written["seq"], "at": written["at"],
-        "event": {
-            "name": event.get("name", ""), "kind": event.get("kind", "event"), "at": event.get("at", 0.0),
-            "number": event.get("number", 0), "data": event.get("data", {}),
-        },
-        "exited": [name for move in moves for name in move.get("exited", [])],
-        "entered": [name for move in moves for name in move.get("entered", [])],
-        "taken": [row for move in moves for row in move.get("taken", [])],
-        "guards": [{"place": place, "value": TRUTHS[truth]} for place, truth in written.get("guards", [])],
-        "verdicts": [notes[index] for index in judged],
-        "notes": [note for index, note in enumerate(notes) if index not in judged],
-        "effects": [
-            {"name": name, "about": short(about)}
-            for effect in written.get("effects", [])
-            for name, about in effect.items()
-        ],
-        "outcome": written.get("outcome") or "", "why": written.get("why", ""),
-    }  # fmt: skip
+def step_of(step: Step) -> Json:
+    """A step, with each effect in a line of bounded length."""
+    found = step_json(step)
+    return found | {"effects": [each | {"about": short(each["about"])} for each in found["effects"]]}
 
 
 def log_of(step: Json, mission: str, at_ns: int) -> Json:

@@ -20,8 +20,9 @@ from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Blob, Journal, Raw, Record
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import plain
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
-from rai_missions.recording.json_messages import image_in, plain, short, status_of, write_of
+from rai_missions.recording.json_messages import image_in, short, status_of, write_of
 from rai_missions.recording.queue import BoundedQueue, Kind, QueuedItem
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
 from rai_missions.redaction import logger

@@ -9,11 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from rai_missions.plain_data import plain
 from visualize.build import picture
 from visualize.diff.as_text import headline
 from visualize.diff.change import Change, heading
 from visualize.diff.difference import Difference
-from visualize.page.as_json import Json, plain
+from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 from visualize.page.html import SCRIPTS, document
 from visualize.page.lenses import lens, lenses

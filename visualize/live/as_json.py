@@ -11,10 +11,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.decision import Question
-from rai_missions.engine.description import describe
+from rai_missions.engine.description import step_json
 from rai_missions.engine.step import Step
 from rai_missions.image import Image
-from visualize.page.as_json import Json, plain, without_empty
+from rai_missions.plain_data import plain
+from visualize.page.as_json import Json, without_empty
 
 __all__ = ("LONGEST", "bounded", "line", "question_data")
 
@@ -41,21 +42,13 @@ def bounded(value: Any, depth: int = 0) -> Any:
 
 def line(step: Step) -> Json | None:
     """A step as the journal's tail shows it; None where it changed nothing but the blackboard and the clock."""
-    event = step.event
-    if step.ignored and not (step.why and event.kind != "write"):
+    if step.ignored and not (step.why and step.event.kind != "write"):
         return None
-    data = {name: item for name, item in event.data.items() if name != "request"}
-    described = describe(step)
-    return without_empty(
-        {
-            "kind": event.kind, "name": event.name[:LONGEST], "number": event.number, "data": bounded(data),
-            "transitions": [place for move in step.moves for place in move.taken],
-            "exited": list(step.exited), "entered": list(step.entered),
-            "does": [bounded(each) for each in described.effects],
-            "notes": [bounded(note) for note in described.notes],
-            "why": bounded(step.why), "outcome": step.outcome,
-        }
-    ) | {"seq": step.seq, "at": round(step.at, 3)}  # fmt: skip
+    found = step_json(step, without=("guards",))
+    found["event"]["data"].pop("request", None)
+    texts = {name: [bounded(each) for each in found[name]] for name in ("effects", "verdicts", "notes")}
+    short = {"event": bounded(found["event"], -1), "why": bounded(found["why"]), **texts}
+    return without_empty(found | short) | {"seq": step.seq, "at": round(step.at, 3)}
 
 
 def question_data(question: Question) -> Json:

@@ -1,36 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Values of missions and runs as JSON that a browser shows as text.
 
-Rule: a page holds plain data. What JSON has not becomes a word, and a picture the reference by which it is found.
+Rule: a page holds plain data (`rai_missions.plain_data`).
 """
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.image import Image
-
-__all__ = ("Json", "Pool", "plain", "without_empty")
+__all__ = ("Json", "Pool", "without_empty")
 
 Json = dict[str, Any]
-
-
-def plain(value: Any) -> Any:
-    """A value that `json` can write, in words that a reader knows."""
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else "unknown" if math.isnan(value) else f"{value:+}"
-    if isinstance(value, Image):
-        return {"picture": value.ref, "width": value.width, "height": value.height}
-    if isinstance(value, Mapping):
-        return {str(name): plain(item) for name, item in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(item) for item in value]
-    return str(value)
 
 
 def without_empty(given: Mapping[str, Any]) -> Json:

@@ -10,10 +10,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import plain
 from rai_missions.states import Decision, State
 from rai_missions.states.state import descendants
 from visualize.model import Picture, PictureEdge, PictureNode
-from visualize.page.as_json import Json, plain, without_empty
+from visualize.page.as_json import Json, without_empty
 
 __all__ = ("chart_data",)
 

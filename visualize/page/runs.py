@@ -21,7 +21,8 @@ from rai_missions.image import Image
 from rai_missions.journal import Note, StepRow, verify
 from rai_missions.journal.reader import Record
 from rai_missions.mission.mission import Mission
-from visualize.page.as_json import Json, Pool, plain, without_empty
+from rai_missions.plain_data import plain
+from visualize.page.as_json import Json, Pool, without_empty
 from visualize.page.images import Gallery
 from visualize.page.rejected_options import Offers
 

@@ -134,7 +134,7 @@ def test_no_value_makes_a_message_long_or_no_json(value: Any) -> None:
 
 def test_a_picture_is_reported_by_its_name_alone() -> None:
     image = Image("camera@1", 4, 3, "rgb8", lambda: (_ for _ in ()).throw(AssertionError("it was looked at")))
-    assert bounded({"seen": image}) == {"seen": {"picture": "camera@1", "width": 4, "height": 3}}
+    assert bounded({"seen": image}) == {"seen": {"picture": "camera@1", "width": 4, "height": 3, "encoding": "rgb8"}}
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def test_a_viewer_sees_what_is_so_and_each_change(run: Run) -> None:
     run.send("anomaly")
     ends_with(viewer, run)
     assert "assessing" in viewer.seen["active"]
-    assert viewer.seen["steps"][-1]["transitions"] == ["/states/working/states/driving/transitions/0"]
+    assert viewer.seen["steps"][-1]["taken"] == ["/states/working/states/driving/transitions/0"]
     play(run, "agent")
     ends_with(viewer, run)
     [question] = viewer.seen["questions"]
@@ -166,7 +166,7 @@ def test_without_a_viewer_nothing_is_made_of_a_step(run: Run, monkeypatch: pytes
     monkeypatch.undo()
     viewer = Viewer(run.page)
     until(lambda: "camera" in viewer.seen.get("board", {}), "who comes later sees it all")
-    assert [step["name"] for step in viewer.seen["steps"]][:2] == ["start", "anomaly"]
+    assert [step["event"]["name"] for step in viewer.seen["steps"]][:2] == ["start", "anomaly"]
     viewer.cut()
 
 

@@ -18,13 +18,13 @@ from rai_missions.engine.step import Step
 from rai_missions.event import Event, Tick
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import plain
 from rai_missions.states import Final
 from rai_missions.trees import PyTrees
 from tests.strategies import EVENTS, missions
 from tests.visualize.page.reading import answered, data_of, folded, journal_of
 from tests.visualize.runs import ROOT, document, hostile, run, tractor
 from visualize.page import review, review_data, run_of_steps
-from visualize.page.as_json import plain
 from visualize.page.lenses import asked_of
 from visualize.page.reachability import Roads
 

@@ -84,7 +84,7 @@ class Live {
       this.state.board = { ...this.state.board, ...board };
       this.mark("board");
     }
-    for (const step of steps || []) for (const transition of step.transitions || []) this.taken.set(transition, performance.now());
+    for (const step of steps || []) for (const transition of step.taken || []) this.taken.set(transition, performance.now());
     if (steps) {
       this.tail.add(steps);
       this.mark("active");

@@ -100,10 +100,10 @@ class Tail {
   }
 
   item(step) {
-    return make("li", { value: String(step.seq), class: step.outcome ? "outcome" : "" }, make("small", {}, `${step.at.toFixed(2)} s `), make("b", {}, happened(step)), ...this.way(step),
-      (step.notes || []).map((note) => make("div", { class: "note" }, note)),
+    return make("li", { value: String(step.seq), class: step.outcome ? "outcome" : "" }, make("small", {}, `${step.at.toFixed(2)} s `), make("b", {}, happened(step.event)), ...this.way(step),
+      [...(step.verdicts || []), ...(step.notes || [])].map((note) => make("div", { class: "note" }, note)),
       step.why ? make("div", { class: step.outcome ? "" : "fault" }, step.outcome ? `${step.outcome}: ${step.why}` : `refused: ${step.why}`) : "",
-      (step.does || []).map((each) => make("div", { class: "muted" }, each)));
+      (step.effects || []).map((each) => make("div", { class: "muted" }, each.about)));
   }
 
   way(step) {
