@@ -8,14 +8,14 @@ Rule: what is printed comes in its order, or is left out and counted.
 from __future__ import annotations
 
 import io
-import queue
 import sys
-import threading
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from functools import partial
 from typing import Any, TextIO, cast
 
+from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import Redaction
 
 __all__ = ("MAX_PENDING", "BufferedStream", "nonblocking_output", "redacted_output", "wait_for_output")
@@ -85,36 +85,40 @@ class BufferedStream(io.TextIOBase):
 
     def __init__(self, out: TextIO) -> None:
         self._out = out
-        self._texts: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._worker = Worker("printing", limit=MAX_PENDING, on_error=self._fail)
+        self._worker.start()
         self._lost = 0
-        self.fault: Exception | None = None
+        self.fault: BaseException | None = None
         """What printing has raised; nothing more is printed then."""
-        self._thread = threading.Thread(target=self._write_on, name="printing", daemon=True)
-        self._thread.start()
+
+    @property
+    def waiting(self) -> int:
+        """About how many pieces of text wait to be taken."""
+        return self._worker.waiting
 
     def write(self, text: str) -> int:
         """Have it printed; raises what printing has raised before."""
         if self.fault is not None:
             raise self.fault
-        if not self._thread.is_alive():
+        if not self._worker.is_alive:
             return self._out.write(text)
-        if self._texts.qsize() < MAX_PENDING:
-            self._texts.put(f"{self._left_out()}{text}" if self._lost else text)
+        if self._worker.post(partial(self._print, f"{self._left_out}{text}")):
+            self._lost = 0
         else:
             self._lost += 1
         return len(text)
 
     def flush(self) -> None:
         """It goes out as soon as it is taken."""
-        if not self._thread.is_alive():
+        if not self._worker.is_alive:
             self._out.flush()
 
     def settle(self) -> None:
         """Wait until all of it is out; what is printed later is waited for."""
-        self._texts.put(None)
-        self._thread.join()
-        if self._lost and self.fault is None:
-            self._out.write(self._left_out())
+        self._worker.close()
+        if self.fault is None:
+            self._out.write(self._left_out)
+            self._lost = 0
 
     def isatty(self) -> bool:
         return self._out.isatty()
@@ -133,23 +137,21 @@ class BufferedStream(io.TextIOBase):
     def errors(self) -> str | None:  # type: ignore[override]
         return self._out.errors
 
-    def _write_on(self) -> None:
-        while (text := self._texts.get()) is not None:
-            try:
-                self._put(text)
-            except Exception as error:  # noqa: BLE001 - raised where the next text is printed
-                self.fault = self.fault or error
-
-    def _put(self, text: str) -> None:
+    def _print(self, text: str) -> None:
         if self.fault is not None:
             return
         self._out.write(text)
-        if self._texts.empty():
+        if not self._worker.waiting:
             self._out.flush()
 
+    def _fail(self, error: BaseException) -> None:
+        self.fault = self.fault or error
+
+    @property
     def _left_out(self) -> str:
-        lost, self._lost = self._lost, 0
-        return f"\n… {lost} pieces of text are left out, since they were not taken in time\n"
+        return (
+            f"\n… {self._lost} pieces of text are left out, since they were not taken in time\n" if self._lost else ""
+        )
 
 
 def wait_for_output() -> None:

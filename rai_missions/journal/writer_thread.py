@@ -7,10 +7,10 @@ Rule: anyone who hands something over continues only when it is written, just as
 from __future__ import annotations
 
 import queue
-import threading
 import time
 from collections.abc import Callable
 
+from rai_missions.connectors.worker import Worker
 from rai_missions.errors import ConnectorError
 
 __all__ = ("LONGEST_S", "WriterThread")
@@ -27,12 +27,10 @@ class WriterThread:
     """
 
     def __init__(self, called: Callable[[], None]) -> None:
-        self._called = called
-        self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
-        self._bell: queue.SimpleQueue[tuple[int, BaseException | None]] = queue.SimpleQueue()
-        self._thread: threading.Thread | None = None
+        self._called, self._worker = called, Worker("journal")
+        self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
+        """Rings when something is written, and with True when `call` is called."""
         self._is_lost = False
-        self._ticket = 0
 
     def do(self, write: Callable[[], object]) -> None:
         """Have something written, and wait until it is; raises what writing it raises.
@@ -42,52 +40,30 @@ class WriterThread:
         """
         if self._is_lost:
             raise ConnectorError(self._why)
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._write_on, name="journal", daemon=True)
-            self._thread.start()
-        self._ticket += 1
-        ticket, until = self._ticket, time.monotonic() + LONGEST_S
-        self._work.put(lambda: self._write(write, ticket))
-        task = self._next_task(until)
-        while task[0] != ticket:
-            if task[0] == CALL:
+        until = time.monotonic() + LONGEST_S
+        written = self._worker.submit(write)
+        written.add_done_callback(lambda _: self._bell.put(False))
+        while not written.done():
+            if self._rings(until):
                 self._called()
-            task = self._next_task(until)
-        if task[1] is not None:
-            raise task[1]
+        written.result()
 
     def call(self) -> None:
         """Wake the one that waits; from any thread."""
-        self._bell.put((CALL, None))
+        self._bell.put(True)
 
     def close(self) -> None:
         """Nothing more is to be written; a disk that hangs is not waited for."""
-        self._work.put(None)
-        if self._thread is not None and not self._is_lost:
-            self._thread.join(LONGEST_S)
+        self._worker.close(0.0 if self._is_lost else LONGEST_S)
 
     @property
     def _why(self) -> str:
         return f"its disk has not answered for {LONGEST_S:g} s"
 
-    def _next_task(self, until: float) -> tuple[int, BaseException | None]:
+    def _rings(self, until: float) -> bool:
+        """Wait for the bell; whether it is for `called`."""
         try:
             return self._bell.get(timeout=max(0.0, until - time.monotonic()))
         except queue.Empty:
             self._is_lost = True
             raise ConnectorError(self._why) from None
-
-    def _write_on(self) -> None:
-        while (work := self._work.get()) is not None:
-            work()
-
-    def _write(self, write: Callable[[], object], ticket: int) -> None:
-        try:
-            write()
-        except BaseException as error:  # noqa: BLE001 - raised again where it was handed over
-            self._bell.put((ticket, error))
-        else:
-            self._bell.put((ticket, None))
-
-
-CALL = 0

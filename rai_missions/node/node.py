@@ -97,9 +97,7 @@ class MissionNode:
         except BaseException:
             self.stop()
             raise
-        self._press.outlet.run()
-        self._press.lines.open()
-        self._press.changed()
+        self._press.open()
         if not self._is_managed:
             self._lifecycle.change("configure")
             self._lifecycle.change("activate")
@@ -114,8 +112,7 @@ class MissionNode:
             self._host.join(FAREWELL_S)
         while self._closes:
             self._closes.pop()()
-        self._press.lines.close()
-        self._press.outlet.stop()
+        self._press.close()
         if self._is_open and self._is_ours:
             self._carrier.connector.stop()
         self._is_open = False

@@ -2,7 +2,7 @@
 """What the node publishes: status, control, steps, transitions, replies, diagnostics.
 
 Rule: what is said is numbered here, under one lock, so that revisions rise in the order in which they are published.
-The run's thread only hands over; messages are made on the outlet's.
+The run's thread only hands over; messages are made on the publisher's.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import uuid
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import Message
+from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError
 from rai_missions.mission.json_reader import parse_json
@@ -21,7 +22,6 @@ from rai_missions.node.diagnostics import array_of
 from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
-from rai_missions.node.publish_queue import PublishQueue
 from rai_missions.node.rosout import LOG, LogLines, lines_of
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING
@@ -34,6 +34,9 @@ __all__ = ("StatusPublisher",)
 log = logger(__name__)
 
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+LONGEST_QUEUE = 10_000
+"""So many messages wait to be published; beyond that the oldest are dropped."""
+DIAGNOSE_S, FAREWELL_S = 1.0, 5.0
 IDLE = StatusMessage(0, "", "", "", "", "", "", "idle", "autonomy")
 
 
@@ -61,19 +64,32 @@ class StatusPublisher:
         self._holder = ""
         self._instance = uuid.uuid4().hex[:12]
         self._strangers: set[str] = set()
-        self.outlet = PublishQueue(self._diagnose)
+        self._outlet = Worker("publisher", limit=LONGEST_QUEUE, keep="newest")
         self.lines = LogLines(self._logger, self.log)
         self.also: Callable[[StatusMessage], None] = lambda _bulletin: None
-        """Told of each bulletin, on the outlet's thread."""
+        """Told of each bulletin, on the publisher's thread."""
 
     @property
     def _logger(self) -> str:
         """The node's name as ROS writes that of its logger."""
         return self._name.path.strip("/").replace("/", ".")
 
+    def open(self) -> None:
+        """Publish from now on: how things are, and the lines of the log."""
+        self._outlet.start()
+        self._outlet.post(self._diagnose)
+        self._outlet.every(DIAGNOSE_S, self._diagnose)
+        self.lines.open()
+        self.changed()
+
+    def close(self) -> None:
+        """Publish what waits, and end; it may be opened again."""
+        self.lines.close()
+        self._outlet.close(FAREWELL_S)
+
     def log(self, line: dict[str, object]) -> None:
         """Publish a line of the log."""
-        self.outlet.put(lambda: self._carrier.connector.publish(LOG_TOPIC, LOG, line))
+        self._outlet.post(lambda: self._carrier.connector.publish(LOG_TOPIC, LOG, line))
 
     def changed(self) -> None:
         """Something may have changed: say so, if it has."""
@@ -84,7 +100,7 @@ class StatusPublisher:
             ):
                 return
             self._last = said = now._replace(revision=self._last.revision + 1, at=time.time())
-            self.outlet.put(lambda: self._say(said))
+            self._outlet.post(lambda: self._say(said))
 
     def _now(self) -> StatusMessage:
         """How things are, under the revision of the last bulletin."""
@@ -112,20 +128,20 @@ class StatusPublisher:
     def step(self, step: Step, run: str) -> None:
         """A step was made; one that changed nothing is left out."""
         if not (step.ignored and step.event.kind in ("write", "tick", "feedback")):
-            self.outlet.put(lambda: self._say_step(step, run))
+            self._outlet.post(lambda: self._say_step(step, run))
         for line in lines_of(step, self._logger) if step.effects else ():
             self.log(line)
 
     def moved(self, way: NodeTransition) -> None:
         """The node's lifecycle has moved."""
         fields = event_fields(way)
-        self.outlet.put(lambda: self._publish("transition_event", EVENT_TYPE, fields))
+        self._outlet.post(lambda: self._publish("transition_event", EVENT_TYPE, fields))
         self.changed()
 
     def reply(self, receipt: CommandReply) -> None:
         """Tell anyone who has ordered something what became of it."""
         said = text_of({"id": receipt.id, "success": receipt.success, "why": receipt.why})
-        self.outlet.put(lambda: self._publish("reply", STRING, {"data": said}))
+        self._outlet.post(lambda: self._publish("reply", STRING, {"data": said}))
 
     def heard(self, message: Message) -> None:
         """A status was published under the node's name; by another, if it is none of ours."""
@@ -138,7 +154,7 @@ class StatusPublisher:
             self._strangers.add(stranger)
             log.warning("another node is called %s too; give one of them another name with --node", self._name.path)
 
-    # -- on the outlet's thread -----------------------------------------------------------------------------------
+    # -- on the publisher's thread --------------------------------------------------------------------------------
 
     def _say(self, bulletin: StatusMessage) -> None:
         self._publish("status", STRING, {"data": text_of(bulletin.data())})

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Log lines on `/rosout`, where ROS's own tools look for them: what the mission logs, and what this package does.
 
-Rule: a line leaves without secrets, on the outlet's thread; anyone who logs waits for no one.
+Rule: a line leaves without secrets, on the publisher's thread; anyone who logs waits for no one.
 """
 
 from __future__ import annotations

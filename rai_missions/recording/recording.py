@@ -12,10 +12,12 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import IO, Any, NamedTuple, Self
 
 from rai_missions.connectors.connector import Message, RawMessage, Reply, Report
+from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Blob, Journal, Raw, Record
@@ -23,7 +25,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
 from rai_missions.recording.json_messages import image_in, short, status_of, write_of
-from rai_missions.recording.queue import BoundedQueue, Kind, QueuedItem
+from rai_missions.recording.queue import Kind, QueueBudget, QueuedItem
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
 from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import Status
@@ -37,6 +39,8 @@ FORMAT = "1"
 FLUSH_S = 1.0
 """How much a process that is killed may lose of its recording."""
 SPELL_S, REST_S = 0.002, 0.02
+GATHER_S = 0.05
+"""How long the thread lets items gather where none waits."""
 PATIENCE_S = 60.0
 """How long the end waits for what is still to be written."""
 MESSAGE_BYTES = 500
@@ -98,9 +102,10 @@ class Recording:
         self.path, self._mission, self._now = path, mission, now
         self._clean = clean or (lambda value: value)
         self._began_ns = time.time_ns() - round(now() * 1e9)
-        self._room = BoundedQueue()
+        self._budget, self._worker = QueueBudget(), Worker("recording", on_error=self._fail)
+        self._closing = threading.Event()
         self._why, self._size = "", 0
-        self._flushed, self._flush_at = True, 0.0
+        self._is_flush_due, self._spell = False, 0.0
         self._journal: Path | None = None
         self._file = File(stream, profile)
         self._pen = MessageEncoder(self._file, mission)
@@ -108,8 +113,6 @@ class Recording:
         self._file.describe("rai_missions", {**words, **about})
         self.summary: Summary | None = None
         """How it ended; None until then."""
-        self._thread = threading.Thread(target=self._work, name="recording", daemon=True)
-        self._thread.start()
         atexit.register(self.close)
 
     @classmethod
@@ -186,11 +189,11 @@ class Recording:
         if self.summary is None:
             atexit.unregister(self.close)
             self._journal = journal
-            self._room.close()
-            self._thread.join(PATIENCE_S)
-            if self._thread.is_alive():
+            self._worker.post(self._finish)
+            self._closing.set()
+            if not self._worker.close(PATIENCE_S):
                 self._give_up(f"its end was not written within {PATIENCE_S:g} s")
-            dropped = {topic: count for topic, count in self._room.dropped.items() if topic != JOURNAL_TOPIC}
+            dropped = {topic: count for topic, count in self._budget.dropped.items() if topic != JOURNAL_TOPIC}
             self.summary = Summary(str(self.path), self._file.messages, self._size, dropped, self._why)
             if dropped:
                 lost = ", ".join(f"{topic} {count}" for topic, count in sorted(dropped.items()))
@@ -216,54 +219,57 @@ class Recording:
             wall = time.time_ns()
             run_s = self._now() if at is None else at
             run = self._began_ns + round(run_s * 1e9) if math.isfinite(run_s) else wall
-            self._room.put(QueuedItem(kind, name, size, lambda: write(When(wall, run))))
+            item = QueuedItem(kind, name, size, lambda: write(When(wall, run)))
+            if self._budget.enter(item) and not self._worker.post(partial(self._do, item)):
+                self._budget.leave(item)
 
     # -- on the recording's own thread ---------------------------------------------------------------------------------
 
-    def _work(self) -> None:
-        try:
-            while not self._room.closed:
-                self._room.await_some(None if self._flushed else FLUSH_S)
-                self._write_waiting()
-            self._write_waiting()
-            self._fill_up()
-            self._file.flush()
-            self._file.describe(
-                "rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._room.dropped)}
-            )
-            self._size = self._file.finish()
-        except Exception as fault:  # noqa: BLE001 - whatever breaks the recording does not break the run
-            self._give_up(str(fault) or type(fault).__name__)
+    def _do(self, item: QueuedItem) -> None:
+        """Write an item, and rest.
 
-    def _write_waiting(self) -> None:
-        """All who wait, and anyone who comes meanwhile; every second what was written leaves the process.
-
-        Python runs one thread at a time: so this one works in short spells and rests between them, so no robot waits.
+        Python runs one thread at a time: so this one works in short spells and rests between them, so no robot waits;
+        and where nothing waits, it lets some gather, so that one item does not wake it.
         """
-        self._flush()
-        spell = time.monotonic() + SPELL_S
-        while (waiting := self._room.take()) is not None:
-            self._flushed = False
-            try:
-                waiting.write()
-            except OSError:
-                raise
-            except Exception:
-                self._room.dropped[waiting.name] += 1
-                log.exception("a message of %s could not be recorded", waiting.name)
-            self._flush()
-            if time.monotonic() >= spell:
-                self._room.rest(REST_S)
-                spell = time.monotonic() + SPELL_S
+        self._budget.leave(item)
+        if self._why:
+            return
+        try:
+            item.write()
+        except OSError:
+            raise
+        except Exception:
+            self._budget.dropped[item.name] += 1
+            log.exception("a message of %s could not be recorded", item.name)
+        if not self._is_flush_due:
+            self._is_flush_due = True
+            self._worker.after(FLUSH_S, self._flush)
+        if not self._worker.waiting:
+            self._closing.wait(GATHER_S)
+        elif time.monotonic() < self._spell or self._budget.is_filling:
+            return
+        else:
+            self._closing.wait(REST_S)
+        self._spell = time.monotonic() + SPELL_S
 
     def _flush(self) -> None:
-        if not self._flushed and time.monotonic() >= self._flush_at:
+        self._is_flush_due = False
+        if not self._why:
             self._file.flush()
-            self._flushed, self._flush_at = True, time.monotonic() + FLUSH_S
+
+    def _finish(self) -> None:
+        if self._why:
+            return
+        self._fill_up()
+        self._file.flush()
+        self._file.describe(
+            "rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._budget.dropped)}
+        )
+        self._size = self._file.finish()
 
     def _fill_up(self) -> None:
         """The journal's rows that found no room."""
-        if self._journal is None or not self._room.dropped[JOURNAL_TOPIC]:
+        if self._journal is None or not self._budget.dropped[JOURNAL_TOPIC]:
             return
         with Record(self._journal) as record:
             when = When(time.time_ns(), time.time_ns())
@@ -272,12 +278,14 @@ class Recording:
                 if self._pen.lacks(raw[0]):
                     self._pen.row(raw, (), when)
 
+    def _fail(self, fault: BaseException) -> None:
+        self._give_up(str(fault) or type(fault).__name__)
+
     def _give_up(self, why: str) -> None:
-        """The recording cannot continue: nothing more is taken, and what waits is let go."""
+        """The recording cannot continue: nothing more is taken, and what waits is let go. The run continues."""
         if self._why:
             return
         self._why = why
         log.warning("the recording %s stops, the mission continues: %s", self.path, why)
-        self._room.clear()
         with suppress(Exception):
             self._file.abandon()

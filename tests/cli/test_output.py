@@ -62,7 +62,7 @@ def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_co
     for number in range(MAX_PENDING + 500):
         aside.write(f"{number}\n")
     stalled.released.set()
-    while aside._texts.qsize():
+    while aside.waiting:
         threading.Event().wait(0.001)
     aside.write("and on\n")
     aside.settle()

@@ -25,7 +25,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.recording import Recording, check_name, journal_of
 from rai_missions.recording import queue as rooms
-from rai_missions.recording.queue import BoundedQueue, QueuedItem
+from rai_missions.recording.queue import QueueBudget, QueuedItem
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
@@ -193,21 +193,17 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
     assert len(raw_rows_of(tmp_path / "run.journal")) == 3
 
 
-def test_a_room_holds_so_many_and_counts_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_so_many_of_a_kind_wait_and_the_others_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(rooms.MOST, "message", 2)
     monkeypatch.setitem(rooms.MOST_BYTES, "picture", 100)
-    room, done = BoundedQueue(), []
-    for number in range(5):
-        room.put(QueuedItem("message", "/a", 1, lambda number=number: done.append(number)))  # type: ignore[misc]
-    assert not room.put(QueuedItem("picture", "/big", 101, lambda: None))
-    assert room.put(QueuedItem("picture", "/small", 100, lambda: None))
-    assert room.dropped == {"/a": 3, "/big": 1}
-    while (waiting := room.take()) is not None:
-        waiting.write()
-    assert done == [0, 1]
-    assert room.put(QueuedItem("picture", "/small", 100, lambda: None)), "there is room again"
-    room.close()
-    assert not room.put(QueuedItem("message", "/a", 1, lambda: None)) and room.take() is not None
+    budget, message = QueueBudget(), QueuedItem("message", "/a", 1, lambda: None)
+    small, big = (QueuedItem("picture", name, size, lambda: None) for name, size in (("/small", 100), ("/big", 101)))
+    assert [budget.enter(message) for _ in range(5)] == [True, True, False, False, False]
+    assert not budget.enter(big) and budget.enter(small)
+    assert budget.dropped == {"/a": 3, "/big": 1} and budget.is_filling
+    budget.leave(message)
+    budget.leave(small)
+    assert budget.enter(message) and budget.enter(small), "there is room again"
 
 
 def test_a_picture_that_takes_long_holds_up_no_one_and_what_is_dropped_is_reported(
