@@ -10,13 +10,14 @@ from __future__ import annotations
 import os
 import sys
 import threading
-from collections import deque
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import IO, Any, TextIO
 
 from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.question_text import Blank, blanks, chosen, question_lines
 from rai_missions.answerers.terminal_input import LineReader, in_foreground
+from rai_missions.connectors.worker import Worker
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.redaction import cut
 
@@ -28,7 +29,7 @@ class GaveUp(Exception):
 
 
 class OperatorAgent:
-    """Asks on a terminal, one question after the other, on a thread that lives while there are questions.
+    """Asks on a terminal, one question after the other, on a thread that lives from the first question to `stop`.
 
     Args:
         source: Where the person types; standard input, if not given. Anything but a terminal means: absent.
@@ -37,10 +38,10 @@ class OperatorAgent:
 
     def __init__(self, source: IO[Any] | None = None, sink: TextIO | None = None) -> None:
         self._source, self._sink = source, sink
-        self._queue: deque[Pending] = deque()
+        self._open: dict[int, Pending] = {}
         self._lock = threading.Lock()
-        self._reader: LineReader | None = None
-        self._thread: threading.Thread | None = None
+        self._desk: tuple[LineReader, Worker] | None = None
+        """What reads the terminal, and the thread that it does so on."""
 
     def run(self) -> None:
         """Nothing to begin: the first question does."""
@@ -48,12 +49,12 @@ class OperatorAgent:
     def stop(self, within_s: float = 1.0) -> None:
         """Withdraw every question and free the terminal; waits so long at most."""
         with self._lock:
-            for pending in self._queue:
-                pending.close()
-            self._wake()
-            thread = self._thread
-        if thread is not None and thread is not threading.current_thread():
-            thread.join(within_s)
+            pending, self._open = list(self._open.values()), {}
+            desk, self._desk = self._desk, None
+        for each in pending:
+            each.close()
+        if desk is not None:
+            desk[1].close(within_s)
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Put a question behind those that are open."""
@@ -63,24 +64,20 @@ class OperatorAgent:
             pending.tell({"absent": "no terminal"})
             return
         with self._lock:
-            self._queue.append(pending)
-            if self._thread is None:
-                self._reader = LineReader(fd)
-                # A terminal may hold up anyone who writes to it (Ctrl-S); that must not hold up the program's end.
-                self._thread = threading.Thread(target=self._serve, args=(self._reader,), name="operator", daemon=True)
-                self._thread.start()
+            self._open[question.number] = pending
+            if self._desk is None:
+                reader = LineReader(fd)
+                self._desk = reader, Worker("operator", at_end=reader.close)
+            reader, worker = self._desk
+            pending.when_closed(reader.wake)
+            worker.post(partial(self._serve, pending, reader))
 
     def withdraw(self, number: int) -> None:
         """The question is no longer asked; if it is on the screen, the reading ends."""
         with self._lock:
-            for pending in self._queue:
-                if pending.question.number == number:
-                    pending.close()
-            self._wake()
-
-    def _wake(self) -> None:
-        if self._reader is not None:
-            self._reader.wake()
+            pending = self._open.pop(number, None)
+        if pending is not None:
+            pending.close()
 
     def _terminal(self) -> int | None:
         source = self._source if self._source is not None else sys.stdin
@@ -90,32 +87,24 @@ class OperatorAgent:
         except (AttributeError, OSError, ValueError):  # no stream, none with a descriptor, or a closed one
             return None
 
-    def _serve(self, reader: LineReader) -> None:
-        while pending := self._first(reader):
-            try:
-                said: dict[str, Any] | None = self._asked(pending, reader)
-            except GaveUp:
-                late = pending.open
-                said = {"failed": f"no answer within {pending.taken_s:.1f} s"} if late else None
-                self._write_last("time is over" if late else "no longer asked")
-            except EOFError as end:
-                said = {"absent": str(end)}
-            except Exception as error:  # noqa: BLE001 - the screen is gone, or a schema is stranger than we can show
-                said = {"absent": f"the question could not be shown: {cut(error, 250)}"}
-            if said is not None:
-                pending.tell(said)
-            pending.close()
+    def _serve(self, pending: Pending, reader: LineReader) -> None:
+        reply = self._reply(pending, reader) if pending.open else None
+        if reply is not None:
+            pending.tell(reply)
+        self.withdraw(pending.question.number)
 
-    def _first(self, reader: LineReader) -> Pending | None:
-        """The next question that is open; with none left, the thread's end."""
-        with self._lock:
-            while self._queue and not self._queue[0].open:
-                self._queue.popleft()
-            if self._queue:
-                return self._queue[0]
-            self._thread = self._reader = None
-        reader.close()
-        return None
+    def _reply(self, pending: Pending, reader: LineReader) -> dict[str, Any] | None:
+        """What the person answers; None where no one waits for it any more."""
+        try:
+            return self._asked(pending, reader)
+        except GaveUp:
+            late = pending.open
+            self._write_last("time is over" if late else "no longer asked")
+            return {"failed": f"no answer within {pending.taken_s:.1f} s"} if late else None
+        except EOFError as end:
+            return {"absent": str(end)}
+        except Exception as error:  # noqa: BLE001 - the screen is gone, or a schema is stranger than we can show
+            return {"absent": f"the question could not be shown: {cut(error, 250)}"}
 
     def _asked(self, pending: Pending, reader: LineReader) -> dict[str, Any]:
         question = pending.question

@@ -113,7 +113,7 @@ class Worker:
         return future
 
     def after(self, seconds: float, work: Work) -> Work:
-        """Have something done once, so many seconds from now; with infinity never.
+        """Have something done once, so many seconds from now; with infinity, or once it is closed, never.
 
         Returns:
             What cancels it.
@@ -148,6 +148,8 @@ class Worker:
     def _schedule(self, seconds: float, work: Work, period_s: float) -> Work:
         entry = [work]
         with self._lock:
+            if self._is_closed:
+                return _nothing
             self.start()
             heappush(self._timers, (time.monotonic() + seconds, next(self._numbers), entry, period_s))
             if threading.current_thread() is not self._thread:

@@ -129,7 +129,7 @@ def test_a_repeated_piece_is_done_again_although_it_fails() -> None:
         raise RuntimeError("each time")
 
     worker.every(0.001, look)
-    assert often.wait(PATIENCE_S) and worker.close(PATIENCE_S)
+    assert often.wait(PATIENCE_S)
     worker.every(1e-9, look)
     assert worker.submit(len(times).bit_length).result(PATIENCE_S) and worker.close(PATIENCE_S), (
         "and what waits is done"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Literal, get_args
 
 from langchain_core.language_models import BaseChatModel
@@ -17,12 +18,12 @@ from langchain_core.tools import BaseTool
 
 from rai_missions.answerers.model.chat import Absent, Chat, Ended, Raised, Spent, ThreadChat
 from rai_missions.answerers.model.conversation import ModelConfig, ModelConversation
-from rai_missions.answerers.model.deadlines import DeadlineWatch
 from rai_missions.answerers.model.output_modes import Mode
 from rai_missions.answerers.model.parse_reply import ParsedReply
 from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.model.secrets import secrets_of
 from rai_missions.answerers.model.tool_calls import is_read_only
+from rai_missions.connectors.worker import Worker
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError
@@ -89,7 +90,7 @@ class DecisionAgent:
         self._lock = threading.Lock()
         self._pending: dict[int, Pending] = {}
         self._threads: set[threading.Thread] = set()
-        self._watch = DeadlineWatch()
+        self._deadlines = Worker("deadlines")
 
     def run(self) -> None:
         """Have the model get ready; a question finds its own thread, whether this was called or not."""
@@ -105,9 +106,9 @@ class DecisionAgent:
             self._pending.clear()
         for pending in dropped:
             pending.close()
-        self._watch.look()
-        self._chat.close()
         ends = time.monotonic() + within_s
+        self._deadlines.close(within_s)
+        self._chat.close()
         for thread in threads:
             if thread is not threading.current_thread():
                 thread.join(max(0.0, ends - time.monotonic()))
@@ -126,15 +127,16 @@ class DecisionAgent:
         if busy >= self._at_once:
             pending.tell({"absent": f"the model has not come back from {busy} earlier questions"})
             return
-        self._watch.add(pending, lambda: self._give_up(thought))
+        self._deadlines.start()
+        pending.when_closed(self._deadlines.after(pending.left_s, partial(self._give_up, thought)))
         thread.start()
 
     def withdraw(self, number: int) -> None:
         """The question is no longer asked; what comes back is dropped."""
         with self._lock:
             pending = self._pending.pop(number, None)
-        if pending is not None and pending.close():
-            self._watch.look()
+        if pending is not None:
+            pending.close()
 
     def _work(self, thought: ModelConversation) -> None:
         pending = thought.pending
@@ -146,8 +148,7 @@ class DecisionAgent:
             self._threads.discard(threading.current_thread())
             if self._pending.get(pending.question.number) is pending:
                 del self._pending[pending.question.number]
-        if pending.tell(said):
-            self._watch.look()
+        pending.tell(said)
 
     def _answer(self, thought: ModelConversation) -> dict[str, Any]:
         try:

@@ -42,7 +42,7 @@ class Pending:
         self._answer = answer
         self._lock = threading.Lock()
         self._open = True
-        self._closers: list[Callable[[], None]] = []
+        self._closers: list[Callable[[], object]] = []
 
     @property
     def open(self) -> bool:
@@ -59,7 +59,7 @@ class Pending:
         """Wall time since it was asked."""
         return time.monotonic() - self.began
 
-    def when_closed(self, do: Callable[[], None]) -> None:
+    def when_closed(self, do: Callable[[], object]) -> None:
         """Have something done once, as soon as it is closed; at once where it is. It must not wait."""
         with self._lock:
             if self._open:

@@ -18,14 +18,15 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from queue import SimpleQueue
 from typing import Any
 
 from rai_missions.answerers.model.chat import Abilities, Absent, Ended, Spent
 from rai_missions.answerers.model.parse_reply import Said
 from rai_missions.answerers.model.process.frames import CHUNK, Broken, Inlet, outward
 from rai_missions.answerers.model.process.words import abilities_in, said_in
+from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import cut, secrets_held, variables
 
 __all__ = ("Life", "PendingCall")
@@ -72,7 +73,7 @@ class Life:
     """
 
     def __init__(self, model: str, most_bytes: int, ended: Callable[[Life], None]) -> None:
-        self._model, self._most_bytes, self._on_end = model, most_bytes, ended
+        self._most_bytes, self._on_end = most_bytes, ended
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self._ends = False
@@ -86,7 +87,18 @@ class Life:
         """Questions whose drop the process has yet to confirm."""
         self._heeds = threading.Event()
         self._heeds.set()
-        self._orders: SimpleQueue[list[bytes] | None] = SimpleQueue()
+        self._requests, self._orders_fd = os.pipe()
+        with contextlib.suppress(OSError, AttributeError):  # a picture is then written at once
+            fcntl.fcntl(self._orders_fd, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
+        first = {
+            "model": model,
+            "environment": variables(secret=True),
+            "path": [os.path.abspath(entry) for entry in sys.path],
+            "secrets": secrets_held(),
+        }
+        # What cannot be written any more is for a process that has ended, which is noticed where replies are read.
+        self._orders = Worker("model's orders", on_error=lambda _: None, at_end=partial(os.close, self._orders_fd))
+        self._send(first)
         self.began = time.monotonic()
         self.why = ""
         """How it ended; empty while it lives."""
@@ -165,7 +177,7 @@ class Life:
                 call.release(Ended(f"the model's process ended: {self.why or 'it was closed'}"))
                 return call
             self._calls[number] = call
-        self._orders.put(outward(order, blobs))
+        self._send(order, blobs)
         return call
 
     def drop(self, number: int) -> bool:
@@ -177,11 +189,14 @@ class Life:
             if self.able is not None:
                 self._unheeded.add(number)
                 self._heeds.clear()
-        self._orders.put(outward({"do": "drop", "id": number}))
+        self._send({"do": "drop", "id": number})
         if call is None:
             return False
         call.release(Spent(UNWANTED))
         return True
+
+    def _send(self, order: Mapping[str, Any], blobs: Sequence[bytes] = ()) -> None:
+        self._orders.post(partial(_write_all, self._orders_fd, outward(order, blobs)))
 
     # -- its end -------------------------------------------------------------------------------------------------------
 
@@ -220,7 +235,7 @@ class Life:
             why = cut(f"{type(error).__name__}: {error}", 200)
         with contextlib.suppress(OSError):
             os.close(reply_fd)
-        self._orders.put(None)
+        self._orders.close(0.0)
         self.end(why)
         told = self._conclude()
         with self._lock:
@@ -236,10 +251,8 @@ class Life:
         self._on_end(self)
 
     def _start(self) -> int:
-        """Start the guard and the thread that writes; the descriptor from which replies are read."""
-        requests, orders = os.pipe()
-        with contextlib.suppress(OSError, AttributeError):  # a picture is then written at once
-            fcntl.fcntl(orders, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
+        """Start the guard; the descriptor from which replies are read."""
+        requests = self._requests
         replies, reply_end = os.pipe()
         command = [sys.executable, "-P", "-m", GUARD, str(requests), str(reply_end), str(self._most_bytes)]
         try:
@@ -251,27 +264,12 @@ class Life:
                     pass_fds=(requests, reply_end), start_new_session=True, env=_environment(),
                 )  # fmt: skip
         except BaseException:
-            os.close(orders)
             os.close(replies)
             raise
         finally:
             os.close(requests)
             os.close(reply_end)
-        first = {
-            "model": self._model,
-            "environment": variables(secret=True),
-            "path": _path(),
-            "secrets": secrets_held(),
-        }
-        threading.Thread(target=self._write, args=(orders, first), name="model's orders", daemon=True).start()
         return replies
-
-    def _write(self, fd: int, first: Mapping[str, Any]) -> None:
-        with contextlib.suppress(OSError):  # the process has ended
-            _write_all(fd, outward(first))
-            while (order := self._orders.get()) is not None:
-                _write_all(fd, order)
-        os.close(fd)
 
     def _read(self, fd: int) -> None:
         """Take replies until the process has closed the pipe, or the guard is gone."""
@@ -367,11 +365,6 @@ def _environment() -> dict[str, str]:
     if not any(part in ("site-packages", "dist-packages") for part in Path(ROOT).parts):
         given["PYTHONPATH"] = os.pathsep.join(filter(None, (ROOT, given.get("PYTHONPATH"))))
     return given
-
-
-def _path() -> list[str]:
-    """Where this process finds its packages: the model's is found in the same places."""
-    return [os.path.abspath(entry) for entry in sys.path]
 
 
 def _write_all(fd: int, pieces: Sequence[bytes]) -> None:

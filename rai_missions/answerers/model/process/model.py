@@ -19,6 +19,7 @@ from rai_missions.answerers.model.parse_reply import Said
 from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.model.process.life import PATIENCE_S, Life
 from rai_missions.answerers.model.process.words import packed
+from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import logger
 
 __all__ = ("ModelProcess",)
@@ -55,7 +56,7 @@ class ModelProcess:
         self._closed = self._used = False
         self._absent = self._name = ""
         self._numbers = itertools.count(1)
-        self._timers: set[threading.Timer] = set()
+        self._timers = Worker("model's timers")
 
     @property
     def name(self) -> str:
@@ -65,6 +66,7 @@ class ModelProcess:
         """Start the process; returns at once."""
         with self._lock:
             self._closed = False
+            self._timers.start()
             self._begin()
 
     def abilities(self, pending: Pending) -> Abilities:
@@ -88,12 +90,10 @@ class ModelProcess:
             self._closed = True
             lives = [*self._old, *([self._life] if self._life is not None else [])]
             self._life = None
-            timers, self._timers = self._timers, set()
-        for timer in timers:
-            timer.cancel()
+        until = time.monotonic() + within_s
         for life in lives:
             life.end("it was closed")
-        until = time.monotonic() + within_s
+        self._timers.close(within_s)
         for life in lives:
             life.join(until - time.monotonic())
 
@@ -145,7 +145,7 @@ class ModelProcess:
 
     def dropped(self, life: Life, number: int) -> None:
         """A question was dropped while the model had it: see to it that its process is still of use."""
-        self._later(HEED_S, lambda: self._look(life, number))
+        self._timers.after(HEED_S, lambda: self._look(life, number))
 
     def answered(self, life: Life) -> None:
         """An answer has come to a process that may have been replaced."""
@@ -162,22 +162,7 @@ class ModelProcess:
             self._replace(life)
             life.end("it answered no more")
         elif life.lingers(number):
-            self._later(LINGER_S, lambda: self._replace(life) if life.lingers(number) else None)
-
-    def _later(self, after_s: float, do: object) -> None:
-        def act() -> None:
-            with self._lock:
-                self._timers.discard(timer)
-            assert callable(do)
-            do()
-
-        timer = threading.Timer(after_s, act)
-        timer.daemon = True
-        with self._lock:
-            if self._closed:
-                return
-            self._timers.add(timer)
-        timer.start()
+            self._timers.after(LINGER_S, lambda: self._replace(life) if life.lingers(number) else None)
 
 
 class Exchange:
