@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rai_missions.event import Event
+from rai_missions.kinds import lazy_names
 
 # `event` is a module's name too: imported at once, it is this one, whatever is imported later.
 from rai_missions.mission.references import answer, event
@@ -65,33 +65,21 @@ __all__ = (
     "load",
 )  # fmt: skip
 
-ROOMS = {
-    "keys": ("Key",),
-    "mission.builder": ("After", "Keys", "On", "Ref", "When"),
-    "engine": ("Chart",),
-    "states.effects": ("CallEffect", "Drop", "Log", "Publish", "Raise", "Say", "Set"),
-    "errors": ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError"),
-    "event": ("Tick",),
-    "image": ("Image",),
-    "guards": ("Elapsed", "Guard", "Held", "In", "Named"),
-    "mission.files": ("dump", "load"),
-    "mission.mission": ("EventSpec", "Mission"),
-    "runtime.runner": ("Result", "Runner"),
-    "engine.step": ("Step",),
-}
-ROOM = {name: room for room, names in ROOMS.items() for name in names}
-
-
 if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
-
-    def __getattr__(name: str) -> Any:
-        """A public name, imported from its room when it is first used (PEP 562)."""
-        if name not in ROOM:
-            raise AttributeError(f"module 'rai_missions' has no attribute '{name}'")
-        value = getattr(import_module(f"rai_missions.{ROOM[name]}"), "Call" if name == "CallEffect" else name)
-        globals()[name] = value
-        return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    __getattr__, __dir__ = lazy_names(
+        globals(),
+        {
+            "keys": ("Key",),
+            "mission.builder": ("After", "Keys", "On", "Ref", "When"),
+            "engine": ("Chart",),
+            "states.effects": ("Call as CallEffect", "Drop", "Log", "Publish", "Raise", "Say", "Set"),
+            "errors": ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError"),
+            "event": ("Tick",),
+            "image": ("Image",),
+            "guards": ("Elapsed", "Guard", "Held", "In", "Named"),
+            "mission.files": ("dump", "load"),
+            "mission.mission": ("EventSpec", "Mission"),
+            "runtime.runner": ("Result", "Runner"),
+            "engine.step": ("Step",),
+        },
+    )

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = (
     "EVENT", "HELD", "INTERFACES", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse",
     "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "escaped", "fields_of", "found", "inside",
-    "lacking", "named", "offered", "offers", "rewritten",
+    "lacking", "lazy_names", "named", "offered", "offers", "rewritten",
 )  # fmt: skip
 
 Interface = Literal["action", "service", "topic"]
@@ -359,3 +360,27 @@ def lacking(requirement: str) -> str:
     if not wanted.specifier.contains(there.version, prereleases=True):
         return f"the package '{wanted.name}' is installed in version {there.version}, and {wanted.specifier} is needed"
     return ""
+
+
+# -- what this package offers ------------------------------------------------------------------------
+
+
+def lazy_names(
+    scope: dict[str, Any], rooms: Mapping[str, Iterable[str]]
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """The `__getattr__` and `__dir__` of a package, or of a module, that offers names of others.
+
+    Args:
+        scope: Its `globals()`, where a name is kept once it was used.
+        rooms: Module below the package → the names that it offers; `Call as CallEffect` has another name here.
+    """
+    homes = {each.rpartition(" as ")[2]: (room, each.partition(" as ")[0]) for room, names in rooms.items()
+             for each in names}  # fmt: skip
+
+    def load(name: str) -> Any:
+        if name not in homes:
+            raise AttributeError(f"module {scope['__name__']!r} has no attribute {name!r}")
+        room, own = homes[name]
+        return scope.setdefault(name, getattr(import_module(f".{room}", scope["__package__"]), own))
+
+    return load, lambda: sorted({*scope, *homes})

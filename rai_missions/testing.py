@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rai_missions.kinds import lazy_names
 
 if TYPE_CHECKING:
     from rai_missions.agents.contract import check_agent
@@ -56,29 +57,21 @@ __all__ = (
     "check_world",
 )  # fmt: skip
 
-ROOMS = {
-    "agents.contract": ("check_agent",),
-    "answerers.contract": ("QUESTION", "ReplyCollector", "answer_fault", "check_answerer"),
-    "answerers.test_models": (
-        "BabblingModel", "HangingModel", "LyingModel", "RaisingModel", "ScriptedModel", "SilentModel", "ToolFloodModel",
-        "WordyModel", "call",
-    ),
-    "answerers.test_answerers": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
-    "answerers.script": ("ScriptAnswerer",),
-    "connectors.chaos": ("ChaosConnector", "Rates"),
-    "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
-    "guards.contract": ("check_guard",),
-    "worlds.contract": ("check_world",),
-}  # fmt: skip
-"""Module → what is offered from it."""
-
-
-def __getattr__(name: str) -> Any:
-    for room, names in ROOMS.items():
-        if name in names:
-            return getattr(importlib.import_module(f"rai_missions.{room}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted((*globals(), *__all__))
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy_names(
+        globals(),
+        {
+            "agents.contract": ("check_agent",),
+            "answerers.contract": ("QUESTION", "ReplyCollector", "answer_fault", "check_answerer"),
+            "answerers.test_models": (
+                "BabblingModel", "HangingModel", "LyingModel", "RaisingModel", "ScriptedModel", "SilentModel",
+                "ToolFloodModel", "WordyModel", "call",
+            ),
+            "answerers.test_answerers": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
+            "answerers.script": ("ScriptAnswerer",),
+            "connectors.chaos": ("ChaosConnector", "Rates"),
+            "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
+            "guards.contract": ("check_guard",),
+            "worlds.contract": ("check_world",),
+        },
+    )  # fmt: skip

@@ -7,7 +7,6 @@ Rule: a file is whole or it is not there: it is written next to its place and th
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, cast
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.kinds import offered
+from rai_missions.mission.files import write_atomically
 from rai_missions.mission.mission import Mission
 from visualize.build import picture
 from visualize.diff import Difference
@@ -153,22 +153,8 @@ def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[
         listed = ", ".join(f".{each}" for each in endings)
         raise UsageError(f"'{target}' does not end in a form of picture; the endings are {listed}")
     data = made(ending)
-    temporary = None
     try:
-        number, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-        with os.fdopen(number, "wb") as file:
-            file.write(data)
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, target)
+        write_atomically(target, data)
     except OSError as error:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
         raise UsageError(f"'{target}' cannot be written: {error.strerror or error}") from None
     return target
-
-
-def _umask() -> int:
-    """The bits that new files of this process go without; a temporary file has fewer."""
-    now = os.umask(0)
-    os.umask(now)
-    return now

@@ -7,8 +7,9 @@ Imports `answerers`, `check`, `connectors`, `embodiment`, `engine`, `journal`, `
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rai_missions.kinds import lazy_names
 
 if TYPE_CHECKING:
     from rai_missions.agents.agent import Agent
@@ -16,10 +17,5 @@ if TYPE_CHECKING:
 
 __all__ = ("Agent", "MissionAgent", "run")
 
-MODULES = {"Agent": "agent", "MissionAgent": "mission", "run": "mission"}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), name)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy_names(globals(), {"agent": ("Agent",), "mission": ("MissionAgent", "run")})

@@ -7,8 +7,9 @@ the root. Knows no runner.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rai_missions.kinds import lazy_names
 
 if TYPE_CHECKING:
     from rai_missions.answerers.model.agent import DecisionAgent
@@ -19,16 +20,14 @@ if TYPE_CHECKING:
 
 __all__ = ("DecisionAgent", "OperatorAgent", "RulesAnswerer", "ScriptAnswerer", "open_model")
 
-MODULES = {
-    "DecisionAgent": "model.agent",
-    "OperatorAgent": "terminal_operator",
-    "RulesAnswerer": "rules",
-    "ScriptAnswerer": "script",
-    "open_model": "model.providers",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), name)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy_names(
+        globals(),
+        {
+            "model.agent": ("DecisionAgent",),
+            "model.providers": ("open_model",),
+            "rules": ("RulesAnswerer",),
+            "script": ("ScriptAnswerer",),
+            "terminal_operator": ("OperatorAgent",),
+        },
+    )

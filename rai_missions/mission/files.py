@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
+import secrets
+import stat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rai_missions.mission.mission import Mission
 
-__all__ = ("SCHEMA", "dump", "load")
+__all__ = ("SCHEMA", "dump", "load", "write_atomically")
 
 SCHEMA = "mission.schema.json"
 """Where an editor looks for the schema: next to the mission. `rai-missions schema` prints it."""
@@ -66,22 +67,27 @@ def dump(mission: Mission, path: str | os.PathLike[str] | None = None) -> str:
     if too_deep(text) is not None:
         raise DefinitionError([Fault("", f"more than {MAX_DEPTH} objects and lists inside each other; nest less")])
     if path is not None:
-        _replace(Path(path), text)
+        write_atomically(Path(path), text.encode())
     return text
 
 
-def _replace(path: Path, text: str) -> None:
-    """Write a file so that a reader sees the old one or the new one, never a part."""
-    descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write a file so that a reader finds the old one or the new one, never a part; its permissions stay.
+
+    The system gives a new file its permissions as it is created, so that no thread has to change the process's mask.
+
+    Raises:
+        OSError: It cannot be written; nothing is left behind.
+    """
+    part = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with part.open("xb") as file:
+            if path.exists():
+                part.chmod(stat.S_IMODE(path.stat().st_mode))
+            file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(name).chmod(path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~mask)
-        Path(name).replace(path)
+        part.replace(path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
         raise

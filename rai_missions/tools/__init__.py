@@ -6,8 +6,9 @@ Imports `connectors` and the modules of the root.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rai_missions.kinds import lazy_names
 
 if TYPE_CHECKING:
     from rai_missions.tools.allowlist import Allowed
@@ -17,10 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ("Allowed", "RobotTool", "ToolResult", "Toolbox")
 
-ROOMS = {"Allowed": "allowlist", "RobotTool": "tool", "ToolResult": "result", "Toolbox": "toolbox"}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in ROOMS:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{ROOMS[name]}"), name)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy_names(
+        globals(),
+        {"allowlist": ("Allowed",), "result": ("ToolResult",), "tool": ("RobotTool",), "toolbox": ("Toolbox",)},
+    )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import stat
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,21 @@ def test_a_file_is_replaced_whole_and_keeps_its_mode(tmp_path: Path) -> None:
     assert load(file).name == "small"
     assert stat.S_IMODE(file.stat().st_mode) == 0o640
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_new_file_has_the_permissions_that_the_system_gives_and_no_thread_sees_another_mask(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    masks: list[int] = []
+    change = os.umask
+    monkeypatch.setattr(os, "umask", lambda mask: masks.append(mask) or change(mask))
+    before = change(0o027)
+    try:
+        dump(Mission.model_validate(json.loads(SMALL)), tmp_path / "m.json")
+    finally:
+        change(before)
+    assert stat.S_IMODE((tmp_path / "m.json").stat().st_mode) == 0o640
+    assert masks == []
 
 
 def test_a_dump_that_fails_leaves_the_old_file(tmp_path: Path) -> None:
