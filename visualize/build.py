@@ -11,10 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from rai_missions.engine.step import Move, Step
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Compound, Decision, Each, Final, History, State, Tree
+from rai_missions.states import Compound, Each, Final, History, State
 from rai_missions.states.state import Transition, descendants
 from visualize.model import Initial, Path, Picture, PictureEdge, PictureNode
-from visualize.text import choices, effects, state_lines, state_title, trigger, twigs
+from visualize.text import choices, effects, trigger, twigs
 
 __all__ = ("parents_of", "picture")
 
@@ -101,21 +101,21 @@ def _node(
     mission: Mission, place: str, name: str, state: State, parents: dict[str, str], run: _Run, ended: set[str]
 ) -> PictureNode:  # fmt: skip
     parent = parents.get(name, "")
-    asked = state.decision if isinstance(state, Decision) else None
+    asked = state.decisions().get("")
     return PictureNode(
         name=name,
         place=place,
         kind=state.word,
         parent=parent,
         region=place.rpartition("/")[0].endswith("/parallel"),
-        title=state_title(state),
-        lines=state_lines(state),
+        title=state.title(),
+        lines=tuple(state.lines()),
         about=state.about,
         control=state.control or "",
         outcome=state.final if isinstance(state, Final) else state.history if isinstance(state, History) else "",
         choices=choices(asked, f"{place}/decision") if asked else (),
         fallback=(asked.fallback or "") if asked else "",
-        twigs=twigs(state, place) if isinstance(state, Tree) else (),
+        twigs=twigs(state, place),
         entered=Path(tuple(run.states.get(name, ()))),
         ended_here=name in ended,
     )
@@ -124,7 +124,7 @@ def _node(
 def _edges(
     place: str, source: str, transitions: tuple[Transition, ...], state: State | None, run: _Run
 ) -> Iterator[PictureEdge]:
-    options = state.options if isinstance(state, Decision) else {}
+    options = state.options if state is not None else {}
     for index, transition in enumerate(transitions):
         here = f"{place}/transitions/{index}"
         for target in transition.to or ("",):

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.paths import key_of
-from rai_missions.states import Action, Call, Decision, Final
+from rai_missions.states import Action, Call, Final
 from rai_missions.states.effects import references
 from rai_missions.states.state import OUTCOMES
 
@@ -176,7 +176,7 @@ def missing_requires(survey: MissionIndex) -> Found:
     for spot in survey.top:
         if isinstance(spot.state, Final) and _succeeds(spot.state) and spot.state.requires is None:
             answered = any(
-                isinstance(transition.owner and transition.owner.state, Decision)
+                transition.owner is not None and bool(transition.owner.state.options)
                 for transition in survey.transitions
                 if spot.name in transition.definition.to
             )

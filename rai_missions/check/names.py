@@ -10,7 +10,6 @@ from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.pointers import pointer
 from rai_missions.mission.mission import BUILT_IN_EVENTS
-from rai_missions.states import Decision
 from rai_missions.states.effects import Drop, Raise
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
@@ -63,7 +62,7 @@ def unknown_events(survey: MissionIndex) -> Found:
 
 
 def _options(spot: StateRef | None) -> tuple[str, ...]:
-    return tuple(spot.state.options) if spot is not None and isinstance(spot.state, Decision) else ()
+    return tuple(spot.state.options) if spot is not None else ()
 
 
 def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, StateRef]) -> str:

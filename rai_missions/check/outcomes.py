@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.pointers import pointer
 from rai_missions.check.reported_outcomes import reported
-from rai_missions.states import Action, Call, Decision, Parallel
+from rai_missions.states import Action, Call, Parallel
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
 __all__ = ("deaf_transitions", "handled", "together", "unhandled_options", "unhandled_success", "unused_wildcards")
@@ -34,12 +34,10 @@ def unhandled_options(survey: MissionIndex) -> Found:
     """Every option of a decision has a row of its own decision."""
     transitions = handled(survey)
     for spot in survey.spots:
-        if not isinstance(spot.state, Decision):
-            continue
-        asked = spot.state.decision
-        for name in asked.options:
+        asked = spot.state.question()
+        for name in spot.state.options:
             if (spot.name, name) not in transitions and name not in OUTCOMES:
-                what = f"the fallback '{name}'" if name == asked.fallback else f"option '{name}'"
+                what = f"the fallback '{name}'" if asked and name == asked.fallback else f"option '{name}'"
                 place = pointer(spot.place, "decision", "options", name)
                 yield place, f'nothing handles {what}; add a transition {{"on": "{name}", "to": …}} to \'{spot.name}\''
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from rai_missions.check.index import MissionIndex, Read, Scope
 from rai_missions.check.name_table import Lexicon
 from rai_missions.keys import Key
-from rai_missions.states import Decision, Option
+from rai_missions.states import Option
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("Meaning", "key_of", "meaning")
@@ -123,9 +123,8 @@ def _options(survey: MissionIndex, scope: Scope) -> dict[str, Option]:
         return {}
     transition = scope.transition.definition
     source = survey.spot(transition.of) if transition.of is not None else scope.transition.owner
-    if source is None or not isinstance(source.state, Decision):
-        return {}
-    return {word: source.state.options[word] for word in transition.on if word in source.state.options}
+    options = source.state.options if source is not None else {}
+    return {word: options[word] for word in transition.on if word in options}
 
 
 def _properties(option: Option) -> dict[str, str | None] | None:

@@ -15,9 +15,9 @@ __all__ = ("impossible_guards", "overlapping_transitions", "unwatched_holds")
 
 Found = Iterator[tuple[str, str]]
 NEAR = 64
-"""So many earlier rows of the same trigger are compared with; more of them make a long table, not a mistake."""
+"""So many earlier transitions of the same trigger are compared with; more of them make a long table, not a mistake."""
 WATCHED = ("invariants", "check", "eternal_guard")
-"""The fields whose guards are asked for how long something has held; next to the guards of rows."""
+"""The fields whose guards are asked for how long something has held; next to the guards of transitions."""
 
 
 def overlapping_transitions(survey: MissionIndex) -> Found:

@@ -94,7 +94,7 @@ class Node:
         self.is_parallel, self.is_each = isinstance(state, Parallel), isinstance(state, Each)
         self.is_compound = state is None or (bool(state.children()) and not self.is_parallel)
         self.control: str | None = (state.control if state else None) or (parent.control if parent else None)
-        self.activity = bool(state and state.activity() and not self.is_each)
+        self.activity = bool(state and state.activity())
         self.timed = bool(state and state.timeout_s is not None)
         self.clocked = False
         self.requires: CompiledGuard | None = None

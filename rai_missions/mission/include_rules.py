@@ -14,9 +14,8 @@ from rai_missions.errors import DefinitionError, Fault, irregular, pointer, sugg
 from rai_missions.keys import Key, fits
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
-from rai_missions.states import Decision, DecisionSpec, Include, Transition
+from rai_missions.states import DecisionSpec, Include, Transition
 from rai_missions.states.state import ANY_EVENT
-from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
 
 __all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "misfits", "questions", "refused", "shared_key")
 
@@ -144,8 +143,4 @@ def _transitions(mission: Mission) -> Iterator[tuple[str, Transition]]:
 
 def questions(mission: Mission) -> Iterator[DecisionSpec]:
     """All that a mission asks, in its states and trees."""
-    for _, _, state in mission.walk():
-        if isinstance(state, Decision):
-            yield state.decision
-        elif isinstance(state, Tree):
-            yield from (node.decision for _, node in tree_paths(state.tree) if isinstance(node, DecisionLeaf))
+    return (asked for _, _, state in mission.walk() for asked in state.decisions().values())

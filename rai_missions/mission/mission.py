@@ -29,7 +29,7 @@ from rai_missions.model import (
     fault,
 )
 from rai_missions.states.state import State, States, Transitions, descendants
-from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf, Tree, tree_paths
+from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf
 
 FAMILIES: tuple[type[TaggedModel], ...] = (Guard, State)
 """The families of which other packages may offer kinds."""
@@ -153,9 +153,9 @@ class Mission(MissionModel):
 
     def behaviours(self) -> Mapping[str, BehaviourLeaf]:
         """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""
-        trees = ((name, state.tree) for _, name, state in self.walk() if isinstance(state, Tree))
-        leaves = ((f"{name}#{path}", node) for name, tree in trees for path, node in tree_paths(tree))
-        return {place: node for place, node in leaves if isinstance(node, BehaviourLeaf)}
+        return {
+            f"{name}#{path}": leaf for _, name, state in self.walk() for path, leaf in state.behaviours().items()
+        }  # fmt: skip
 
     def state(self, name: str) -> State:
         """The state of a name.
@@ -174,7 +174,6 @@ class Mission(MissionModel):
         Raises:
             UsageError: A state runs a behaviour that is written in Python.
         """
-        for _, name, state in self.walk():
-            if program := state.program():
-                raise UsageError(f"state '{name}' runs '{program}': {ONLY_IN_PYTHON}")
+        for owner, leaf in self.behaviours().items():
+            raise UsageError(f"state '{owner.partition('#')[0]}' runs '{leaf.program()}': {ONLY_IN_PYTHON}")
         return {"format": self.format, **super().written()}

@@ -14,9 +14,6 @@ from rai_missions.engine.decision import Question
 from rai_missions.guards.guard import Guard, Site, Test, Truth, View
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Decision, Tree
-from rai_missions.states.decision import DecisionSpec
-from rai_missions.states.tree import DecisionLeaf, tree_paths
 
 __all__ = ("Closed",)
 
@@ -75,21 +72,10 @@ class Closed:
     def _tests_of(self, owner: str) -> dict[str, tuple[Test, Guard]]:
         if owner not in self._tests:
             self._tests[owner] = {}
-            for name, guard in _asked(self._mission, owner).guards():
-                site = Site(owner, self._mission.blackboard, owner.partition("#")[0])
+            state, mark, path = owner.partition("#")
+            for name, guard in self._mission.state(state).decisions()[mark + path].guards():
+                site = Site(owner, self._mission.blackboard, state)
                 test = guard.compile(site)
                 if not site.named:
                     self._tests[owner][name] = test, guard
         return self._tests[owner]
-
-
-def _asked(mission: Mission, owner: str) -> DecisionSpec:
-    """The decision of a state, or of a leaf of its tree."""
-    name, _, path = owner.partition("#")
-    state = mission.state(name)
-    if isinstance(state, Decision):
-        return state.decision
-    assert isinstance(state, Tree)
-    leaf = dict(tree_paths(state.tree))[path]
-    assert isinstance(leaf, DecisionLeaf)
-    return leaf.decision

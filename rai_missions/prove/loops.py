@@ -25,7 +25,8 @@ from rai_missions.prove.comparisons import Comparisons
 from rai_missions.prove.parts import parts, writes_in
 from rai_missions.prove.state_graph import StateGraph
 from rai_missions.states.effects import references
-from rai_missions.states.tree import Tree, TreeNode, tree_paths
+from rai_missions.states.state import State
+from rai_missions.states.tree import TreeNode
 from rai_missions.states.tree.decorators import OneShot, Repeat, Retry, StatusToBlackboard
 from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf, DecisionLeaf, SetLeaf
 
@@ -68,13 +69,11 @@ class Level(NamedTuple):
 def long_loops(mission: Mission, terms: RobotFacts) -> tuple[Loop, ...]:
     """The loops of which a few rounds may stand for all."""
     read = _read(mission, terms)
-    return tuple(
-        loop for _, name, state in mission.walk() if isinstance(state, Tree) for loop in _in(name, state, read)
-    )
+    return tuple(loop for _, name, state in mission.walk() for loop in _in(name, state, read))
 
 
-def _in(name: str, state: Tree, read: Collection[str]) -> Iterator[Loop]:
-    for path, node in tree_paths(state.tree):
+def _in(name: str, state: State, read: Collection[str]) -> Iterator[Loop]:
+    for path, node in state.nodes().items():
         if isinstance(node, Retry | Repeat) and _rounds(node) > LONG and _is_alike(node.child, read):
             yield Loop(name, path, "failures" if isinstance(node, Retry) else "success", _rounds(node))
 
@@ -87,13 +86,13 @@ def may_rest(mission: Mission, at_once: Collection[str], restarted: Collection[s
         at_once: The states of whose tree a round ended as soon as it began.
         restarted: The states whose tree has begun twice in one step.
     """
-    trees = {name: state for _, name, state in mission.walk() if isinstance(state, Tree) and name in at_once}
+    trees = {name: state for _, name, state in mission.walk() if name in at_once}
     return frozenset(name for name, state in trees.items() if name in restarted or _most_at_once(state) > MOST_ROUNDS)
 
 
-def _most_at_once(state: Tree) -> float:
+def _most_at_once(state: State) -> float:
     """So many rounds may end in one step before the last one; those without a number are any number."""
-    loops = {path: node for path, node in tree_paths(state.tree) if isinstance(node, Retry | Repeat)}
+    loops = {path: node for path, node in state.nodes().items() if isinstance(node, Retry | Repeat)}
     many = {path: _rounds(node) if _rounds(node) >= 0 else math.inf for path, node in loops.items()}
     ended = sum(math.prod(each for outer, each in many.items() if f"{path}/".startswith(f"{outer}/" if outer else ""))
                 for path in many)  # fmt: skip
@@ -115,7 +114,7 @@ def _read(mission: Mission, terms: RobotFacts) -> frozenset[str]:
 
 def _is_alike(child: TreeNode, read: Collection[str]) -> bool:
     """Whether a round leaves nothing behind that the next one finds."""
-    for _, node in tree_paths(child):
+    for _, node in child.paths():
         if isinstance(node, OneShot):
             return False
         if isinstance(node, DecisionLeaf) and any(each.parameters for each in node.decision.options.values()):
@@ -134,9 +133,8 @@ def with_rounds(mission: Mission, rounds: Mapping[Loop, int]) -> Mission:
         return mission
     numbers: dict[int, int] = {}
     for _, name, state in mission.walk():
-        if isinstance(state, Tree):
-            nodes = dict(tree_paths(state.tree))
-            numbers |= {id(nodes[loop.path]): many for loop, many in rounds.items() if loop.state == name}
+        nodes = state.nodes()
+        numbers |= {id(nodes[loop.path]): many for loop, many in rounds.items() if loop.state == name}
     changed: Mission = _rebuilt(mission, numbers)
     return changed
 

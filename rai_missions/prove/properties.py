@@ -12,8 +12,6 @@ from typing import Literal, NamedTuple
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.circles import circling
 from rai_missions.prove.explorer import Edge, Space
-from rai_missions.states.decision import Decision
-from rai_missions.states.tree import DecisionLeaf, Tree, tree_paths
 
 __all__ = ("CLAIMS", "Property", "Verdict", "claims", "lost", "stuck")
 
@@ -112,12 +110,8 @@ def _options(mission: Mission, space: Space) -> Iterator[Property]:
 def _asked(mission: Mission) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Who asks, and what is offered."""
     for _, name, state in mission.walk():
-        if isinstance(state, Decision):
-            yield name, tuple(state.decision.options)
-        elif isinstance(state, Tree):
-            for path, node in tree_paths(state.tree):
-                if isinstance(node, DecisionLeaf):
-                    yield f"{name}#{path}", tuple(node.decision.options)
+        for part, asked in state.decisions().items():
+            yield name + part, tuple(asked.options)
 
 
 def _rules(space: Space) -> Iterator[Property]:

@@ -3,16 +3,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard
 from rai_missions.kinds import TEMPLATE
 from rai_missions.model import ActionName, Bool, Json, OneOf, Seconds, Text
+from rai_missions.states.effects import call_lines
 from rai_missions.states.state import ResultKey, State
 
-__all__ = ("Action",)
+if TYPE_CHECKING:
+    from rai_missions.states.tree.leaves import ActionLeaf
+
+__all__ = ("Action", "goal_lines")
 
 
 class Action(State, word="action"):
@@ -39,5 +44,21 @@ class Action(State, word="action"):
         ends = {"succeeded", "failed", "rejected", "canceled"}
         return super().outcomes() | ends | ({"unverified"} if self.achieved is not None else set())
 
+    def takes_time(self) -> bool:
+        return True
+
     def activity(self) -> str:
         return f"action {self.action}"
+
+    def details(self) -> Iterator[str]:
+        return goal_lines(self)
+
+
+def goal_lines(work: Action | ActionLeaf) -> Iterator[str]:
+    """What is sent, how long it may take, and when its success counts."""
+    yield from call_lines("goal", work.goal, work.result, work.timeout_s)
+    if work.achieved is not None:
+        settle = f" (within {work.settle_s:g} s)" if work.settle_s else ""
+        yield f"achieved when {work.achieved.words()}{settle}"
+    if work.over_orphan:
+        yield "starts over an orphan"

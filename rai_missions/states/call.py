@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from rai_missions.kinds import TEMPLATE
 from rai_missions.model import Json, ServiceName, Text
+from rai_missions.states.effects import call_lines
 from rai_missions.states.state import ResultKey, State
 
 __all__ = ("Call",)
@@ -29,5 +31,11 @@ class Call(State, word="call"):
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed", "rejected"}
 
+    def takes_time(self) -> bool:
+        return True
+
     def activity(self) -> str:
         return f"call {self.call}"
+
+    def details(self) -> Iterator[str]:
+        return call_lines("request", self.request, self.result, self.timeout_s)

@@ -58,5 +58,5 @@ class Each(State, word="each"):
     def writes(self, place: str = "") -> Iterator[KeyValue]:
         yield KeyValue(self.item, f"{place}/as", "each", self.each)
 
-    def activity(self) -> str:
+    def title(self) -> str:
         return f"for each {self.item} in {self.each}"

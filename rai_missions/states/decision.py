@@ -29,7 +29,7 @@ class Option(MissionModel):
     when: OneOf[Guard] | None = None
     """Where this is not true the option is not offered, and not taken."""
     parameters: dict[str, Json] | None = None
-    """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's row."""
+    """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's transition."""
 
 
 class Budget(MissionModel):
@@ -89,6 +89,18 @@ class DecisionSpec(MissionModel):
                 raise fault("option", f"an option may not be called '{name}': that is an outcome; choose another word")
         return self
 
+    def lines(self) -> Iterator[str]:
+        """What is asked of whom, a line each."""
+        yield f"“{self.question}”"
+        if self.evidence:
+            yield "shows " + ", ".join(self.evidence)
+        often = f", {self.attempts} attempts each" if self.attempts > 1 else ""
+        within = f", {self.within_s:g} s each" if self.within_s is not None else ""
+        yield f"asks {', then '.join(self.ask)}{often}{within}"
+        yield f"at most {self.deadline_s:g} s" if self.deadline_s is not None else "no deadline"
+        if self.tools:
+            yield "may use " + ", ".join(self.tools)
+
     def guards(self) -> Iterator[tuple[str, Guard]]:
         """Option → its guard, where it has one."""
         for name, option in self.options.items():
@@ -113,10 +125,28 @@ class Decision(State, word="decision"):
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | frozenset(self.decision.options)
 
+    def decisions(self) -> Mapping[str, DecisionSpec]:
+        return {"": self.decision}
+
+    def with_options(self, names: Mapping[str, str]) -> Decision:
+        asked = self.decision
+        options = {names.get(name, name): option for name, option in asked.options.items()}
+        update = {"options": options, "fallback": names.get(asked.fallback or "", asked.fallback)}
+        transitions = tuple(
+            transition.model_copy(update={"on": tuple(names.get(word, word) for word in transition.on)})
+            for transition in self.transitions
+        )
+        return self.model_copy(update={"decision": asked.model_copy(update=update), "transitions": transitions})
+
+    def takes_time(self) -> bool:
+        return True
+
     def activity(self) -> str:
         return "decision"
 
-    @property
-    def options(self) -> Mapping[str, Option]:
-        """The answers that there are."""
-        return self.decision.options
+    def title(self) -> str:
+        return ""
+
+    def details(self) -> Iterator[str]:
+        yield from self.decision.lines()
+        yield from super().details()

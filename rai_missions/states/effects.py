@@ -28,15 +28,36 @@ from rai_missions.model import (
     fault,
 )
 
-__all__ = ("Call", "Drop", "Effect", "Log", "Publish", "Raise", "Say", "Set", "filled", "references")
+__all__ = (
+    "Call",
+    "Drop",
+    "Effect",
+    "Log",
+    "Publish",
+    "Raise",
+    "Say",
+    "Set",
+    "call_lines",
+    "filled",
+    "references",
+    "template_words",
+)
 
 
 class Effect(TaggedModel, family="effect"):
     """Something done in passing."""
 
+    sends: ClassVar[str] = ""
+    """The field with what it sends along; empty for nothing."""
+
     def words(self) -> str:
-        """As a person would say it, in a line."""
+        """As a person would put it, in a line."""
         raise NotImplementedError
+
+    def details(self) -> str:
+        """Its words, and what it sends along."""
+        sent = getattr(self, self.sends) if self.sends else None
+        return f"{self.words()} ({template_words(sent)})" if sent else self.words()
 
 
 class Set(Effect, word="set"):
@@ -87,6 +108,7 @@ class Raise(Effect, word="raise"):
     """Raises a declared event: at once inside the step, or from outside after a while."""
 
     positional: ClassVar = ("event",)
+    sends: ClassVar = "data"
 
     event: EventName = Field(alias="raise")
     after_s: Seconds | None = None
@@ -113,6 +135,7 @@ class Call(Effect, word="call"):
     """Calls a service of the profile; its failure raises `call_failed`."""
 
     positional: ClassVar = ("call", "request")
+    sends: ClassVar = "request"
 
     call: ServiceName
     request: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
@@ -125,6 +148,7 @@ class Publish(Effect, word="publish"):
     """Publishes a message on a topic of the profile."""
 
     positional: ClassVar = ("publish", "message")
+    sends: ClassVar = "message"
 
     publish: TopicName
     message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
@@ -153,6 +177,29 @@ class Log(Effect, word="log"):
 
     def words(self) -> str:
         return f"log “{self.log}”"
+
+
+def template_words(template: Any) -> str:
+    """A goal, request or message: `pose ← target, speed 1.2`."""
+    if isinstance(template, Mapping):
+        if set_of(template) == {"from"}:
+            return f"← {template['from']}"
+        return ", ".join(f"{name} {template_words(item)}" for name, item in template.items())
+    if isinstance(template, list | tuple):
+        return "[" + ", ".join(map(template_words, template)) + "]"
+    return str(template).lower() if isinstance(template, bool) else str(template)
+
+
+def call_lines(
+    word: str, sent: Mapping[str, Any], result: Mapping[str, str], timeout_s: float | None
+) -> Iterator[str]:  # fmt: skip
+    """What is sent, what is taken of the answer, and how long it may take."""
+    if sent:
+        yield f"{word}: {template_words(sent)}"
+    if result:
+        yield "result: " + ", ".join(f"{key} := {field}" for key, field in result.items())
+    if timeout_s is not None:
+        yield f"at most {timeout_s:g} s"
 
 
 def references(template: Any) -> Iterator[str]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar, Literal
 
 from rai_missions.guards.guard import Guard
@@ -22,6 +23,14 @@ class Final(State, word="final"):
     final: FinalOutcome
     requires: OneOf[Guard] | None = None
     """What must be true then: else the mission `failed`, or a parent's outcome is `unverified`."""
+
+    def title(self) -> str:
+        return self.final
+
+    def details(self) -> Iterator[str]:
+        if self.requires is not None:
+            yield f"requires {self.requires.words()}"
+        yield from super().details()
 
 
 def worst(outcomes: list[str]) -> str:

@@ -56,6 +56,9 @@ class History(State, word="history"):
     transitions: Annotated[tuple[Default, ...], BeforeValidator(_listed)] = Field(default=(), max_length=1)
     """Its default, `[{"to": …}]`: inside its parent; of a `shallow` one a child."""
 
+    def title(self) -> str:
+        return f"{self.history} history"
+
     @property
     def default(self) -> tuple[str, ...]:
         """Where it leads without memory; empty for the parent's `initial`."""

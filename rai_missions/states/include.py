@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from collections.abc import Iterator
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from rai_missions.kinds import TEMPLATE
 from rai_missions.model import Json, Name, Text
+from rai_missions.states.effects import template_words
 from rai_missions.states.state import State
 
 __all__ = ("Include",)
@@ -24,5 +26,10 @@ class Include(State, word="mission"):
     with_: Annotated[dict[Name, Json], TEMPLATE] = Field(default_factory=dict, alias="with")
     """Its key or event → a value, or `{"from": key}` to share one of this mission's keys."""
 
-    def activity(self) -> Any:
+    def activity(self) -> str:
         return f"mission {self.mission}"
+
+    def details(self) -> Iterator[str]:
+        if self.with_:
+            yield f"with {template_words(self.with_)}"
+        yield from super().details()

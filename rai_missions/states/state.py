@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a state is, and the rows by which it is left.
+"""What a state is, and the transitions by which it is left.
 
 Rule: a state is data. What it does while it is active is worked out by a pure machine in the file of its kind.
 """
@@ -7,7 +7,7 @@ Rule: a state is data. What it does while it is active is worked out by a pure m
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -28,6 +28,11 @@ from rai_missions.model import (
     suggestion,
 )
 from rai_missions.states.effects import Effect
+
+if TYPE_CHECKING:
+    from rai_missions.states.decision import DecisionSpec, Option
+    from rai_missions.states.tree.behaviour import BehaviourLeaf
+    from rai_missions.states.tree.node import TreeNode
 
 __all__ = (
     "ANY_EVENT", "HOLDERS", "OUTCOMES", "Controller", "Effects", "Holder", "ResultKey", "State", "States", "Transition",
@@ -52,14 +57,14 @@ TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_
 
 
 class Transition(MissionModel):
-    """One row: what triggers it, under which guard, where it leads and what it does on the way."""
+    """What triggers it, under which guard, where it leads and what it does on the way."""
 
     positional: ClassVar = ("on",)
 
     on: Annotated[tuple[TriggerName, ...], TRIGGER, *one_or_many] = ()
     """Events or outcomes; `*` is any declared event. Without `on` and `after_s` it fires as soon as its guard holds."""
     of: StateName | None = None
-    """The state whose outcome is meant, if not this row's own."""
+    """The state whose outcome is meant, if not that of the state it is written in."""
     after_s: Seconds | None = None
     """Fires so long after the entry, once; if the guard is not true then, it is lost."""
     when: OneOf[Guard] | None = None
@@ -86,6 +91,13 @@ class Transition(MissionModel):
     def eventless(self) -> bool:
         """It fires as soon as its guard holds."""
         return not self.on and self.after_s is None
+
+    def leads(self) -> str:
+        """Where it leads, when, and what it does, in words."""
+        to = f"leads to {', '.join(self.to)}" if self.to else "stays"
+        guard = f" when {self.when.words()}" if self.when is not None else ""
+        do = f", does {'; '.join(effect.details() for effect in self.do)}" if self.do else ""
+        return f"{to}{guard}{do}"
 
     def words(self) -> str:
         """Trigger and guard as a person would say them."""
@@ -168,13 +180,74 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """What it can report about itself, next to the outcomes of children."""
         return frozenset({"timed_out"} if self.timeout_s is not None else ())
 
-    def program(self) -> str:
-        """What it runs of the user's program, which JSON cannot hold; empty for nothing."""
+    def root(self) -> TreeNode | None:
+        """The behaviour tree that it runs, written in it or made of its fields; None for none."""
+        return None
+
+    def nodes(self) -> Mapping[str, TreeNode]:
+        """Path → the node of its tree, outer before inner."""
+        root = self.root()
+        return dict(root.paths()) if root is not None else {}
+
+    def decisions(self) -> Mapping[str, DecisionSpec]:
+        """What it asks: `#` and the path of a leaf of its tree, empty where it asks itself → the question."""
+        asked = ((f"#{path}", node.question()) for path, node in self.nodes().items())
+        return {owner: question for owner, question in asked if question is not None}
+
+    def question(self) -> DecisionSpec | None:
+        """What it asks itself; None for nothing."""
+        return self.decisions().get("")
+
+    @property
+    def options(self) -> Mapping[str, Option]:
+        """The answers that are outcomes of its own."""
+        asked = self.question()
+        return asked.options if asked is not None else {}
+
+    def with_options(self, names: Mapping[str, str]) -> State:
+        """The same state with other names for some of its options."""
+        return self
+
+    def takes_time(self) -> bool:
+        """Whether what it runs ends no sooner than something has been received, or time has passed."""
+        return any(node.takes_time for node in self.nodes().values())
+
+    def within(self, part: str) -> str:
+        """The JSON pointer from here to what asks or is run there, as `decisions` names it."""
         return ""
+
+    def behaviours(self) -> Mapping[str, BehaviourLeaf]:
+        """Path → the leaf of its tree that is written in Python, which JSON cannot hold."""
+        return {path: leaf for path, node in self.nodes().items() if (leaf := node.behaviour()) is not None}
+
+    def program(self) -> str:
+        """What it runs of the user's program; empty for nothing."""
+        return next((leaf.program() for leaf in self.behaviours().values()), "")
 
     def activity(self) -> str:
         """What it runs while it is active, in a word or two; empty for nothing."""
         return ""
+
+    def title(self) -> str:
+        """What it is, in a line of a picture; empty for one that only waits, asks or holds others."""
+        return self.activity()
+
+    def details(self) -> Iterator[str]:
+        """What else a reviewer must know of what it runs, a line each."""
+        if self.timeout_s is not None:
+            yield f"at most {self.timeout_s:g} s"
+
+    def lines(self) -> Iterator[str]:
+        """What else a reviewer must know of it, a line each."""
+        yield from self.details()
+        for word, does in (("entry", self.entry), ("exit", self.exit)):
+            if does:
+                yield f"{word}: {'; '.join(effect.details() for effect in does)}"
+
+    def leads(self, option: str) -> str:
+        """Where an answer of its own leads, in words."""
+        ways = [each.leads() for each in self.transitions if option in each.on and each.of is None]
+        return ", else ".join(ways) or "no transition of its own: it leads nowhere from here"
 
 
 def _states(given: Any) -> Any:

@@ -207,7 +207,7 @@ class Polled(Oracle):
     def __init__(self, root: tree.TreeNode, monkeypatch: Any) -> None:
         super().__init__(root, monkeypatch)
         self.facts: Json = {**dict.fromkeys(FLAGS, False), **dict.fromkeys(COUNTERS, 0)}
-        nodes = [node for _, node in tree.tree_paths(root)]
+        nodes = [node for _, node in root.paths()]
         self.is_counting = any(isinstance(node, tree.SetLeaf) and node.add for node in nodes)
         looked_at = {
             getattr(getattr(node, "check", getattr(node, "guard", None)), "key", getattr(node, "from_", None))

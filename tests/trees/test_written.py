@@ -14,7 +14,7 @@ from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.errors import DefinitionError
 from rai_missions.mission.schema import mission_schema
 from rai_missions.states import tree as t
-from rai_missions.states.tree import TreeNode, tree_paths
+from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 from tests.trees.growing import rich_trees, seen
 
@@ -29,7 +29,7 @@ def test_a_tree_reads_as_it_was_written(tree: Any) -> None:
 
 @given(rich_trees)
 def test_every_path_leads_to_its_node(tree: Any) -> None:
-    for path, node in tree_paths(TreeNode.read(tree)):
+    for path, node in TreeNode.read(tree).paths():
         place: Any = tree
         for word in filter(None, path.split("/")):
             place = place[int(word)] if isinstance(place, list) else place[word]

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
-from rai_missions.states import Decision, State, Transition
+from rai_missions.states import State, Transition
 from visualize.build import parents_of
 from visualize.diff.similarity import ComparedMissions, alike_keys, alike_options, alike_states
 
@@ -47,7 +47,7 @@ def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
     now_there = {name: state for _, name, state in new.walk()}
     for _, name, state in old.walk():
         other = now_there.get(name)
-        if isinstance(state, Decision) and isinstance(other, Decision):
+        if state.options and other is not None:
             options[name] = alike_options(state, other)
             found += [Renamed("option", was, now, 1.0, name) for was, now in options[name].items()]
     if any(options.values()):
@@ -75,25 +75,11 @@ def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str
     found: dict[str, State] = {}
     for name, state in states.items():
         found[name] = state
-        if isinstance(state, Decision) and options.get(name):
-            found[name] = _one_with_options(state, options[name])
+        if options.get(name):
+            found[name] = state.with_options(options[name])
         elif state.children():
             found[name] = state.model_copy(update={state.child_place(): _with_options(state.children(), options)})
     return found
-
-
-def _one_with_options(state: Decision, names: Mapping[str, str]) -> Decision:
-    asked = state.decision
-    update: dict[str, Any] = {"options": {names.get(name, name): option for name, option in asked.options.items()}}
-    if asked.fallback:
-        update["fallback"] = names.get(asked.fallback, asked.fallback)
-    transitions = tuple(
-        transition.model_copy(update={"on": tuple(names.get(word, word) for word in transition.on)})
-        if transition.on
-        else transition
-        for transition in state.transitions
-    )
-    return state.model_copy(update={"decision": asked.model_copy(update=update), "transitions": transitions})
 
 
 def original_place(place: str, under_new_names: Any, as_written: Any) -> str:

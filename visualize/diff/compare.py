@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
-from rai_missions.states import Decision, State, Tree
-from rai_missions.states.tree import DecisionLeaf, TreeNode, tree_paths
+from rai_missions.states import State
+from rai_missions.states.tree import TreeNode
 from visualize.build import parents_of
 from visualize.diff.change import Change
 from visualize.diff.decisions import asked_changes, new_questions, offers
@@ -20,7 +20,6 @@ from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.diff.reachability import Ways, new_ways
 from visualize.diff.reads import Uses, otherwise, uses
 from visualize.diff.transitions import ComparedTransitions, transition_changes
-from visualize.text import child_pointer
 
 __all__ = ("changes",)
 
@@ -67,11 +66,10 @@ def _state(old: State, new: State, spot: FieldRef, ways: tuple[Ways, Ways, Uses]
     else:
         yield from fields(old, new, spot)
     yield from _passing(old, new, spot, ways[2])
-    if isinstance(old, Decision) and isinstance(new, Decision):
-        yield from asked_changes(old, new, spot.inside("decision"))
-    if isinstance(old, Tree) and isinstance(new, Tree):
+    yield from asked_changes(old, new, spot.inside("decision"))
+    if type(old) is type(new):
         yield from _trees(old, new, spot)
-    before, after = (frozenset(each.options if isinstance(each, Decision) else ()) for each in (old, new))
+    before, after = frozenset(old.options), frozenset(new.options)
     yield from transition_changes(
         ComparedTransitions(old.transitions, new.transitions, spot, *ways, before - after, after - before)
     )
@@ -93,34 +91,28 @@ def _passing(old: State, new: State, spot: FieldRef, used: Uses) -> Iterator[Cha
             yield effects_changed(was, now, spot.inside(word), word, why)
 
 
-def _trees(old: Tree, new: Tree, spot: FieldRef) -> Iterator[Change]:
-    before, after = dict(tree_paths(old.tree)), dict(tree_paths(new.tree))
+def _trees(old: State, new: State, spot: FieldRef) -> Iterator[Change]:
+    before, after = old.nodes(), new.nodes()
     for path in [*after, *(path for path in before if path not in after)]:
         steps = path.split("/") if path else []
         here = spot.inside("tree")._replace(whose=f"{spot.whose}: tree node '{path or 'the root'}'")
         here = here._replace(old="/".join((here.old, *steps)), new="/".join((here.new, *steps)))
         if path not in before:
             yield here.came("tree", "added", "safety", after=after[path].word)
-            yield from _asks(after[path], here)
+            yield from offers(after[path], here.new, here.whose, here.subject)
         elif path not in after:
             yield here.went("tree", "removed", "safety", before=before[path].word)
         elif type(before[path]) is not type(after[path]):
             yield here.changed("tree", "is something else", "safety", before=before[path].word, after=after[path].word)
-            yield from _asks(after[path], here)
+            yield from offers(after[path], here.new, here.whose, here.subject)
         else:
             yield from _twig(before[path], after[path], here)
-
-
-def _asks(node: TreeNode, spot: FieldRef) -> Iterator[Change]:
-    if isinstance(node, DecisionLeaf):
-        yield from offers(node, child_pointer(spot.new, "decision"), spot.whose, spot.subject)
 
 
 def _twig(old: TreeNode, new: TreeNode, spot: FieldRef) -> Iterator[Change]:
     inner = [pointer.partition("/")[0] for pointer, _ in new.branches()]
     yield from fields(old, new, spot, (*inner, "child", "then"))
-    if isinstance(old, DecisionLeaf) and isinstance(new, DecisionLeaf):
-        yield from asked_changes(old, new, spot.inside("decision"))
+    yield from asked_changes(old, new, spot.inside("decision"))
 
 
 def _named(

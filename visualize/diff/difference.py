@@ -10,7 +10,6 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Decision
 from visualize.build import picture
 from visualize.diff.align import Renamed, aligned, original_place
 from visualize.diff.as_text import lines
@@ -117,8 +116,8 @@ def _known_outside(each: Renamed, old: Mission, new: Mission) -> str:
     A person reads an option's name next to its other words; anyone who else is asked goes by the name.
     """
     if each.sort == "option":
-        state = new.state(each.where)
-        asked = [who for who in state.decision.ask if who != "operator"] if isinstance(state, Decision) else []
+        question = new.state(each.where).question()
+        asked = [who for who in question.ask if who != "operator"] if question is not None else []
         return f"'{each.old}'; {', '.join(asked)} choose{'s' * (len(asked) == 1)} by this name" if asked else ""
     if each.sort == "event" or (each.sort == "key" and old.blackboard[each.old].source != "mission"):
         return f"'{each.old}'; profiles and other systems know it by this name"

@@ -13,10 +13,11 @@ from rai_missions.guards.guard import Guard
 from rai_missions.guards.implication import form, implies
 from rai_missions.model import MissionModel
 from rai_missions.states.decision import Budget, Option
+from rai_missions.states.effects import template_words
 from rai_missions.states.tree import TreeNode
 from visualize.diff.change import Change, Severity
 from visualize.diff.originals import AS_THEY_ARE, Originals
-from visualize.text import child_pointer, effects, template
+from visualize.text import child_pointer, effects
 
 __all__ = (
     "LIMITS",
@@ -199,15 +200,15 @@ def effects_changed(before: Any, after: Any, spot: FieldRef, word: str, why: Seq
 def as_words(value: Any) -> str:
     """A value in words."""
     if isinstance(value, MissionModel):
-        return template(value.written())
+        return template_words(value.written())
     if isinstance(value, tuple) and value and all(hasattr(item, "words") for item in value):
         return f"“{'; '.join(effects(value))}”"
     if value in (None, "", (), {}):
         return "nothing"
     if isinstance(value, tuple):
-        return ", ".join(template(item) for item in value)
+        return ", ".join(map(template_words, value))
     if isinstance(value, int | float) and not isinstance(value, bool):
         return f"{value:g}"
     if callable(value):
         return str(getattr(value, "__qualname__", value))
-    return f"“{value}”" if isinstance(value, str) else template(value)
+    return f"“{value}”" if isinstance(value, str) else template_words(value)

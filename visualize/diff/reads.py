@@ -11,10 +11,11 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
+from rai_missions.kinds import INTERFACES
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
 from rai_missions.states import Transition
-from rai_missions.states.effects import Call, Drop, Effect, Publish, Raise, Set
+from rai_missions.states.effects import Effect, Raise
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("Uses", "otherwise", "uses")
@@ -34,15 +35,15 @@ class Uses(NamedTuple):
         return [why for effect in given if (why := self._why(effect))]
 
     def _why(self, effect: Effect) -> str:
-        if isinstance(effect, Set):
-            return f"'{effect.set}' is read" if effect.set in self.keys else ""
-        if isinstance(effect, Raise | Drop):
-            events = self.timers.get(effect.drop, frozenset()) if isinstance(effect, Drop) else {effect.event}
-            received = events if ANY_EVENT in self.received else self.received.intersection(events)
-            return f"transitions receive '{min(received)}'" if received else ""
-        if isinstance(effect, Call | Publish):
+        names = [(refers.sort, name) for refers, name, _ in effect.references()]
+        if any(sort in INTERFACES for sort, _ in names):
             return "it is sent to the robot"
-        return ""
+        if key := next((write.key for write in effect.writes() if write.key in self.keys), ""):
+            return f"'{key}' is read"
+        events = {name for sort, name in names if sort == "event"}
+        events = events or {event for sort, name in names if sort == "timer" for event in self.timers.get(name, ())}
+        received = events if ANY_EVENT in self.received else self.received & events
+        return f"transitions receive '{min(received)}'" if received else ""
 
 
 def otherwise(old: Iterable[Effect], new: Iterable[Effect]) -> list[Effect]:

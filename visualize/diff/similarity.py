@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
-from rai_missions.states import Decision, State
+from rai_missions.states import State
 
 __all__ = ("CLEARLY", "ENOUGH", "ComparedMissions", "alike_keys", "alike_options", "alike_states")
 
@@ -203,15 +203,15 @@ def _uses(mission: Mission, names: set[str]) -> Mapping[str, Facts]:
     return found
 
 
-def alike_options(old: Decision, new: Decision) -> dict[str, str]:
+def alike_options(old: State, new: State) -> dict[str, str]:
     """Old and new name of the options that mean the same, are offered under the same guard and lead to the same."""
-    before, after = old.options, new.options
+    before, after, asked = old.options, new.options, (old.question(), new.question())
     gone = [name for name in before if name not in after]
     come = [name for name in after if name not in before]
 
     def same(was: str, now: str) -> bool:
-        leads, falls = _leads(old, was), was == old.decision.fallback
-        last = now == new.decision.fallback
+        leads = _leads(old, was)
+        falls, last = (asks is not None and name == asks.fallback for asks, name in zip(asked, (was, now), strict=True))
         return bool(leads) and leads == _leads(new, now) and before[was] == after[now] and falls is last
 
     found = {was: [now for now in come if same(was, now)] for was in gone}
@@ -222,7 +222,7 @@ def alike_options(old: Decision, new: Decision) -> dict[str, str]:
     }
 
 
-def _leads(state: Decision, option: str) -> list[tuple[Any, ...]]:
+def _leads(state: State, option: str) -> list[tuple[Any, ...]]:
     """Where an answer leads, and what it does on the way."""
     return [
         (transition.to, transition.when, transition.do, transition.internal, len(transition.on), index)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from rai_missions.states import Decision, Transition
+from rai_missions.states import Transition
 from rai_missions.states.state import ANY_EVENT
 from visualize.diff.align import paired
 from visualize.diff.change import Change, Severity
@@ -133,7 +133,7 @@ def _changed(transitions: ComparedTransitions, before: int, after: int) -> Itera
 def _only_earned(transitions: ComparedTransitions, index: int) -> bool:
     """Whether a transition only continues from a success or an answer, and no other is tried in its stead."""
     transition, state = transitions.new[index], transitions.after.roads.states.get(transitions.spot.subject)
-    earned = {"succeeded", *(state.options if isinstance(state, Decision) else ())}
+    earned = {"succeeded", *(state.options if state is not None else ())}
     rivals = _later(transitions, index, [(0, number) for number in range(len(transitions.new))])
     return (
         bool(transition.on)

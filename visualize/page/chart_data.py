@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
-from rai_missions.states import Decision, State
+from rai_missions.states import State
 from rai_missions.states.state import descendants
 from visualize.model import Picture, PictureEdge, PictureNode
 from visualize.page.as_json import Json, without_empty
@@ -92,7 +92,7 @@ def _transition(edge: PictureEdge, source: State | None) -> Json:
 
 def options_of(source: State | None, place: str) -> list[str]:
     """The options of a state's own decision that fire its transition."""
-    if not isinstance(source, Decision):
+    if source is None:
         return []
     transition = source.transitions[int(place.rpartition("/")[2])]
     return [name for name in transition.on if name in source.options and transition.of is None]

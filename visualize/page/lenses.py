@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 from rai_missions.guards.in_state import In
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Decision, DecisionSpec, Final, Tree
-from rai_missions.states.tree import DecisionLeaf, tree_paths
+from rai_missions.states import DecisionSpec, Final
 from visualize.model import Picture, PictureEdge
 from visualize.page.as_json import Json
 from visualize.page.reachability import Reached, Roads
@@ -169,12 +168,8 @@ def asked_of(mission: Mission, who: str) -> list[DecisionSite]:
 def questions(mission: Mission) -> Iterator[DecisionSite]:
     """Every question of a mission, in document order."""
     for place, name, state in mission.walk():
-        if isinstance(state, Decision):
-            yield DecisionSite(name, place, state.decision, name)
-        if isinstance(state, Tree):
-            for path, node in tree_paths(state.tree):
-                if isinstance(node, DecisionLeaf):
-                    yield DecisionSite(name, f"{place}/tree/{path}".rstrip("/"), node.decision, f"{name}#{path}")
+        for part, asked in state.decisions().items():
+            yield DecisionSite(name, place + state.within(part), asked, name + part)
 
 
 def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:

@@ -13,18 +13,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Compound, Each, Final, History, State, Tree
+from rai_missions.states import Compound, Each, Final, History, State
 from rai_missions.states.effects import Raise
 from rai_missions.states.state import OUTCOMES, Transition
-from rai_missions.states.tree import tree_paths
-from rai_missions.states.tree.behaviour import BehaviourLeaf
-from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf, DecisionLeaf, WaitLeaf
 from visualize.build import parents_of
 
 __all__ = ("Reached", "Roads")
-
-SLOW = (ActionLeaf, BehaviourLeaf, CallLeaf, DecisionLeaf, WaitLeaf)
-"""The leaves of a tree that it waits for; one without them may end as soon as it begins."""
 
 
 class Reached(NamedTuple):
@@ -104,12 +98,10 @@ class Roads:
     def _ends_at_once(self, name: str) -> frozenset[str]:
         """The outcomes, of it and of what is around it, that may be there as soon as it is entered."""
         state = self.states[name]
-        if isinstance(state, Tree):
-            waits = any(isinstance(node, SLOW) for _, node in tree_paths(state.tree))
-            return frozenset() if waits else frozenset(OUTCOMES)
         if isinstance(state, Final):
             return frozenset(OUTCOMES) - (set() if state.final == "succeeded" else {"succeeded"})
-        return frozenset(OUTCOMES if isinstance(state, Each) else ())
+        ends = isinstance(state, Each) or (state.activity() and not state.takes_time())
+        return frozenset(OUTCOMES if ends else ())
 
     @cached_property
     def _raised(self) -> frozenset[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import atexit
 import threading
+import weakref
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -70,13 +71,12 @@ class Ros2Connector:
             if self._session is None or not self._session.runtime.is_open:
                 self._types.clear()
                 self._session = Session(self._options, self._now)
-                # A thread that still spins when the interpreter ends would abort the whole process.
-                atexit.register(self.stop)
+                _running.add(self)
 
     def stop(self) -> None:
         with self._lock:
             session, self._session = self._session, None
-        atexit.unregister(self.stop)
+            _running.discard(self)
         if session is not None:
             session.close()
 
@@ -246,6 +246,16 @@ class Ros2Connector:
         found = find_type(type_name, kind)
         self._types[MODES[kind], name] = type_name
         return found
+
+
+_running: weakref.WeakSet[Ros2Connector] = weakref.WeakSet()
+
+
+@atexit.register
+def _stop_all() -> None:
+    """Before the interpreter ends: a thread that still spins then aborts the whole process."""
+    for connector in list(_running):
+        connector.stop()
 
 
 def _listed(node: Node, mode: Mode) -> Mapping[str, str]:

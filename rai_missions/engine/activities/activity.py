@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from rai_missions.event import Event
 from rai_missions.guards.guard import Site, View, concerns
-from rai_missions.states.state import State
 
 if TYPE_CHECKING:
     from rai_missions.engine.activities.ticker import Trees
@@ -150,12 +149,12 @@ class Bench(NamedTuple):
 def machine_of(definition: Any, bench: Bench) -> Machine | None:
     """The machine of a state or of a tree's leaf; each kind of the format registers its own. None: it runs nothing.
 
-    A state of another package makes its own, by its method `machine`.
+    A state of another package makes its own, by its method `machine`, or runs the tree that its method `root` makes.
 
     Raises:
         UsageError: The state runs a tree, and the chart was given nothing that ticks trees.
     """
-    return definition.machine(bench) if isinstance(definition, State) else None
+    return None
 
 
 Remembered = TypeVar("Remembered", bound=type[Any])

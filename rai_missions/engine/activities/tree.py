@@ -30,7 +30,7 @@ from rai_missions.engine.step import Effect, PublishMessage
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
-from rai_missions.states.tree import Tree, tree_paths
+from rai_missions.states.state import State
 
 __all__ = ("LeafMachine", "RunningLeaf", "TreeActivity", "TreeMachine", "is_settling", "limit_of", "questions_in")
 
@@ -272,14 +272,18 @@ class TreeMachine:
         return shift(tree, by_s) if shift is not None else tree
 
 
-@machine_of.register(Tree)
-def _(state: Tree, bench: Bench) -> TreeMachine:
-    name, place = bench.owner, f"{bench.place}/tree"
+@machine_of.register
+def _(state: State, bench: Bench) -> Machine | None:
+    root = state.root()
+    if root is None:
+        made: Machine | None = state.machine(bench)
+        return made
+    name, place = bench.owner, f"{bench.place}{state.within('')}"
     if bench.trees is None:
         raise UsageError(f"state '{name}' runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
     limbs: dict[str, LeafMachine] = {}
-    for path, node in tree_paths(state.tree):
+    for path, node in root.paths():
         machine = machine_of(node, bench._replace(owner=f"{name}#{path}", place=f"{place}/{path}".rstrip("/")))
         if machine is not None:
             limbs[path] = LeafMachine(machine, getattr(node, "timeout_s", None))
-    return TreeMachine(bench.trees.compile(state.tree, place, bench.keys, name), limbs, name)
+    return TreeMachine(bench.trees.compile(root, place, bench.keys, name), limbs, name)

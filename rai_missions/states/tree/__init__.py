@@ -34,7 +34,7 @@ from rai_missions.states.tree.leaves import (
     SetLeaf,
     WaitLeaf,
 )
-from rai_missions.states.tree.node import Decorator, TreeNode, tree_paths
+from rai_missions.states.tree.node import Decorator, TreeNode
 from rai_missions.states.tree.tree import Tree
 
 __all__ = (
@@ -43,5 +43,5 @@ __all__ = (
     "EternalGuard", "FailureIsRunning", "FailureIsSuccess", "Inverter", "OneShot", "ParallelTree", "PassThrough",
     "PublishLeaf", "Repeat", "Retry", "RunningIsFailure", "RunningIsSuccess", "Selector", "Sequence", "SetLeaf",
     "StatusToBlackboard", "SuccessIsFailure", "SuccessIsRunning", "Timeout", "Tree", "TreeNode", "WaitLeaf",
-    "factory_name", "tree_paths",
+    "factory_name",
 )  # fmt: skip

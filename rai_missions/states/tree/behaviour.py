@@ -42,10 +42,21 @@ class BehaviourLeaf(TreeNode):
     """Says what a live behaviour says, which is ticked next to the mission every `tick_s` while this runs."""
 
     positional: ClassVar = ("factory", "tick_s")
+    takes_time: ClassVar = True
 
     factory: Annotated[Any, PlainValidator(_callable), PlainSerializer(factory_name), WithJsonSchema({"not": {}})]
     tick_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.1
     """Seconds from one tick of the behaviour to the next."""
+
+    def behaviour(self) -> BehaviourLeaf:
+        return self
+
+    def program(self) -> str:
+        """The name of its factory."""
+        return factory_name(self.factory)
+
+    def words(self) -> str:
+        return f"behaviour {factory_name(self.factory)}; ticked every {self.tick_s:g} s"
 
     def written(self) -> dict[str, Any]:
         """A mission in JSON holds no code.

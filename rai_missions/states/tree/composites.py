@@ -43,6 +43,9 @@ class Sequence(Branch, word="sequence"):
     memory: Bool = True
     """Continues at the running child; without it, from the first at each tick."""
 
+    def words(self) -> str:
+        return "sequence" if self.memory else "sequence without memory"
+
 
 class Selector(Branch, word="selector"):
     """One after the other, until one succeeds."""
@@ -51,6 +54,9 @@ class Selector(Branch, word="selector"):
     selector: Children
     memory: Bool = False
     """Continues at the running child; without it, a higher one that stops failing takes over."""
+
+    def words(self) -> str:
+        return "selector with memory" if self.memory else "selector"
 
 
 class ParallelTree(Branch, word="parallel"):
@@ -62,6 +68,10 @@ class ParallelTree(Branch, word="parallel"):
     """Whose success is enough: all, one, or the children with these numbers (from 0)."""
     synchronise: Bool = True
     """A child that has succeeded is not ticked again. With `success_on_one` there is no such child."""
+
+    def words(self) -> str:
+        policy = self.policy if isinstance(self.policy, str) else f"success on {', '.join(map(str, self.policy))}"
+        return f"parallel, {policy.replace('_', ' ')}" + ("" if self.synchronise else ", not synchronised")
 
     @model_validator(mode="after")
     def _policy_names_children(self) -> Self:

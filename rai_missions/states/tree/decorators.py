@@ -79,6 +79,7 @@ class Retry(Decorator, word="retry"):
     """Begins its child again until it succeeds; fails with the failure that has this number."""
 
     positional: ClassVar = ("child", "num_failures")
+    unit: ClassVar = "×"
     num_failures: Annotated[Integer, Field(ge=1)] = Field(alias="retry")
 
 
@@ -86,6 +87,7 @@ class Repeat(Decorator, word="repeat"):
     """Begins its child again until it has succeeded so often; -1 is for ever. A failure ends it."""
 
     positional: ClassVar = ("child", "num_success")
+    unit: ClassVar = "×"
     num_success: Annotated[Integer, Field(ge=1)] | Literal[-1] = Field(alias="repeat")
 
 
@@ -94,6 +96,7 @@ class Timeout(Decorator, word="timeout"):
 
     positional: ClassVar = ("child", "duration_s")
     limits: ClassVar = True
+    unit: ClassVar = " s"
     duration_s: Annotated[Number, Field(gt=0)] = Field(alias="timeout")
 
 
@@ -102,6 +105,9 @@ class EternalGuard(Decorator, word="eternal_guard"):
 
     positional: ClassVar = ("child", "guard")
     guard: OneOf[Guard] = Field(alias="eternal_guard")
+
+    def words(self) -> str:
+        return f"while {self.guard.words()}"
 
 
 class Condition(Decorator, word="condition"):

@@ -25,8 +25,9 @@ from rai_missions.model import (
     fault,
     suggestion,
 )
+from rai_missions.states.action import goal_lines
 from rai_missions.states.decision import DecisionSpec, Option
-from rai_missions.states.effects import Set
+from rai_missions.states.effects import Publish, Set, call_lines
 from rai_missions.states.state import ResultKey
 from rai_missions.states.tree.node import TreeNode
 
@@ -37,6 +38,7 @@ class ActionLeaf(TreeNode, word="action"):
     """A goal; as the state of the same word."""
 
     positional: ClassVar = ("action",)
+    takes_time: ClassVar = True
     action: ActionName
     goal: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     result: dict[ResultKey, Text] = Field(default_factory=dict)
@@ -46,15 +48,24 @@ class ActionLeaf(TreeNode, word="action"):
     over_orphan: Bool = False
     timeout_s: Seconds | None = Field(default=None, gt=0)
 
+    def words(self) -> str:
+        return "; ".join((f"action {self.action}", *goal_lines(self)))
+
 
 class CallLeaf(TreeNode, word="call"):
     """A call; as the state of the same word."""
 
     positional: ClassVar = ("call",)
+    takes_time: ClassVar = True
     call: ServiceName
     request: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     timeout_s: Seconds | None = Field(default=None, gt=0)
+
+    def words(self) -> str:
+        return "; ".join(
+            (f"call {self.call}", *call_lines("request", self.request, self.result, self.timeout_s))
+        )  # fmt: skip
 
 
 class CheckLeaf(TreeNode, word="check"):
@@ -63,12 +74,19 @@ class CheckLeaf(TreeNode, word="check"):
     positional: ClassVar = ("check",)
     check: OneOf[Guard]
 
+    def words(self) -> str:
+        return f"check {self.check.words()}"
+
 
 class WaitLeaf(TreeNode, word="wait_s"):
     """Running for so long, then success."""
 
     positional: ClassVar = ("wait_s",)
+    takes_time: ClassVar = True
     wait_s: Seconds
+
+    def words(self) -> str:
+        return f"wait {self.wait_s:g} s"
 
 
 class SetLeaf(TreeNode, word="set"):
@@ -88,6 +106,9 @@ class SetLeaf(TreeNode, word="set"):
     def writes(self, place: str = "") -> Iterator[KeyValue]:
         return self.effect().writes(place)
 
+    def words(self) -> str:
+        return self.effect().words()
+
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if sum(given is not None for given in (self.value, self.from_, self.add)) != 1:
@@ -102,9 +123,14 @@ class PublishLeaf(TreeNode, word="publish"):
     publish: TopicName
     message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
 
+    def words(self) -> str:
+        return Publish(self.publish, self.message).details()
+
 
 class DecisionLeaf(TreeNode, word="decision"):
     """Asks, then runs the subtree of the option; an option without one is success."""
+
+    takes_time: ClassVar = True
 
     decision: DecisionSpec
     then: dict[Name, OneOf[TreeNode]] = Field(default_factory=dict)
@@ -113,6 +139,16 @@ class DecisionLeaf(TreeNode, word="decision"):
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         for option, subtree in self.then.items():
             yield f"then/{option}", subtree
+
+    def question(self) -> DecisionSpec:
+        return self.decision
+
+    def words(self) -> str:
+        return "decision: " + "; ".join(self.decision.lines())
+
+    def leads(self, option: str) -> str:
+        then = self.then.get(option)
+        return f"then {then.word}" if then is not None else super().leads(option)
 
     def option_of(self, branch: str) -> Option | None:
         return self.decision.options.get(branch.removeprefix("then/"))

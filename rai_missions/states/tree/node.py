@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from rai_missions.model import OneOf, TaggedModel, Text
-from rai_missions.states.decision import Option
+from rai_missions.states.decision import DecisionSpec, Option
 
-__all__ = ("Decorator", "TreeNode", "depth", "tree_paths")
+if TYPE_CHECKING:
+    from rai_missions.states.tree.behaviour import BehaviourLeaf
+
+__all__ = ("Decorator", "TreeNode", "depth")
 
 
 class TreeNode(TaggedModel, family="tree node"):
@@ -17,6 +20,10 @@ class TreeNode(TaggedModel, family="tree node"):
 
     limits: ClassVar[bool] = False
     """What is below it ends in time."""
+    takes_time: ClassVar[bool] = False
+    """It ends no sooner than something has been received, or time has passed."""
+    unit: ClassVar[str] = ""
+    """Of its number, in words."""
 
     name: Text = ""
     """For pictures; without it the node is called by its word."""
@@ -24,6 +31,32 @@ class TreeNode(TaggedModel, family="tree node"):
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         """Its children, each with the pointer from here."""
         return iter(())
+
+    def paths(self, path: str = "") -> Iterator[tuple[str, TreeNode]]:
+        """It and every node below, outer before inner, with its path: `sequence/0/child`; its own is empty."""
+        yield path, self
+        for pointer, child in self.branches():
+            yield from child.paths(f"{path}/{pointer}" if path else pointer)
+
+    def question(self) -> DecisionSpec | None:
+        """What it asks; None for nothing."""
+        return None
+
+    def leads(self, option: str) -> str:
+        """Where an answer leads, in words."""
+        return "and then the node has succeeded"
+
+    def behaviour(self) -> BehaviourLeaf | None:
+        """Itself where it is written in Python."""
+        return None
+
+    def words(self) -> str:
+        """What it does, as a reviewer must know it."""
+        word, value = self.word.replace("_", " "), self.written().get(self.word)
+        if isinstance(value, int | float):
+            return f"{word} {value:g}{self.unit}" if value != -1 else f"{word} for ever"
+        words = f"{word} {value}" if isinstance(value, str) else word
+        return f"{words}, {policy.replace('_', ' ')}" if (policy := getattr(self, "policy", "")) else words
 
     def option_of(self, branch: str) -> Option | None:
         """The option whose answer has led to a branch, which its `answer.…` reads; None where none has."""
@@ -39,13 +72,6 @@ class Decorator(TreeNode):
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         yield type(self).model_fields["child"].alias or "child", self.child
-
-
-def tree_paths(root: TreeNode, path: str = "") -> Iterator[tuple[str, TreeNode]]:
-    """Every node, outer before inner, with its path from the root: `sequence/0/child`; the root's own is empty."""
-    yield path, root
-    for pointer, child in root.branches():
-        yield from tree_paths(child, f"{path}/{pointer}" if path else pointer)
 
 
 def depth(given: Any) -> int:

@@ -10,8 +10,8 @@ from pydantic import BeforeValidator, model_validator
 
 from rai_missions.model import OneOf, fault
 from rai_missions.states.state import State
-from rai_missions.states.tree.behaviour import BehaviourLeaf, factory_name
-from rai_missions.states.tree.node import TreeNode, depth, tree_paths
+from rai_missions.states.tree.behaviour import BehaviourLeaf
+from rai_missions.states.tree.node import TreeNode, depth
 
 __all__ = ("Tree",)
 
@@ -48,9 +48,14 @@ class Tree(State, word="tree"):
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed"}
 
-    def program(self) -> str:
-        leaves = (node for _, node in tree_paths(self.tree) if isinstance(node, BehaviourLeaf))
-        return next((factory_name(leaf.factory) for leaf in leaves), "")
+    def root(self) -> TreeNode:
+        return self.tree
+
+    def within(self, part: str) -> str:
+        return f"/tree/{part.removeprefix('#')}".rstrip("/")
 
     def activity(self) -> str:
         return "tree"
+
+    def title(self) -> str:
+        return ""
