@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The errors a caller can meet, by who mends them, and the words in which they say what was given and what there is.
+"""The errors a caller can meet, by who mends them, and the words for what was given and what there is.
 
 Rule: a refused proposal, an ignored event and a failed action are values, never one of these.
 """
@@ -76,16 +76,16 @@ def suggestion(given: str, known: Iterable[str]) -> str:
 
 
 def in_words(what: object) -> str:
-    """What an exception says, or whatever someone gave as a reason; one that cannot be told in words says its type."""
+    """The text of an exception, or of anything given as a reason; its type where there is no text."""
     try:
         text = str(what)
     except Exception:  # noqa: BLE001 - it may be anybody's, and raise anything
-        text = f"a {type(what).__name__} that cannot be told in words"
+        text = f"a {type(what).__name__} that cannot be put in words"
     return str.__str__(text)
 
 
 def pointer(steps: Iterable[str | int]) -> str:
-    """A JSON pointer (RFC 6901); a lone surrogate, which no output can show, stands as its escape."""
+    """A JSON pointer (RFC 6901); a lone surrogate, which no output can show, is written as its escape."""
     text = "".join("/" + str(step).replace("~", "~0").replace("/", "~1") for step in steps)
     return text.encode("utf-8", "backslashreplace").decode()
 
@@ -102,7 +102,7 @@ SORTS = (
 def irregular(path: Path | str) -> str:
     """What there is instead of a regular file, links followed: a folder, a named pipe (FIFO), a socket or a device.
 
-    Empty for a regular file, and where there is nothing or no one can say. Nothing is opened, so nothing can block.
+    Empty for a regular file, and where there is nothing or it cannot be known. Nothing is opened or can block.
     """
     try:
         mode = os.stat(path).st_mode

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What happened outside: the only thing that moves a mission.
 
-Rule: an event is raw. It says what was received, never what it means; what it means is worked out inside the Step.
+Rule: an event is raw. It holds what was received, never what it means; what it means is worked out inside the Step.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ KINDS = (
     "event", "tick", "write", "accepted", "feedback", "result", "proposal", "control", "behaviour", "command",
     "doubt", "refused", "lost", "contested", "stray", "over",
 )  # fmt: skip
-"""What sort of happening an event can be; `Event.kind` says what each means."""
+"""The kinds of events; the table of `Event.kind` has what each means."""
 
 
 class Event(NamedTuple):
     """One thing that happened, with the time at which it did."""
 
     name: str
-    """A declared event's name, or, for the other kinds, what is said in `kind`'s table."""
+    """A declared event's name, or, for the other kinds, as in `kind`'s table."""
     at: float = 0.0
     """Seconds on the run's clock."""
     data: Mapping[str, Any] = NOTHING
-    """The payload; `event.<field>` in the guards of the row it fires."""
+    """The payload; `event.<field>` in the guards of the transition that it fires."""
     kind: str = "event"
-    """What sort of happening, and so what `name` and `number` say:
+    """The kind, on which the meaning of `name` and `number` depends:
 
     | kind         | name                                              | number            |
     |--------------|---------------------------------------------------|-------------------|
@@ -46,13 +46,13 @@ class Event(NamedTuple):
     | `over`       | the action that executes nowhere any more, after it was lost or stray  | number of start |
     | `proposal`   | the answerer that answers, declines or fails      | number of question|
     | `control`    | who holds control now                             | –                 |
-    | `behaviour`  | `behaviour`; its end stands in `data["status"]`   | number of start   |
+    | `behaviour`  | `behaviour`; its end is in `data["status"]`   | number of start   |
     | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`, `migrate` | –                 |
-    | `doubt`      | `uncertain`: whether it was done (`data["name"]`) no one can say | – |
+    | `doubt`      | `uncertain`: whether it was done (`data["name"]`) is unknown | – |
 
     `take_up`: another process continues with the run. The first reading of each fact that was known is in
     `data["heard"]`, and the instant from which on effects are carried out again in `data["present"]`.
-    `migrate`: a run of another mission continues in this one; where it stands is in the data.
+    `migrate`: a run of another mission continues in this one; its state is in the data.
     """
     number: int = 0
     """The number of the start or question that this answers; a late one is known by it."""

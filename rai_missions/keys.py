@@ -46,7 +46,7 @@ Blackboard = dict[str, Stamped]
 
 
 class Key(MissionModel):
-    """One key of the blackboard: what may stand there, who writes it and how long it can be believed."""
+    """One key of the blackboard: its values, who writes it and how long it can be believed."""
 
     positional: ClassVar = ("type",)
 
@@ -70,7 +70,7 @@ class Key(MissionModel):
     @model_validator(mode="after")
     def _fits_its_source(self) -> Self:
         if self.source == "robot" and self.initial is not None:
-            raise fault("initial", "a robot key has no 'initial': it is unknown until the robot says it")
+            raise fault("initial", "a robot key has no 'initial': it is unknown until the robot reports it")
         if self.fields is not None and self.type != "object":
             raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'")
         if self.initial is not None and (why := fits(self, self.initial)):
@@ -107,7 +107,7 @@ _FITS: Mapping[str, Callable[[Any], bool]] = {
 
 
 def fits(key: Key, value: Any) -> str:
-    """Why a value may not stand under a key; empty if it may."""
+    """Why a value does not fit a key; empty if it does."""
     if not _FITS[key.type](value):
         return f"{clipped(repr(value), 80)} is not of type '{key.type}'"
     for name, kind in (key.fields or {}).items():

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = (
     "EVENT", "HELD", "INTERFACES", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse",
     "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "escaped", "fields_of", "found", "inside",
-    "lacking", "lazy_names", "named", "offered", "offers", "rewritten",
+    "lacking", "named", "offered", "offers", "rewritten",
 )  # fmt: skip
 
 Interface = Literal["action", "service", "topic"]
@@ -36,10 +35,10 @@ INTERFACES: tuple[Interface, ...] = get_args(Interface)
 
 @dataclass(frozen=True, slots=True)
 class Refers:
-    """Stands in a field's annotation: what the text there refers to."""
+    """Part of a field's annotation: what the text there refers to."""
 
     sort: Sort
-    """`path`: a key or a field of one; `template`: a JSON value in which `{"from": path}` stands for a value;
+    """`path`: a key or a field of one; `template`: a JSON value in which `{"from": path}` is replaced by a value;
     `operand`: a value, or another key as `{"key": path}`; `trigger`: events, outcomes and options."""
     written: str = ""
     """For a key that is written here, by what: `result`, `each`, `set` or `status`; empty where it is read."""
@@ -120,7 +119,7 @@ def _fields_of(kind: Any) -> tuple[FieldUse, ...]:
 
 
 def _hint(annotation: Any) -> Any:
-    """What a type says of its values; None for plain ones."""
+    """What the values of a type refer to or hold; None for plain ones."""
     origin, given = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return next((each for each in annotation.__metadata__ if isinstance(each, Refers)), None) or _hint(given[0])
@@ -211,7 +210,7 @@ def rewritten(given: Any, hint: Any, change: Callable[[Sort, Any], Any]) -> Any:
 
     Args:
         given: The value of a field, or a written thing.
-        hint: What its annotation says.
+        hint: The hint of its annotation.
         change: Takes the sort and the name: `state`, `key`, `event`, `timer`, `trigger` or `path`.
     """
     if given is None:
@@ -353,34 +352,10 @@ def lacking(requirement: str) -> str:
     except InvalidRequirement:
         return f"'{requirement}' names no package; write 'package' or 'package>=1'"
     if wanted.url or wanted.marker or wanted.extras:
-        return f"'{requirement}' says more than a package and its version; write 'package>=1'"
+        return f"'{requirement}' has more than a package and its version; write 'package>=1'"
     there = _installed(_places()).get(_normal(wanted.name))
     if there is None:
         return f"the package '{wanted.name}' is not installed; pip install '{requirement}'"
     if not wanted.specifier.contains(there.version, prereleases=True):
         return f"the package '{wanted.name}' is installed in version {there.version}, and {wanted.specifier} is needed"
     return ""
-
-
-# -- what this package offers ------------------------------------------------------------------------
-
-
-def lazy_names(
-    scope: dict[str, Any], rooms: Mapping[str, Iterable[str]]
-) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """The `__getattr__` and `__dir__` of a package, or of a module, that offers names of others.
-
-    Args:
-        scope: Its `globals()`, where a name is kept once it was used.
-        rooms: Module below the package → the names that it offers; `Call as CallEffect` has another name here.
-    """
-    homes = {each.rpartition(" as ")[2]: (room, each.partition(" as ")[0]) for room, names in rooms.items()
-             for each in names}  # fmt: skip
-
-    def load(name: str) -> Any:
-        if name not in homes:
-            raise AttributeError(f"module {scope['__name__']!r} has no attribute {name!r}")
-        room, own = homes[name]
-        return scope.setdefault(name, getattr(import_module(f".{room}", scope["__package__"]), own))
-
-    return load, lambda: sorted({*scope, *homes})

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What every written thing of a mission is: a frozen model that reads and writes the words of the format.
 
-Rule: whatever an author can write stands in a `MissionModel`; unknown words are refused, nothing is coerced.
+Rule: all that an author can write is a field of a `MissionModel`; unknown words are refused, nothing is coerced.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def fault(kind: str, sentence: str) -> PydanticCustomError:
 
 
 def _key_text(value: Any) -> Any:
-    """A reference made by `Keys` reads as the path it stands for."""
+    """A reference made by `Keys` reads as its path."""
     return getattr(value, "__path__", value) if not isinstance(value, str) else value
 
 
@@ -99,7 +99,7 @@ def _shorter(value: tuple[Any, ...]) -> Any:
 
 
 class _OneOrManySchema(OneOrMany):
-    """Tells a JSON Schema that a word may stand without its list."""
+    """States in a JSON Schema that a word may be written without its list."""
 
     def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
         listed = handler(core_schema)
@@ -113,7 +113,7 @@ Text = Annotated[str, Strict()]
 Name = Annotated[str, Strict(), Field(pattern=NAME), BeforeValidator(_key_text)]
 """Lower case, digits and underscores; `/` only in what an inclusion brought."""
 Path = Annotated[str, PATH, Strict(), Field(pattern=PATH_PATTERN), BeforeValidator(_key_text)]
-"""A key, or a field within one: `obstacle.height_m`; `event.…` and `answer.…` name what a row's trigger brought."""
+"""A key, or a field within one: `obstacle.height_m`; `event.…` and `answer.…` are of the trigger."""
 StateName = Annotated[Name, STATE]
 KeyName = Annotated[Name, KEY]
 EventName = Annotated[Name, EVENT]
@@ -151,7 +151,7 @@ def _frozen(value: Any) -> Any:
 
 
 Json = Annotated[Any, AfterValidator(_frozen)]
-"""A JSON value; in Python a reference made by `Keys` stands for `{"from": path}`."""
+"""A JSON value; in Python a reference made by `Keys` is read as `{"from": path}`."""
 
 
 if TYPE_CHECKING:
@@ -202,7 +202,7 @@ class MissionModel(Model):
         except ValidationError as error:
             raise DefinitionError(faults_of(error, type(self), words), f"{type(self).__name__}(…)") from None
 
-    # Else pydantic takes whatever stands inside another model through here too, and JSON could use Python's names.
+    # Else pydantic takes what is inside another model through here too, and JSON could use Python's names.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     @classmethod
@@ -231,7 +231,7 @@ class MissionModel(Model):
         return inside(self, place)
 
     def written(self) -> dict[str, Any]:
-        """As JSON has it: aliases, and no word that says what would be so anyway."""
+        """As JSON has it: aliases, and no word that has its default."""
         return self.model_dump(mode="json", by_alias=True, exclude_defaults=True)
 
 
@@ -302,7 +302,7 @@ class TaggedModel(MissionModel):
 
     @classmethod
     def choose(cls, data: Mapping[str, Any]) -> str:
-        """The word by which a mapping says its kind.
+        """The word of a mapping that names its kind.
 
         Raises:
             PydanticCustomError: No word or several.
@@ -325,7 +325,7 @@ class TaggedModel(MissionModel):
 
     @classmethod
     def read(cls, data: Any) -> Any:
-        """A member of the family from what stands in JSON, or as it is if it is one."""
+        """A member of the family from JSON, or the value itself if it is one."""
         if isinstance(data, cls):
             return data
         if not isinstance(data, Mapping):

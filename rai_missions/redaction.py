@@ -272,7 +272,7 @@ def shown(value: Any, length: int = 60, *, by: Callable[[str, int], str] = cut) 
 
 
 def _short(text: str, length: int, by: Callable[[str, int], str]) -> str:
-    """Half a surrogate pair, which no output can show, stands as its escape."""
+    """Half a surrogate pair, which no output can show, is written as its escape."""
     text = text.encode("utf-8", "backslashreplace").decode()
     found = by(text, length + 1)
     return found if len(found) <= length else found[: length - 1] + "…"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a model refuses, told to the author: each fault with its JSON pointer, in a plain sentence.
+"""What a model refuses, as the author reads it: each fault with its JSON pointer, in a plain sentence.
 
 Rule: no sentence of pydantic's reaches an author.
 """
@@ -18,7 +18,7 @@ from rai_missions.redaction import shown
 __all__ = ("faults_of",)
 
 MOST = 1000
-"""How many faults are told one by one; anyone who has more reads no further."""
+"""How many faults are listed one by one; anyone who has more reads no further."""
 KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
 
@@ -28,22 +28,22 @@ def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[F
 
     Args:
         error: What validating `data` as `model` raised.
-        model: Tells which words there are.
-        data: Tells which of pydantic's steps are places in the document.
+        model: Has the words that there are.
+        data: Decides which of pydantic's steps are places in the document.
     """
-    told: set[tuple[str, str]] = set()
+    reported: set[tuple[str, str]] = set()
     found = error.errors(include_url=False)
     for item in found[:MOST]:
         if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
             continue  # its items are refused one by one
         steps, on_name, rest = _steps(item["loc"], data)
         place = pointer(steps)
-        # The branches of a union are no places: what the first of them says is enough.
+        # The branches of a union are no places: the fault of the first of them is enough.
         of_union = rest and item["type"] != "missing"
         seen = (place, "" if of_union else item["type"] + str(item["loc"]))
-        if seen in told:
+        if seen in reported:
             continue
-        told.add(seen)
+        reported.add(seen)
         yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps)))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
@@ -103,7 +103,7 @@ def _bare(kind: Any) -> Any:
 
 
 def _thing(model: type[Any] | None) -> str:
-    """What a model stands for, with its article."""
+    """What a model is called, with its article."""
     if model is None:
         return "this"
     family, word = getattr(model, "family", ""), getattr(model, "word", "")
@@ -136,7 +136,7 @@ def _sentence(item: Any, on_name: bool, model: type[Any] | None) -> str:
         return f"{shown(given)} is {WANTED[kind]}"
     if kind in BOUNDED:
         return BOUNDED[kind](given, ctx)
-    return f"{shown(given)} cannot stand here: {item['msg'][:1].lower()}{item['msg'][1:]}"
+    return f"{shown(given)} does not belong here: {item['msg'][:1].lower()}{item['msg'][1:]}"
 
 
 WANTED: Mapping[str, str] = {

@@ -2,7 +2,7 @@
 """How a test ends that does not end by itself.
 
 Rule: each test ends by its limit, whatever it runs in. pytest's own timeout fails the test by an exception that
-hypothesis takes for a failing example, so that it goes on with the next; and it waits for C code to return.
+hypothesis takes for a failing example, so that it continues with the next; and it waits for C code to return.
 """
 
 from __future__ import annotations

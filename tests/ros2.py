@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every test of ROS 2 stands on: whether it is here, loopback only, domains of their own, quick discovery."""
+"""What every test of ROS 2 needs: whether it is here, loopback only, domains of their own, quick discovery."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def connectors(**usual: Any) -> Iterator[Callable[..., Any]]:
     """For a fixture: opens connectors, started; all are stopped after the test.
 
     Args:
-        usual: Options of each that says nothing else.
+        usual: Options of each that has none of its own.
     """
     from rai_missions.connectors.ros2 import open_connector
 

@@ -41,7 +41,7 @@ def test_every_file_begins_with_its_licence_and_its_role(folder: str) -> None:
         if LICENCE not in text.splitlines()[:2]:
             faults.append(f"{name}:1: begin with {LICENCE!r}")
         if not ast.get_docstring(ast.parse(text)):
-            faults.append(f"{name}:2: say the room's role in a docstring")
+            faults.append(f"{name}:2: give the room's role in a docstring")
     assert faults == []
 
 
@@ -148,7 +148,7 @@ def test_what_a_step_depends_on_asks_for_no_secret() -> None:
 
 RESERVED = {"campaign", "conversation", "planning", "voice"}
 """Names of packages that are to come."""
-MOST_MODULES, MOST_PACKAGES = 10, 25
+MOST_MODULES, MOST_PACKAGES = 11, 25
 
 
 def rooms(home: Path) -> tuple[set[str], set[str]]:

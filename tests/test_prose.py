@@ -24,7 +24,7 @@ PARSERS = frozenset({
 PATTERNS = frozenset({"match", "search", "fullmatch", "findall", "finditer"})
 ELSEWHERE = {
     "rai_missions/connectors/ros2/services.py": "a ROS reply has a message, and no field for the reason of a failure",
-    "rai_missions/connectors/ros2/names.py": "rclpy says where a name is invalid in its exception alone",
+    "rai_missions/connectors/ros2/names.py": "rclpy reports where a name is invalid in its exception alone",
     "rai_missions/connectors/contract.py": "the contract that a reply quotes what a service raised",
 }
 """Where it is another program's text, and why there is no field."""
@@ -36,7 +36,7 @@ class Reader(ast.NodeVisitor):
     def __init__(self) -> None:
         self.found: list[int] = []
         self.names: set[str] = set()
-        """Variables that stand for an item of the notes."""
+        """Variables that are an item of the notes."""
 
     def is_prose(self, node: ast.AST) -> bool:
         if isinstance(node, ast.Name):

@@ -63,7 +63,7 @@ def _noted(key: str, act: Act) -> Act:
 
 
 def _set(effect: Set, site: Site) -> Act:
-    """A write that is held to the key's type: here where the mission says the value, else in the step."""
+    """A write that is held to the key's type: here where the mission gives the value, else in the step."""
     name, key = effect.set, site.keys.get(effect.set)
     if effect.add is not None:
         return _add(name, key, effect.add)

@@ -33,7 +33,7 @@ def note_news(program: Program, state: RunState, key: str, before: Any, by: str 
 
 
 def write_key(program: Program, state: RunState, key: str, value: Any, by: str = "") -> bool:
-    """Write a key of the mission; a value of another type is refused, and a note says so.
+    """Write a key of the mission; a value of another type is refused, with a note.
 
     Rule: whatever comes from outside the mission's own text is written here or by a `write` event.
 

@@ -222,16 +222,16 @@ class Chart:
         """Give what is held, now, the time that it had left: what begins from here on counts from the same instant."""
         settle_holds(self.program, self.state)
 
-    def standing(self, targets: Iterable[str]) -> tuple[Configuration, list[str]]:
+    def configuration(self, targets: Iterable[str]) -> tuple[Configuration, list[str]]:
         """The configuration in which these states are active, and the pairs of states in it that exclude each other.
 
         Args:
             targets: Their names; what is inside them is entered by default.
         """
-        return snapshot.standing(self.program, targets)
+        return snapshot.configuration(self.program, targets)
 
     def broken(self) -> Iterator[tuple[str, str]]:
-        """The invariants that are false now: name, and what each says."""
+        """The invariants that are false now: name, and its guard in words."""
         return snapshot.broken(self.program, self.state)
 
     # -- what is known of the run ---------------------------------------------------------------------------------
@@ -379,7 +379,7 @@ class Chart:
         return self.state.paused_at if self.mode == "paused" else None
 
     def still_since(self, name: str) -> float | None:
-        """Since when the time of a state stands still, in seconds on the run's clock; None while it runs."""
+        """Since when the time of a state is stopped, in seconds on the run's clock; None while it runs."""
         state, control = self.state, self.program.graph.nodes[name].control
         instants = [state.paused_at] if self.mode == "paused" else []
         instants += [state.frozen[control]] if control in state.frozen else []

@@ -37,7 +37,7 @@ COMMANDS = ("pause", "resume", "cancel", "kill")
 
 
 def receive_command(program: Program, state: RunState, event: Event) -> None:
-    """Obey a command, or say why not."""
+    """Obey a command, or refuse it with the reason."""
     by = str(event.data.get("by", "")) or "command"
     if event.name == "take_up":
         _continue(program, state)

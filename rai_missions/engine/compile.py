@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission compiled once: its states in document order, its rows with their guards as functions."""
+"""A mission compiled once: its states in document order, its transitions with their guards as functions."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ class Compiled:
         self.nodes: dict[str, Node] = {}
         self.order: list[Node] = [self.root]
         self.transitions: dict[str, CompiledTransition] = {}
-        """JSON pointer → row."""
+        """JSON pointer → transition."""
         self.named: set[str] = set()
-        """The predicates of the user's program that rows, finals and invariants name."""
+        """The predicates of the user's program that transitions, finals and invariants name."""
         self.recalls = False
         """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
         self.options = {

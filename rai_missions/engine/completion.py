@@ -182,7 +182,7 @@ def check_invariants(program: Program, state: RunState) -> None:
 
 
 def kill(program: Program, state: RunState, why: str, *, cause: Cause = "") -> None:
-    """Stop at once: every goal is canceled, and control is with nobody."""
+    """Stop at once: every goal is canceled, and no one has control."""
     state.draft.effects += goal_ledger.stop_all(state.goals, begins_at(state))
     state.holder, state.taken = "nobody", False
     end(program, state, "aborted", why, killed=True, cause=cause)

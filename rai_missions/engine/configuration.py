@@ -14,7 +14,7 @@ __all__ = ("CompiledStep", "Configuration")
 
 
 class CompiledStep:
-    """What taking certain rows in a configuration does: a `Move` and all that the chart needs to make it."""
+    """What taking certain transitions in a configuration does: a `Move` and all that the chart needs to make it."""
 
     __slots__ = (
         "acts", "config", "entered", "exited", "move", "moves", "plain", "remember", "shifts",
@@ -29,7 +29,7 @@ class CompiledStep:
         self.shifts: frozenset[str] = frozenset()
         """The states that it makes active or inactive, by their `presence`."""
         self.plain = False
-        """Nothing but the move and its acts: no timer, activity, final, history, or row without an event."""
+        """Nothing but the move and its acts: no timer, activity, final, history, or transition without an event."""
 
 
 class Configuration:
@@ -87,7 +87,7 @@ class Configuration:
         self.watchful = bool(self.eventless or self.holds)
 
     def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> tuple[tuple[CompiledTransition, ...], ...]:
-        """For each innermost state its rows and its ancestors', in the order in which they are tried."""
+        """For each innermost state its transitions and its ancestors', in the order in which they are tried."""
         chains = (
             tuple(
                 transition for each in (node, *node.ancestors) for transition in each.transitions if wanted(transition)
@@ -97,19 +97,19 @@ class Configuration:
         return tuple(chain for chain in chains if chain)
 
     def plan(self, event: str, *, declared: bool) -> tuple[tuple[CompiledTransition, ...], ...]:
-        """The rows that an event may fire, a tuple an innermost state, in the order in which they are tried."""
+        """The transitions that an event may fire, a tuple an innermost state, in the order in which they are tried."""
         plan = self.plans[event] = self._chains(event, declared=declared)
         return plan
 
     def _chains(self, event: str | None, *, declared: bool) -> tuple[tuple[CompiledTransition, ...], ...]:
-        """The same, or without an event the rows that need none; worked out once for each innermost state."""
+        """The same, or without an event the transitions that need none; worked out once for each innermost state."""
         found = [_chain(node, event, declared=declared) for node in self.atomic]
         return tuple([chain for chain in found if chain])
 
     def outcome_plan(
         self, source: Node, outcome: str, *, option: bool, climbs: bool
     ) -> tuple[tuple[CompiledTransition, ...], ...]:
-        """The rows that an outcome may fire: those of its own state, of its ancestors if it climbs, or that name it."""
+        """The transitions for an outcome: those of its own state, of its ancestors if it climbs, or that name it."""
 
         def wanted(transition: CompiledTransition) -> bool:
             if outcome not in transition.definition.on or outcome not in transition.outcomes:

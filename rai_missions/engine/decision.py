@@ -36,9 +36,9 @@ class Evidence(NamedTuple):
 
     key: str
     value: Any
-    """None where it was never heard; an `Image` for pictures."""
+    """None where it was never received; an `Image` for pictures."""
     age_s: float | None
-    """Seconds since it was so; None where it was never heard."""
+    """Seconds since it was so; None where it was never received."""
     fresh: bool
 
     def words(self) -> str:
@@ -50,7 +50,7 @@ class Evidence(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """How much whoever is asked may use for one answer."""
+    """How much an answerer may use for one answer."""
 
     calls: int = 8
     """Calls of a model and of read-only tools together."""
@@ -89,14 +89,14 @@ class Question(NamedTuple):
         return self.owner.partition("#")[0]
 
     def apart(self) -> Question:
-        """The same question with values of its own, for whoever is asked."""
+        """The same question with values of its own, for the answerer."""
         options = tuple(offer._replace(parameters=apart(offer.parameters)) for offer in self.options)
         evidence = tuple(each._replace(value=apart(each.value)) for each in self.evidence)
         return self._replace(options=options, evidence=evidence)
 
 
 class Proposal(NamedTuple):
-    """What somebody answers."""
+    """An answer."""
 
     option: str
     parameters: Mapping[str, Any] = {}
@@ -151,12 +151,12 @@ def with_verdicts(notes: Iterable[str | VerdictNote]) -> tuple[tuple[str, ...], 
 
 
 class Answerer(Protocol):
-    """Whoever answers a question: a model, a person, rules, a script."""
+    """Answers questions: a model, a person, rules, a script."""
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Take a question; never waits.
 
-        `answer` is told, from any thread, once: `{"option", "parameters", "why"}`, or `{"absent": why}`, or
+        `answer` is called once, from any thread, with `{"option", "parameters", "why"}`, or `{"absent": why}`, or
         `{"failed": why}`. Further tellings are stale. `usage` may come along:
         `{"calls", "tokens_in", "tokens_out", "seconds", "model"}`; and `looked`, what was looked up before the answer:
         `[{"tool", "arguments", "said"}]`, each text.
@@ -192,8 +192,8 @@ def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[st
     test = guards.get(proposal.option)
     value: Truth = True if test is None else test(view)
     if value is not True:
-        says = "no longer holds" if value is False else "is unknown now"
-        return Verdict(False, f"the guard of '{proposal.option}' {says}; choose another option")
+        truth = "no longer holds" if value is False else "is unknown now"
+        return Verdict(False, f"the guard of '{proposal.option}' {truth}; choose another option")
     return Verdict(True)
 
 

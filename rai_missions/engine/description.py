@@ -20,7 +20,7 @@ TRUTHS = {True: "true", False: "false", None: "unknown"}
 
 
 class Description(NamedTuple):
-    """What there is to say of a step."""
+    """A step in words."""
 
     event: str
     """Such as `anomaly`, `drive (3)`, `agent answers`, `time`."""

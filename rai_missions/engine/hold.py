@@ -169,7 +169,7 @@ def give_time_back(program: Program, state: RunState, controls: Iterable[str]) -
 
 
 def shift(program: Program, state: RunState, by_s: float, controls: Controls | None = None) -> None:
-    """Move what waits for time: it has stood still.
+    """Move what waits for time, by how long that was stopped.
 
     Args:
         program: The mission.

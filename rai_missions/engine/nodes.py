@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""States and rows of a mission, compiled: where each stands among the others, and its guard as a function."""
+"""States and transitions of a mission, compiled: the place of each among the others, and its guard as a function."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class CompiledGuard(NamedTuple):
 
 
 class Node:
-    """A state, where it stands among the others."""
+    """A state with its place among the others."""
 
     __slots__ = (
         "activity",

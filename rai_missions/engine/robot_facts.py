@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the pure engine needs to know of the robot: which actions occupy what, and what their ends rest on.
 
-Rule: nothing here says how the robot is reached; that is the profile's, and the engine never sees it.
+Rule: how the robot is reached is not known here; that is the profile's, and the engine never sees it.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ __all__ = ("RobotFacts",)
 
 
 class RobotFacts(NamedTuple):
-    """A robot profile as far as rules can depend on it. The empty one stands for a robot of which nothing is known."""
+    """A robot profile as far as rules can depend on it. The empty one is that of a robot of which nothing is known."""
 
     uses: Mapping[str, frozenset[str] | None] = {}
     """Action → what it occupies; two that share one conflict. None, and an action that is not here: all there is."""
     keep: frozenset[str] = frozenset()
     """The actions whose goals continue while the mission is paused."""
     succeeded: Mapping[str, Guard] = {}
-    """Composed action → the guard over the blackboard that says it has succeeded."""
+    """Composed action → the guard over the blackboard that is true once it has succeeded."""
     failed: Mapping[str, Guard] = {}
-    """Composed action → the guard over the blackboard that says it has failed."""
+    """Composed action → the guard over the blackboard that is true once it has failed."""
     repeat: frozenset[str] = frozenset()
     """The actions and services that may be started again when no one knows whether they were."""
 

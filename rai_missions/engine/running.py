@@ -86,7 +86,7 @@ def begin_starting(program: Program, state: RunState) -> None:
 
 
 def request_control(state: RunState, node: Node) -> None:
-    """Ask for the control that a state needs; it waits so long as its `handover_s` says."""
+    """Ask for the control that a state needs; it waits for its `handover_s`."""
     assert node.state is not None and node.control is not None
     state.asked, request = node.control, Handover(node.control)
     if request not in state.draft.effects:
@@ -185,7 +185,7 @@ def _informed(
             continue
         of_others = changed | {key for key, by in news.items() if by != name}
         tick = Event("tick", state.at, {"keys": keys, "news": frozenset(of_others)}, "tick")
-        turn = machine.hear(activity, tick, Host(program, state))
+        turn = machine.receive(activity, tick, Host(program, state))
         if turn is not None:
             _turn(program, state, name, turn)
             has_acted = True
@@ -195,7 +195,7 @@ def _informed(
 def dispatch(program: Program, state: RunState, event: Event) -> bool:
     """Give an event to the activity that waits for it; whether one did."""
     for name, machine, activity in live(program, state):
-        turn = machine.hear(activity, event, Host(program, state))
+        turn = machine.receive(activity, event, Host(program, state))
         if turn is not None:
             _turn(program, state, name, turn)
             poll(program, state)

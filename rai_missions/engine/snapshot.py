@@ -14,7 +14,7 @@ from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import TABLE, Holds, RunState, Timer, TimerKey
 
-__all__ = ("Snapshot", "broken", "control_of", "put_back", "snapshot", "standing")
+__all__ = ("Snapshot", "broken", "configuration", "control_of", "put_back", "snapshot")
 
 Snapshot = Mapping[str, Any]
 """All that a run remembers, as values by the words of `state.TABLE`; `Chart.restore` continues from there."""
@@ -91,7 +91,7 @@ def control_of(program: Program, key: TimerKey, timer: Timer) -> str:
     return node.control or ""
 
 
-def standing(program: Program, targets: Iterable[str]) -> tuple[Configuration, list[str]]:
+def configuration(program: Program, targets: Iterable[str]) -> tuple[Configuration, list[str]]:
     """The configuration in which these states are active, and the pairs of states in it that exclude each other.
 
     Args:
@@ -110,5 +110,5 @@ def standing(program: Program, targets: Iterable[str]) -> tuple[Configuration, l
 
 
 def broken(program: Program, state: RunState) -> Iterator[tuple[str, str]]:
-    """The invariants that are false now: name, and what each says."""
+    """The invariants that are false now: name, and its guard in words."""
     return ((name, each.guard.words()) for name, each in program.invariants if each.test(state) is False)

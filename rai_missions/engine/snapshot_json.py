@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a chart remembers as plain data, which a journal can hold, and back.
 
-Rule: only the kinds in `KINDS`, and what machines remember, are made of data; whatever else stands there is refused.
+Rule: only the kinds in `KINDS`, and what machines remember, are made of data; anything else is refused.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ KINDS: Mapping[str, type[Any]] = {
         Ask, CallService, CancelGoal, Handover, PublishMessage, SayAloud, StartBehaviour, StartGoal,
     )
 }  # fmt: skip
-"""The word in a journal → what it stands for, besides what machines remember."""
+"""The word in a journal → its kind, but for what machines remember."""
 
 
 def _kinds() -> Mapping[str, type[Any]]:

@@ -3,7 +3,7 @@
 """All that one run remembers, in one object, and all that one step gathers, in another.
 
 Rule: the fields of `RunState` are the only list of what a run remembers. Copies, snapshots, migrations, the time that
-stands still in a pause, and what a proof compares follow from `TABLE`, field by field, by what each holds.
+stops in a pause, and what a proof compares follow from `TABLE`, field by field, by what each holds.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ Holds = Literal[
 | holds           |                                                                          |
 |-----------------|--------------------------------------------------------------------------|
 | `value`         | a value that decides what can happen next, under no name of the mission  |
-| `number`        | a count that tells things of one run apart, and of nothing else          |
+| `number`        | a count by which things of one run differ, and nothing else               |
 | `past`          | an instant that is over                                                  |
 | `end`           | how the run ended                                                        |
 | `passing`       | what follows from the rest, or is of the process that runs the mission    |
 | `payload`       | what an event or answer brought along                                    |
-| `controls`      | holder of control → since when the time of the states that need it stands still |
+| `controls`      | holder of control → since when the time of the states that need it is stopped |
 | `configuration` | the active states                                                        |
 | `memory`        | history state → the states it leads back to                              |
 | `state`         | one state, or None                                                       |
@@ -74,7 +74,7 @@ Holds = Literal[
 HOLDS: tuple[Holds, ...] = get_args(Holds)
 
 
-def nobody(state: RunState, name: str, arguments: Mapping[str, Any]) -> Truth:
+def unanswered(state: RunState, name: str, arguments: Mapping[str, Any]) -> Truth:
     """What a predicate of the user's program is where none was given: unknown."""
     return None
 
@@ -100,7 +100,7 @@ class Timer(NamedTuple):
     name: str
     data: Mapping[str, Any] = NOTHING
     control: str = ""
-    """Who must have control for the state that set it; its time stands still while that state is held."""
+    """Who must have control for the state that set it; its time is stopped while that state is held."""
 
 
 @dataclass(slots=True, eq=False)
@@ -148,7 +148,7 @@ def slot(default: Any, holds: Holds = "value", word: str = "") -> Any:
     """A field that a run remembers.
 
     Args:
-        default: What it is before the start; a type stands for an empty one of its own.
+        default: What it is before the start; for a type, a new value of it.
         holds: What it holds.
         word: What it is called in a snapshot, where that is not its name.
     """
@@ -237,7 +237,7 @@ class RunState:
     """The last step did nothing but write the blackboard: it need not be written down by itself."""
     draft: StepDraft = field(default_factory=StepDraft)
     """What the step in hand has gathered."""
-    ask: Callable[[RunState, str, Mapping[str, Any]], Truth] = nobody
+    ask: Callable[[RunState, str, Mapping[str, Any]], Truth] = unanswered
     """Who answers for the predicates of the user's program."""
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:

@@ -57,7 +57,7 @@ class CallService(NamedTuple):
 
     number: int
     owner: str
-    """Empty for an effect whose reply nobody waits for."""
+    """Empty for an effect whose reply no state waits for."""
     service: str
     request: Mapping[str, Any]
     timeout_s: float | None = None
@@ -79,7 +79,7 @@ class PublishMessage(NamedTuple):
 
 
 class SayAloud(NamedTuple):
-    """Say a sentence to whoever is near."""
+    """A sentence to be spoken to people who are near."""
 
     text: str
 
@@ -99,7 +99,7 @@ class LogLine(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """Put a question to whoever it is for."""
+    """Put a question to its answerer."""
 
     question: Question
 
@@ -119,7 +119,7 @@ class Withdraw(NamedTuple):
 
 
 class Handover(NamedTuple):
-    """Ask for control to be handed to somebody; a `control` event says when it is."""
+    """Ask for control to be handed over; a `control` event reports when it is."""
 
     to: str
 
@@ -175,16 +175,16 @@ instant. Empty for any other end, and while the mission runs."""
 
 
 class Move(NamedTuple):
-    """One microstep: the rows that were taken together and what they left and entered."""
+    """One microstep: the transitions that were taken together, and what they left and entered."""
 
     taken: tuple[str, ...]
-    """JSON pointers of the rows; empty for the entry of the mission and for what the engine does by itself."""
+    """JSON pointers of the transitions; empty for the entry of the mission and for what the engine does by itself."""
     exited: tuple[str, ...]
     """Innermost first."""
     entered: tuple[str, ...]
     """Outermost first."""
     trigger: str = ""
-    """What fired it: an event's or outcome's name, `after_s`, or empty for an eventless row."""
+    """What fired it: an event's or outcome's name, `after_s`, or empty for an eventless transition."""
 
 
 class Step(NamedTuple):
@@ -197,7 +197,7 @@ class Step(NamedTuple):
     moves: tuple[Move, ...] = ()
     """In the order in which they were made."""
     guards: tuple[tuple[str, Truth], ...] = ()
-    """The guards that were looked at, by the JSON pointer of their row or option, and what they said."""
+    """The guards that were looked at, by the JSON pointer of their transition or option, and their truth."""
     writes: tuple[tuple[str, Any], ...] = ()
     """The keys that were written and their new values, in order."""
     outcome: FinalOutcome | None = None

@@ -25,7 +25,7 @@ def begins_at(state: RunState) -> float:
 
 
 def now_of(state: RunState, control: str | None) -> float:
-    """Now, as the states that need this control count time: it stands still while they are held."""
+    """Now, as the states that need this control count time: it is stopped while they are held."""
     return state.frozen.get(control, state.at) if state.frozen and control is not None else state.at
 
 

@@ -97,7 +97,9 @@ def _give_up_goals(program: Program, state: RunState) -> None:
     for goal in goal_ledger.overdue(state.goals, state.at) if state.goals else ():
         state.draft.goal_ended = True
         state.draft.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
-        if goal.phase == "withdrawn":  # nothing may wait for its acceptance any more: the server is told beforehand
+        if (
+            goal.phase == "withdrawn"
+        ):  # nothing may wait for its acceptance any more: the server is asked to cancel beforehand
             state.draft.effects.append(CancelGoal(goal.number, goal.action))
         react(program, state, Trigger("orphaned", {"action": goal.action, "number": goal.number}))
 
@@ -159,7 +161,7 @@ def _soonest(state: RunState, instants: Iterable[Instant], soonest: float) -> fl
 
 
 def _deadline(program: Program, state: RunState) -> float:
-    """The next one of timers, handovers and finals, but for what stands still."""
+    """The next one of timers, handovers and finals, but for what is stopped."""
     soonest, frozen, nodes = math.inf, state.frozen, program.graph.nodes
     for timer in state.timers.values():
         if timer.due < soonest and not (frozen and timer.control in frozen):

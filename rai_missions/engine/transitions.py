@@ -28,7 +28,7 @@ class Graph(Compiled):
     def compatible(
         self, config: Configuration, transitions: list[CompiledTransition], memory: Memory
     ) -> list[CompiledTransition]:
-        """The rows that can be taken together: a descendant's preempts an ancestor's, then document order."""
+        """The transitions that can be taken together: a descendant's preempts an ancestor's, then document order."""
         if len(transitions) < 2:
             return transitions
         kept: list[tuple[CompiledTransition, set[Node]]] = []
@@ -41,7 +41,7 @@ class Graph(Compiled):
         return [transition for transition, _ in kept]
 
     def _targets(self, transition: CompiledTransition, memory: Memory) -> list[Node]:
-        """Where a row leads, history looked up (getEffectiveTargetStates)."""
+        """Where a transition leads, history looked up (getEffectiveTargetStates)."""
         return [state for target in transition.targets for state in self._effective(target, memory)]
 
     def _effective(self, target: Node, memory: Memory) -> list[Node]:
@@ -71,7 +71,7 @@ class Graph(Compiled):
     def leap(
         self, config: Configuration, transitions: tuple[CompiledTransition, ...], memory: Memory, trigger: str
     ) -> CompiledStep:
-        """What firing these rows does, those preempted left out; worked out once for what it depends on."""
+        """What firing these transitions does, those preempted left out; worked out once for what it depends on."""
         key: Any = (transitions, trigger)
         recalls = any(transition.recalls for transition in transitions)
         if recalls:
@@ -133,7 +133,7 @@ class Graph(Compiled):
         self, config: Configuration, exited: set[Node], entered: set[Node], *, taken: tuple[str, ...],
         acts: tuple[Act, ...], trigger: str,
     ) -> CompiledStep:  # fmt: skip
-        """A leap from what is left and entered: exit innermost first, the rows' acts, entry outermost first."""
+        """A leap from what is left and entered: exit innermost first, the transitions' acts, entry outermost first."""
         out = tuple(sorted(exited, key=lambda node: -node.index))
         into = tuple(sorted(entered, key=lambda node: node.index))
         nodes = (config.nodes - exited) | entered
@@ -154,7 +154,7 @@ class Graph(Compiled):
         return leap
 
     def _entering(self, config: Configuration, exited: set[Node], into: tuple[Node, ...], index: int) -> Iterable[Act]:
-        """The acts of entering one node; a final tells of its parent's end, and of a parallel state's with it."""
+        """The acts of entering one node; a final reports its parent's end, and a parallel state's with it."""
         node = into[index]
         if node.is_each:
             yield self._content.enter_each(node)

@@ -29,7 +29,7 @@ OPERATORS: Mapping[str, Callable[[Any, Any], Any]] = {
     "in": lambda left, right: left in right,
 }
 NEGATED = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
-SAID = {"==": "is", "!=": "is not", "<": "<", "<=": "≤", ">": ">", ">=": "≥", "in": "is one of"}
+SYMBOLS = {"==": "is", "!=": "is not", "<": "<", "<=": "≤", ">": ">", ">=": "≥", "in": "is one of"}
 
 
 class Compare(Guard, word="key"):
@@ -103,7 +103,7 @@ class Compare(Guard, word="key"):
         """Why it cannot be evaluated for a value of a type; empty if it can."""
         path, op = self.key, self.op
         if kind == "image":
-            remedy = f'ask for {{"fresh": "{path}"}}, or compare a key that says what is seen'
+            remedy = f'ask for {{"fresh": "{path}"}}, or compare a key that holds what is seen'
             return f"'{path}' is an image, which cannot be compared; {remedy}"
         if op in ("<", "<=", ">", ">=") and kind not in ("number", "integer", "string"):
             return f"'{path}' is of type '{kind}', which has no order; compare it with == or !="
@@ -153,15 +153,15 @@ class Compare(Guard, word="key"):
             by.compare(self.key, self.op, self.operand)
 
     def words(self) -> str:
-        operand = self.other or _said(self.operand)
-        return f"{self.key} {SAID[self.op]} {operand}"
+        operand = self.other or _in_words(self.operand)
+        return f"{self.key} {SYMBOLS[self.op]} {operand}"
 
 
-def _said(value: Any) -> str:
+def _in_words(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list):
-        return ", ".join(_said(item) for item in value)
+        return ", ".join(_in_words(item) for item in value)
     return str(value)
 
 
@@ -182,7 +182,7 @@ def _plain(key: str, apply: Callable[[Any, Any], Any], value: Any, *, equality: 
 
 
 def truth(apply: Callable[[Any, Any], Any], left: Any, right: Any, *, equality: bool) -> Truth:
-    """What a comparison says; unknown where the two cannot be compared."""
+    """The truth of a comparison; unknown where the two cannot be compared."""
     if left is None or right is None or left != left or right != right:
         return None
     if equality and isinstance(left, bool) is not isinstance(right, bool):

@@ -37,7 +37,7 @@ def check_guard(guard: Guard, keys: Mapping[str, Key], facts: Iterable[Mapping[s
         facts: Blackboards that make it true, false and unknown.
 
     Raises:
-        AssertionError: A promise is broken; the text says which.
+        AssertionError: A promise is broken; the text has which.
     """
     kind = type(guard)
     why = impurity(kind) if kind in Guard.foreign else ""

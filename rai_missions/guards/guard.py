@@ -59,7 +59,7 @@ class View(Protocol):
 
 
 def presence(state: str) -> str:
-    """What stands among watched keys for whether a state is active; no key begins so."""
+    """The word among watched keys for whether a state is active; no key begins so."""
     return f"#in {state}"
 
 
@@ -107,7 +107,7 @@ class Site:
 
 
 class Types(Protocol):
-    """What is declared where a guard stands."""
+    """What is declared at a guard's place."""
 
     def kind(self, path: str) -> str | None:
         """The type of what a path reads; None where it is not known."""
@@ -130,7 +130,7 @@ class Sources(Protocol):
 
 
 class Distinctions(Protocol):
-    """What a proof is told of a guard: the values that the guard can tell apart."""
+    """What a guard reports to a proof: the values that it distinguishes."""
 
     def compare(self, path: str, op: str, operand: Any) -> None:
         """The value there is compared with a constant."""
@@ -145,7 +145,7 @@ class Distinctions(Protocol):
         """Whether there is a value is asked for."""
 
     def sample(self, path: str) -> None:
-        """More is told apart than a few values can stand for: nothing that rests on it counts as proved."""
+        """More is distinguished than a few values can represent: nothing that rests on it counts as proved."""
 
 
 class Misfit(NamedTuple):
@@ -159,7 +159,7 @@ class Misfit(NamedTuple):
 class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
     """A condition as data. `&`, `|` and `~` combine guards; `held_for(2)` wants one to have been true for 2 s.
 
-    A kind says in its file all that is special about it. What is not overridden is true of any guard: it is not taken
+    All that is special about a kind is in its file. What is not overridden is true of any guard: it is not taken
     apart, unknown while something that it reads is unknown, and rests on nothing that the robot reported.
     """
 
@@ -196,7 +196,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         return None
 
     def distinguish(self, by: Distinctions) -> None:
-        """Tell a proof which values make a difference to it."""
+        """Report to a proof which values make a difference."""
         for path in self.paths():
             by.sample(path)
 
@@ -229,7 +229,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
             yield from guard.walk()
 
     def words(self) -> str:
-        """As a person would say it, in a line."""
+        """The guard in words, in a line."""
         raise NotImplementedError
 
     def __and__(self, other: Guard) -> Guard:
@@ -260,7 +260,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
 
     @classmethod
     def read(cls, data: Any) -> Any:
-        """In Python a bare reference stands for `== true`."""
+        """In Python a bare reference means `== true`."""
         return super().read({"key": path, "==": True} if (path := getattr(data, "__path__", None)) else data)
 
     @property

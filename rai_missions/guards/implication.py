@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What follows from what: guards in normal form, and whether one being true makes another true, or impossible.
 
-Rule: an answer of yes is certain; where the forms are too long or too strange to tell, it is no.
+Rule: an answer of yes is certain; where the forms are too long or too strange to decide, it is no.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ __all__ = ("Named",)
 
 
 class Named(Guard, word="named"):
-    """What a pure function of the user's program says of the blackboard; a mission can name it, never bring it."""
+    """The value of a pure function of the user's program over the blackboard; a mission can name it, never bring it."""
 
     positional: ClassVar = ("named", "with_")
 

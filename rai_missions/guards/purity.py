@@ -113,7 +113,7 @@ def _used(code: CodeType, function: FunctionType) -> Iterator[tuple[int, str, An
 REBINDS, SETS = ("STORE_GLOBAL", "DELETE_GLOBAL"), ("STORE_ATTR", "DELETE_ATTR")
 MAKING = ("__init__", "__new__", "__post_init__")
 REBOUND = object()
-"""Stands for a global name, or an attribute, that a function gives another value."""
+"""A global name, or an attribute, that a function gives another value."""
 
 
 def _impure(name: str, used: Any) -> str:

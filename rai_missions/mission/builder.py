@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Missions in Python: keys as attributes, and rows by what triggers them. What is built is what JSON says.
+"""Missions in Python: keys as attributes, and transitions by what triggers them. What is built is what JSON has.
 
 Rule: nothing here is kept in the mission; the models' own words are all there is.
 """
@@ -24,7 +24,7 @@ Effects: TypeAlias = Effect | Sequence[Effect]
 
 
 class Keys:
-    """The keys of a mission; each is an attribute that stands for its value in guards, effects and goals.
+    """The keys of a mission; each is an attribute, a reference to its value in guards, effects and goals.
 
     ```python
     k = Keys(battery=Key(float, source="robot", max_age_s=10), laps=Key(int, initial=0))
@@ -51,11 +51,11 @@ class Keys:
         return f"Keys({', '.join(self.__keys__)})"
 
 
-def On(  # noqa: N802 - reads as the row that it makes
+def On(  # noqa: N802 - reads as the transition that it makes
     *on: str | Sequence[str], to: States = (), when: Condition | None = None, do: Effects = (), of: str | None = None,
     internal: bool = False, about: str = "",
 ) -> Transition:  # fmt: skip
-    """A row that one of these events or outcomes fires: `On("failed", "timed_out", to="assessing")`."""
+    """A transition that one of these events or outcomes fires: `On("failed", "timed_out", to="assessing")`."""
     words = [word for each in on for word in ([each] if isinstance(each, str) else each)]
     return _transition(on=words, of=of, to=to, when=when, do=do, internal=internal, about=about)
 
@@ -63,7 +63,7 @@ def On(  # noqa: N802 - reads as the row that it makes
 def When(  # noqa: N802
     when: Condition, *, to: States = (), do: Effects = (), internal: bool = False, about: str = ""
 ) -> Transition:
-    """A row that fires as soon as its guard holds."""
+    """A transition that fires as soon as its guard holds."""
     return _transition(when=when, to=to, do=do, internal=internal, about=about)
 
 
@@ -71,7 +71,7 @@ def After(  # noqa: N802
     after_s: float, *, to: States = (), when: Condition | None = None, do: Effects = (), internal: bool = False,
     about: str = "",
 ) -> Transition:  # fmt: skip
-    """A row that fires once, so many seconds after the entry."""
+    """A transition that fires once, so many seconds after the entry."""
     return _transition(after_s=after_s, to=to, when=when, do=do, internal=internal, about=about)
 
 

@@ -42,7 +42,7 @@ class Brought(NamedTuple):
 
 
 def read_mission(file: Path) -> Mission:
-    """The mission in a JSON file as it stands there: inclusions are states of their own.
+    """The mission in a JSON file as it is written there: inclusions are states of their own.
 
     Raises:
         DefinitionError: The mission is at fault.
@@ -187,7 +187,7 @@ def _compound(name: str, include: Include, inner: Mission) -> Brought:
 
 
 def _until(over: list[In], transition: Transition) -> Transition:
-    """A row of the whole included mission ends with it: not once one of its finals is reached."""
+    """A transition of the whole included mission ends with it: not once one of its finals is reached."""
     if not over:
         return transition
     going = [Not(guard=final) for final in over]
@@ -209,7 +209,7 @@ def _settling(name: str, state: State, settle_s: float) -> dict[str, State]:
 
 
 def _levels(value: Any) -> int:
-    """How deep objects and lists stand inside each other."""
+    """How deep objects and lists are nested."""
     deepest, rest = 0, [(value, 1)]
     while rest:
         item, level = rest.pop()

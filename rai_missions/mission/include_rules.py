@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a mission may include: which files, under which names, and what an included mission cannot say.
+"""What a mission may include: which files, under which names, and what an included mission cannot have.
 
 Rule: a file is named by the mission that includes it and lies in the folder of the outermost one, links followed.
 """
@@ -24,7 +24,7 @@ MAX_INCLUSIONS = 16
 
 
 class Chain(NamedTuple):
-    """Where an inclusion stands: the files that led to it, and what all of them have brought so far."""
+    """The place of an inclusion: the files that led to it, and what all of them have brought so far."""
 
     files: tuple[Path, ...]
     """Outermost first."""
@@ -72,13 +72,13 @@ def refused(sentence: str) -> DefinitionError:
 
 
 def misfits(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
-    """What stands against an inclusion, with places from the inclusion on."""
+    """The faults of an inclusion, with places from the inclusion on."""
     yield from _unmapped(include, inner, parent)
     yield from _unfit(include, inner, parent)
 
 
 def _unmapped(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
-    """What `with` says that cannot be."""
+    """The faults of `with`."""
     for word, given in include.with_.items():
         place = pointer(("with", word))
         if word in inner.blackboard:
@@ -114,7 +114,7 @@ def shared_key(given: Any) -> str | None:
 
 
 def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
-    """What the included mission says that it cannot say as a part of another."""
+    """What the included mission has that it cannot have as a part of another."""
     for asked in questions(inner):
         for option in asked.options:
             if option in parent.events:

@@ -36,7 +36,7 @@ class Odd(NamedTuple):
 
 
 class Doubled(dict[str, Any]):
-    """An object in which words stand twice."""
+    """An object in which words appear twice."""
 
     words: tuple[str, ...] = ()
 
@@ -68,7 +68,7 @@ def read_json(path: Path) -> Any:
 
 
 def parse_json(raw: bytes, source: str = "") -> Any:
-    """The JSON value that UTF-8 text (with or without a byte order mark) stands for.
+    """The JSON value in UTF-8 text, with or without a byte order mark.
 
     Raises:
         DefinitionError: It is not UTF-8, not JSON or cut short, nested deeper than `MAX_DEPTH`, holds a word twice in
@@ -143,12 +143,12 @@ def _parsed(text: str, suspects: list[Any], source: str) -> Any:
 
 
 def _syntax(error: json.JSONDecodeError, text: str) -> str:
-    said = error.msg[0].lower() + error.msg[1:]
+    reason = error.msg[0].lower() + error.msg[1:]
     if error.pos >= len(text.rstrip()) or error.msg.startswith("Unterminated string"):
-        return f"the text ends in the middle ({said}); is the file cut short?"
+        return f"the text ends in the middle ({reason}); is the file cut short?"
     if error.msg == "Extra data":
         return "there is more after the end of the JSON value; keep one value a file"
-    return f"not JSON: {said}, at {shown(text[error.pos : error.pos + 20])}"
+    return f"not JSON: {reason}, at {shown(text[error.pos : error.pos + 20])}"
 
 
 def _where(text: str, at: int) -> str:
@@ -157,7 +157,7 @@ def _where(text: str, at: int) -> str:
 
 
 def _oddities(value: Any, steps: tuple[str | int, ...]) -> Iterator[Fault]:
-    """What JSON text can say and a mission cannot hold."""
+    """What JSON text can hold and a mission cannot."""
     if isinstance(value, Odd):
         yield Fault(pointer(steps), f"{shown(value.written)} {value.why}")
     elif isinstance(value, str):
@@ -165,7 +165,7 @@ def _oddities(value: Any, steps: tuple[str | int, ...]) -> Iterator[Fault]:
             yield Fault(pointer(steps), f"{shown(value)} holds half a character (a lone surrogate); write it whole")
     elif isinstance(value, Mapping):
         for word in getattr(value, "words", ()):
-            yield Fault(pointer((*steps, word)), f"{shown(word)} stands more than once in this object; keep one")
+            yield Fault(pointer((*steps, word)), f"{shown(word)} appears more than once in this object; keep one")
         for word, item in value.items():
             if _is_broken(word):
                 yield Fault(pointer((*steps, word)), f"the word {shown(word)} holds half a character; write it whole")

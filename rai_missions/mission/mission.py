@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A mission: the graph, frozen. The run, the check, the replay and the picture all read this.
 
-Rule: whatever a mission means stands in it as data; nothing in it can be executed.
+Rule: all that a mission means is data in it; nothing in it can be executed.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ FAMILIES: tuple[type[TaggedModel], ...] = (Guard, State)
 __all__ = ("BUILT_IN_EVENTS", "EventSpec", "Mission")
 
 BUILT_IN_EVENTS = ("call_failed", "orphaned", "uncertain")
-"""Events that the engine raises; a mission may have rows for them without declaring them."""
+"""Events that the engine raises; a mission may have transitions for them without declaring them."""
 
 
 class EventSpec(MissionModel):
@@ -74,7 +74,7 @@ def _keys(given: Any) -> Any:
 
 
 class Mission(MissionModel):
-    """A statechart whose states run actions, trees, questions and calls; its rows own the state of the mission."""
+    """A statechart whose states run actions, trees, questions and calls; transitions own its state."""
 
     positional: ClassVar = ("name",)
 
@@ -89,7 +89,7 @@ class Mission(MissionModel):
     initial: StateNames
     states: States = Field(min_length=1)
     transitions: Transitions = ()
-    """The mission's own rows, tried after those of the states."""
+    """The mission's own transitions, tried after those of the states."""
     invariants: dict[Name, OneOf[Guard]] = Field(default_factory=dict)
     """What must never be false; a run that finds one false is killed."""
     on_cancel: StateName | None = None
@@ -123,7 +123,7 @@ class Mission(MissionModel):
         for place, offer in self.foreign():
             if offer.package not in named_here:
                 remedy = f'"uses": ["{offer.package}>={offer.version}"]'
-                raise fault("uses", f"{offer} is used at {place}, and the mission does not say so; add {remedy}")
+                raise fault("uses", f"{offer} is used at {place}, and the mission does not list it; add {remedy}")
         return self
 
     def foreign(self) -> Iterator[tuple[str, Offer]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an option's parameters must be, as JSON Schema (2020-12) says it, and whether those of an answer are.
+"""What an option's parameters must be, in JSON Schema (2020-12), and whether those of an answer are valid.
 
 Rule: a schema comes with a mission and may be anybody's. Judging by it opens nothing, and ends soon: no reference leads
 out of it or back to itself, and patterns are matched in linear time.
@@ -123,7 +123,7 @@ def _unbounded(schema: Mapping[str, Any]) -> str:
 
 def _forbidden(part: Mapping[str, Any]) -> str:
     if words := sorted(REFUSED & part.keys()):
-        return f"it uses '{words[0]}', which is not judged by here; name its properties and say their types"
+        return f"it uses '{words[0]}', which is not judged by here; name its properties and give their types"
     pattern = part.get("pattern")
     if isinstance(pattern, str):
         from pydantic_core import SchemaError

@@ -57,7 +57,7 @@ class Ref:
         return Ref(f"{self.__path__}.{field}")
 
     def _fields(self) -> Iterable[str] | None:
-        """The fields that there are; None where no one has said."""
+        """The fields that there are; None where that is not declared."""
         key = self.__key__
         if key is None or (key.type == "object" and key.fields is None):
             return None
@@ -128,7 +128,7 @@ class Ref:
         raise TypeError(f"what '{self.__path__}' holds is known in a run; compare with `ref.is_in(…)`")
 
     def __iter__(self) -> NoReturn:
-        raise TypeError(f"'{self.__path__}' stands for a value that is known in a run; it has no items here")
+        raise TypeError(f"'{self.__path__}' is a value that is known in a run; it has no items here")
 
     def __repr__(self) -> str:
         return f"<{self.__path__}>"
@@ -146,6 +146,6 @@ def _condition(given: Any) -> Guard:
 
 
 event = Ref("event")
-"""What the event in hand brought: `event.distance_m`, in the row that it fires."""
+"""What the event in hand brought: `event.distance_m`, in the transition that it fires."""
 answer = Ref("answer")
-"""What the answer in hand brought: `answer.alley`, in the row of its option."""
+"""What the answer in hand brought: `answer.alley`, in the transition of its option."""

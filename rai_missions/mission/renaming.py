@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Other names for what a mission refers to: keys, events, states and timers, wherever they stand.
+"""Other names for what a mission refers to: keys, events, states and timers, wherever they appear.
 
 Rule: what a field refers to is in its annotation (`Refers`); a test holds that no field which can name something lacks
 one.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The format as JSON Schema (2020-12), made from the models: for editors, and for programs that write missions.
 
-Rule: what the models say is not said again here; only what pydantic cannot know of them is added.
+Rule: what the models define is not repeated here; only what pydantic cannot know of them is added.
 """
 
 from __future__ import annotations

@@ -98,7 +98,7 @@ class Instruments:
 
     def _watch_question(self, machine: DecisionMachine, place: str) -> None:
         machine.begin = self._taking(machine.owner, machine.begin)  # type: ignore[method-assign]
-        machine.hear = self._taking(machine.owner, machine.hear)  # type: ignore[method-assign]
+        machine.receive = self._taking(machine.owner, machine.receive)  # type: ignore[method-assign]
         machine.shown = []  # what a question shows makes no difference to what becomes of it
         machine.asked = self._without_schemas(machine.owner, machine.asked)
         where = f"{place}/decision/options"

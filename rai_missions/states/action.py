@@ -32,7 +32,7 @@ class Action(State, word="action"):
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the result that it takes."""
     achieved: OneOf[Guard] | None = None
-    """What the robot's facts must say before a `succeeded` is believed; else `unverified`."""
+    """What must be true of the robot before a `succeeded` is believed; else `unverified`."""
     settle_s: Seconds = 0.0
     """How long after the server's `succeeded` the facts may take to agree."""
     cancel_s: Seconds = 5.0

@@ -79,7 +79,7 @@ class DecisionSpec(MissionModel):
                 "fallback", f"the fallback '{self.fallback}' has a 'when'; it must always be open: drop its guard"
             )
         if option.parameters is not None:
-            raise fault("fallback", f"the fallback '{self.fallback}' takes parameters, and nobody would give them")
+            raise fault("fallback", f"the fallback '{self.fallback}' takes parameters, and no answer would bring them")
         return self
 
     @model_validator(mode="after")
@@ -109,7 +109,7 @@ class DecisionSpec(MissionModel):
 
 
 class Decision(State, word="decision"):
-    """Asks. In Python the question's words stand next to the state's: `Decision("What now?", options=…, ask=…)`."""
+    """Asks. In Python the question's words are next to the state's: `Decision("What now?", options=…, ask=…)`."""
 
     decision: DecisionSpec
 

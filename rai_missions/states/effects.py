@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a transition, an entry or an exit does, as an author writes it.
 
-Rule: `set`, `raise` and `drop` are part of the step; the others are told to the robot after it, and never waited for.
+Rule: `set`, `raise` and `drop` are part of the step; the others are sent to the robot after it, and never waited for.
 """
 
 from __future__ import annotations
@@ -158,7 +158,7 @@ class Publish(Effect, word="publish"):
 
 
 class Say(Effect, word="say"):
-    """Says a sentence to anyone who is near."""
+    """Speaks a sentence to people who are near."""
 
     positional: ClassVar = ("say",)
 

@@ -23,7 +23,7 @@ class Default(Transition):
         given = [word for word in ("on", "of", "after_s", "when", "do", "internal") if getattr(self, word)]
         if given or not self.to:
             what = f"this has {', '.join(given)}" if given else "this has none"
-            raise fault("default", f"a history's transition only says where it leads without memory, 'to'; {what}")
+            raise fault("default", f"a history's transition has only where it leads without memory, 'to'; {what}")
         return self
 
     @classmethod

@@ -84,7 +84,7 @@ class Transition(MissionModel):
                 "trigger", "a transition without 'on', 'after_s' and 'when' would fire at once, always; give one"
             )
         if self.of is not None and not self.on:
-            raise fault("of", "'of' says whose outcome 'on' means; give 'on' too")
+            raise fault("of", "'of' names the state whose outcome 'on' means; give 'on' too")
         return self
 
     @property
@@ -100,7 +100,7 @@ class Transition(MissionModel):
         return f"{to}{guard}{do}"
 
     def words(self) -> str:
-        """Trigger and guard as a person would say them."""
+        """Trigger and guard in words."""
         trigger = " or ".join(self.on) + (f" of {self.of}" if self.of else "")
         if self.after_s is not None:
             trigger = f"after {self.after_s:g} s"
@@ -116,13 +116,13 @@ Transitions = Annotated[tuple[Transition, ...], BeforeValidator(_transitions)]
 
 
 class State(TaggedModel, family="state", group="rai_missions.activities", word=""):
-    """A state that only waits; the other kinds are told by their word."""
+    """A state that only waits; the other kinds are known by their word."""
 
     LAST: ClassVar = frozenset(("entry", "exit", "transitions", "timeout_s", "handover_s"))
 
     about: Text = ""
     control: Controller | None = None
-    """Who must hold control while it is active; the innermost says."""
+    """Who must hold control while it is active; the innermost one decides."""
     entry: Effects = ()
     exit: Effects = ()
     transitions: Transitions = ()
@@ -173,7 +173,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         return {}
 
     def child_place(self) -> str:
-        """The word under which its children stand."""
+        """The word under which its children are written."""
         return "states"
 
     def outcomes(self) -> frozenset[str]:

@@ -38,26 +38,26 @@ def cancels(step: Step) -> list[int]:
     return [effect.number for effect in step.effects if isinstance(effect, CancelGoal)]
 
 
-def says(made: Chart, name: str, number: int, at: float | None = None, **data: Any) -> Step:
+def reports(made: Chart, name: str, number: int, at: float | None = None, **data: Any) -> Step:
     kind = "accepted" if name == "accepted" else "result"
     return made.send(Event(name, made.at if at is None else at, data, kind, number))
 
 
 def test_an_action_that_succeeds_is_its_state_s_success() -> None:
     made, number = started(driving())
-    says(made, "accepted", number)
-    assert says(made, "succeeded", number).entered == ("done",)
+    reports(made, "accepted", number)
+    assert reports(made, "succeeded", number).entered == ("done",)
 
 
 def test_an_action_that_aborts_does_not_look_like_one_that_succeeded() -> None:
     made, number = started(driving())
-    step = says(made, "failed", number, why="wheel stuck")
+    step = reports(made, "failed", number, why="wheel stuck")
     assert (step.outcome, step.why) == ("failed", "drive: failed (wheel stuck)")
 
 
 def test_success_counts_only_while_the_facts_agree() -> None:
     made, number = started(driving(achieved=THERE), blackboard=BOARD)
-    step = says(made, "succeeded", number)
+    step = reports(made, "succeeded", number)
     assert step.outcome == "failed"
     assert (
         step.why == "drive: unverified (the server said succeeded, but 'there is true' is unknown (never heard: there))"
@@ -67,42 +67,42 @@ def test_success_counts_only_while_the_facts_agree() -> None:
 def test_a_stale_fact_does_not_pass_for_a_fresh_one() -> None:
     made, number = started(driving(achieved=THERE), blackboard=BOARD)
     made.write("there", True, at=1.0)
-    assert says(made, "succeeded", number, at=6.0).outcome == "failed"
+    assert reports(made, "succeeded", number, at=6.0).outcome == "failed"
 
 
 def test_facts_may_take_a_while_to_settle() -> None:
     made, number = started(driving(achieved=THERE, settle_s=2), blackboard=BOARD)
-    assert says(made, "succeeded", number, at=1.0).moves == ()
+    assert reports(made, "succeeded", number, at=1.0).moves == ()
     assert made.wake_at == 3.0
     assert made.write("there", True, at=2.5).entered == ("done",)
 
 
 def test_facts_that_do_not_settle_in_time_leave_it_unverified() -> None:
     made, number = started(driving(achieved=THERE, settle_s=2), blackboard=BOARD)
-    says(made, "succeeded", number, at=1.0)
+    reports(made, "succeeded", number, at=1.0)
     assert ticked(made, 3.0).outcome == "failed"
 
 
 def test_leaving_the_state_cancels_its_goal_and_the_next_start_waits_for_its_end() -> None:
     made, number = started(driving())
-    says(made, "accepted", number)
+    reports(made, "accepted", number)
     step = sent(made, "e")
     assert cancels(step) == [number] and not starts(step)
-    step = says(made, "canceled", number)
+    step = reports(made, "canceled", number)
     assert [start.action for start in starts(step)] == ["turn"]
 
 
 def test_a_cancel_before_the_acceptance_is_sent_as_soon_as_it_is_accepted() -> None:
     made, number = started(driving())
     assert cancels(sent(made, "e")) == []
-    assert cancels(says(made, "accepted", number)) == [number]
-    assert starts(says(made, "canceled", number))
+    assert cancels(reports(made, "accepted", number)) == [number]
+    assert starts(reports(made, "canceled", number))
 
 
 def test_a_rejection_after_the_state_was_left_frees_the_resources() -> None:
     made, number = started(driving())
     sent(made, "e")
-    assert starts(says(made, "rejected", number))
+    assert starts(reports(made, "rejected", number))
 
 
 def test_a_start_that_waited_and_fails_at_once_is_handled_in_the_step_that_frees_the_resources() -> None:
@@ -110,37 +110,37 @@ def test_a_start_that_waited_and_fails_at_once_is_handled_in_the_step_that_frees
     states = driving()
     states["other"]["goal"] = {"to": {"from": "goal"}}
     made, number = started(states, blackboard=keys)
-    says(made, "accepted", number)
+    reports(made, "accepted", number)
     assert sent(made, "e").entered == ("other",)
-    assert says(made, "canceled", number).entered == ("lost",)
+    assert reports(made, "canceled", number).entered == ("lost",)
 
 
 def test_a_late_success_of_the_old_goal_is_not_the_new_state_s_success() -> None:
     made, number = started(driving())
-    says(made, "accepted", number)
+    reports(made, "accepted", number)
     sent(made, "e")
-    step = says(made, "succeeded", number)
+    step = reports(made, "succeeded", number)
     assert made.active == {"other"} and starts(step)
 
 
 def test_a_result_that_comes_twice_changes_nothing_the_second_time() -> None:
     made, number = started(driving())
-    says(made, "succeeded", number)
-    step = says(made, "succeeded", number)
+    reports(made, "succeeded", number)
+    step = reports(made, "succeeded", number)
     assert step.ignored and step.why == f"stale: nothing that was started as {number} is running"
 
 
 def test_actions_that_share_nothing_run_side_by_side() -> None:
     terms = RobotFacts(uses={"go": frozenset({"base"}), "turn": frozenset({"arm"})})
     made, number = started(driving(), terms)
-    says(made, "accepted", number)
+    reports(made, "accepted", number)
     step = sent(made, "e")
     assert cancels(step) == [number] and starts(step)
 
 
 def test_a_goal_whose_end_is_never_confirmed_is_orphaned_and_bars_the_next_start() -> None:
     made, number = started(driving(cancel_s=3))
-    says(made, "accepted", number, at=1.0)
+    reports(made, "accepted", number, at=1.0)
     sent(made, "e", at=2.0)
     assert made.wake_at == 5.0
     step = ticked(made, 5.0)
@@ -152,14 +152,14 @@ def test_a_start_over_an_orphan_is_made_where_the_state_states_it() -> None:
     states = driving(cancel_s=3)
     states["other"]["over_orphan"] = True
     made, number = started(states)
-    says(made, "accepted", number, at=1.0)
+    reports(made, "accepted", number, at=1.0)
     sent(made, "e", at=2.0)
     assert starts(ticked(made, 5.0))
 
 
 def test_a_timeout_is_reported_and_does_not_leave_the_action_running() -> None:
     made, number = started(driving(timeout_s=10))
-    says(made, "accepted", number, at=1.0)
+    reports(made, "accepted", number, at=1.0)
     step = ticked(made, 10.0)
     assert cancels(step) == [number]
     assert (step.outcome, step.why) == ("failed", "drive: timed_out (10 s have passed)")
@@ -171,7 +171,7 @@ def test_a_goal_and_a_result_go_by_reference() -> None:
     made = Chart(mission(states, blackboard=board))
     start = starts(made.start(0.0))[0]
     assert start.goal == {"v": 1.5}
-    assert says(made, "succeeded", start.number, distance=7.0).writes == (("far", 7.0),)
+    assert reports(made, "succeeded", start.number, distance=7.0).writes == (("far", 7.0),)
 
 
 def test_a_goal_with_an_unknown_part_is_not_sent() -> None:
@@ -187,7 +187,7 @@ def test_a_composed_action_ends_by_the_profile_s_guard() -> None:
     terms = RobotFacts(succeeded={"go": Compare.read({"key": "there", "==": True})})
     made, number = started(driving(), terms, blackboard=BOARD)
     made.write("there", True, at=0.5)
-    assert says(made, "accepted", number, at=1.0).entered == ("done",)
+    assert reports(made, "accepted", number, at=1.0).entered == ("done",)
 
 
 def test_kill_stops_every_goal_accepted_or_not() -> None:
@@ -199,9 +199,9 @@ def test_kill_stops_every_goal_accepted_or_not() -> None:
 
 def test_pause_cancels_the_goal_and_resume_starts_it_again_with_the_time_that_was_left() -> None:
     made, number = started(driving(timeout_s=10))
-    says(made, "accepted", number, at=1.0)
+    reports(made, "accepted", number, at=1.0)
     assert cancels(made.send(Event("pause", 4.0, {}, "command"))) == [number]
-    says(made, "canceled", number, at=5.0)
+    reports(made, "canceled", number, at=5.0)
     assert ticked(made, 500.0).moves == ()
     step = made.send(Event("resume", 1000.0, {}, "command"))
     assert starts(step) and step.wake_at == 1006.0
@@ -217,14 +217,14 @@ def test_events_wait_while_the_mission_is_paused() -> None:
 def test_an_action_that_the_profile_keeps_continues_while_paused() -> None:
     made, number = started(driving(), RobotFacts(keep=frozenset({"go"})))
     assert cancels(made.send(Event("pause", 1.0, {}, "command"))) == []
-    assert says(made, "succeeded", number, at=2.0).moves == ()
+    assert reports(made, "succeeded", number, at=2.0).moves == ()
     assert made.send(Event("resume", 3.0, {}, "command")).entered == ("done",)
 
 
 def test_cancel_leads_through_on_cancel_and_ends_canceled_whatever_it_reaches() -> None:
     states = {**driving(), "park": {"transitions": [transition("parked", "end")]}, "end": {"final": "succeeded"}}
     made, number = started(states, on_cancel="park")
-    says(made, "accepted", number)
+    reports(made, "accepted", number)
     step = made.send(Event("cancel", 1.0, {"by": "operator"}, "command"))
     assert step.entered == ("park",) and cancels(step) == [number] and step.outcome is None
     assert made.send(Event("cancel", 1.0, {}, "command")).ignored
@@ -268,7 +268,7 @@ def test_control_that_was_asked_for_in_vain_is_asked_back() -> None:
     made.send(Event("agent", 1.5, {}, "control"))  # it was on its way
     assert made.waiting == {"other": "autonomy"}
     number = next(iter(made.awaited))
-    says(made, "canceled", number)
+    reports(made, "canceled", number)
     assert starts(made.send(Event("autonomy", 2.0, {}, "control")))
 
 
@@ -304,11 +304,11 @@ def test_a_round_in_which_another_has_control_asks_for_no_one_elses() -> None:
 def test_control_taken_away_ends_the_goal_and_control_given_back_starts_it_again() -> None:
     made = Chart(mission(driving(control="autonomy")))
     number = starts(made.start(0.0))[0].number
-    says(made, "accepted", number)
+    reports(made, "accepted", number)
     taken = made.send(Event("operator", 1.0, {}, "control"))
     assert cancels(taken) == [number]
     assert "drive waits until control is given back" in taken.notes
     assert made.waiting == {"drive": "autonomy"}
-    says(made, "canceled", number)
+    reports(made, "canceled", number)
     assert starts(made.send(Event("autonomy", 9.0, {}, "control")))
     assert made.waiting == {}

@@ -12,7 +12,7 @@ from rai_missions.guards.guard import Guard
 from rai_missions.model import OneOf
 from tests.rigs.charts import mission, ticked, transition
 
-BOARD = {"stands": {"type": "boolean", "source": "robot", "max_age_s": 60}}
+BOARD = {"still": {"type": "boolean", "source": "robot", "max_age_s": 60}}
 
 
 def guard(written: dict[str, object]) -> Guard:
@@ -22,15 +22,15 @@ def guard(written: dict[str, object]) -> Guard:
 
 def test_what_was_so_before_the_start_is_no_failure_until_the_state_is_old_enough() -> None:
     terms = RobotFacts(
-        succeeded={"go": guard({"key": "stands", "==": False})},
-        failed={"go": guard({"all": [{"elapsed_s": 1}, {"key": "stands", "==": True}]})},
+        succeeded={"go": guard({"key": "still", "==": False})},
+        failed={"go": guard({"all": [{"elapsed_s": 1}, {"key": "still", "==": True}]})},
     )
     states = {
         "drive": {"action": "go", "timeout_s": 60, "transitions": [transition("failed", "lost")]},
         "lost": {},
     }
     made = Chart(mission(states, blackboard=BOARD), terms=terms)
-    made.write("stands", True, at=0.0)
+    made.write("still", True, at=0.0)
     number = made.start(2.0).effects[0].number  # type: ignore[union-attr]
     assert made.send(Event("accepted", 2.5, {}, "accepted", number)).entered == ()
     assert made.wake_at == 3.0

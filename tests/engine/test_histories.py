@@ -73,7 +73,7 @@ def test_a_history_that_leads_to_itself_is_refused_with_the_cure() -> None:
     ],
 )
 def test_a_default_only_leads(words: Json, why: str) -> None:
-    with pytest.raises(ValidationError, match=f"only says where it leads without memory, 'to'; {why}"):
+    with pytest.raises(ValidationError, match=f"has only where it leads without memory, 'to'; {why}"):
         History.model_validate({"history": "deep", "transitions": [words]})
 
 

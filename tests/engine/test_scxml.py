@@ -13,7 +13,7 @@ def log(text: str) -> dict[str, str]:
     return {"log": text}
 
 
-def told(step: object) -> list[str]:
+def logged(step: object) -> list[str]:
     return [effect.text for effect in step.effects]  # type: ignore[attr-defined]
 
 
@@ -51,7 +51,7 @@ def test_exit_is_innermost_first_then_the_transition_then_entry_outermost_first(
         "c": {"initial": "d", "entry": [log("in c")], "states": {"d": {"entry": [log("in d")]}}},
     }  # fmt: skip
     step = sent(chart(states), "e")
-    assert told(step) == ["out b", "out a", "row", "in c", "in d"]
+    assert logged(step) == ["out b", "out a", "row", "in c", "in d"]
     assert (step.exited, step.entered) == (("b", "a"), ("c", "d"))
 
 
@@ -68,7 +68,7 @@ def test_a_transition_into_its_own_compound_state_leaves_and_enters_it_unless_in
 def test_a_transition_without_a_target_leaves_nothing() -> None:
     made = chart({"a": {"initial": "x", "states": {"x": {}}, "transitions": [transition("e", do=[log("seen")])]}})
     step = sent(made, "e")
-    assert (step.exited, step.entered, told(step)) == ((), (), ["seen"])
+    assert (step.exited, step.entered, logged(step)) == ((), (), ["seen"])
     assert step.moves and not step.ignored
 
 
@@ -266,7 +266,7 @@ def test_internal_events_are_taken_in_the_order_in_which_they_were_raised() -> N
         "a": {"transitions": [transition("e", "b", do=[{"raise": "one"}, {"raise": "two"}])]},
         "b": {"transitions": [transition("one", do=[log("one")]), transition("two", do=[log("two")])]},
     }
-    assert told(sent(chart(states), "e")) == ["one", "two"]
+    assert logged(sent(chart(states), "e")) == ["one", "two"]
 
 
 def test_a_cycle_without_end_is_a_fault_that_names_its_states() -> None:

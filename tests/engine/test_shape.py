@@ -111,7 +111,7 @@ def test_no_field_of_a_run_is_listed_elsewhere() -> None:
     faults = []
     folders = ("engine", "prove", "replay")
     paths = [path for folder in folders for path in sorted((ROOT / "rai_missions" / folder).rglob("*.py"))]
-    for path in paths:
+    for path in (path for path in paths if path.name != "description.py"):  # the fields of a step, some of one name
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             listed = texts(node)
             where = f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 0)}"

@@ -27,7 +27,7 @@ def test_a_proposal_that_counts_has_an_accepted_verdict() -> None:
     assert step.remarks == ()
 
 
-def test_a_refused_proposal_says_why_in_its_verdict() -> None:
+def test_a_refused_proposal_has_the_reason_in_its_verdict() -> None:
     made, question = asked(height=2.0)
     verdict = made.propose(question.number, "over", by="operator").verdict
     assert verdict is not None
@@ -66,7 +66,7 @@ def test_time_that_is_over_and_the_fallback_are_verdicts_as_well() -> None:
     assert step.notes[step.verdict.note or 0] == "fallback 'stop': the deadline has passed"
 
 
-def test_a_proposal_nobody_waits_for_is_stale() -> None:
+def test_a_proposal_that_no_question_waits_for_is_stale() -> None:
     made = Chart(mission(asking()))
     early = made.propose(1, "stop")
     assert (early.refusal, early.mode) == ("not_started", "ready")
@@ -95,7 +95,7 @@ def test_a_proposal_that_is_kept_has_its_verdict_once_it_is_judged() -> None:
     assert step.remarks == ("resumed",)
 
 
-def test_each_step_says_mode_and_holder() -> None:
+def test_each_step_has_mode_and_holder() -> None:
     made = Chart(mission({"a": {"transitions": [transition("e", "b")]}, "b": {"final": "succeeded"}}, on_cancel=None))
     seen = [
         made.start(0.0), made.send(Event("e", 0.0, {"by": "x"}, "nonsense")),
@@ -107,13 +107,13 @@ def test_each_step_says_mode_and_holder() -> None:
     assert [step.refusal for step in seen] == ["", "unknown", "", "", "mode", "", ""]
 
 
-def test_an_emergency_stop_leaves_control_with_nobody() -> None:
+def test_after_an_emergency_stop_no_one_has_control() -> None:
     made, _ = asked()
     step = made.send(command("kill"))
     assert (step.mode, step.holder, step.outcome) == ("aborted", "nobody", "aborted")
 
 
-def test_short_steps_say_mode_and_holder_too() -> None:
+def test_short_steps_have_mode_and_holder_too() -> None:
     """The short way makes steps of its own, with acts and without."""
     transitions = [transition("e", "b", do=[{"set": "n", "add": 1}]), transition("f", "a")]
     states = {"a": {"transitions": transitions}, "b": {"transitions": [transition("e", "a")]}}

@@ -62,9 +62,9 @@ class Play:
         self.steps: list[Step] = []
         self.at = 0.0
         self.chart.send(Event("agent", 0.0, {"by": "robot"}, "control"))
-        self.hear(self.chart.start(0.0))
+        self.receive(self.chart.start(0.0))
 
-    def hear(self, step: Step) -> None:
+    def receive(self, step: Step) -> None:
         self.steps.append(self.robot.follow(step))
 
     def play(self, script: Script) -> None:
@@ -75,11 +75,11 @@ class Play:
             event = self.robot.event(drawn, self.at)
             if drawn[0] == "command":
                 event, stopped = self.stops[stopped]._replace(at=self.at), not stopped
-            self.hear(self.chart.send(event))
+            self.receive(self.chart.send(event))
         if stopped:
-            self.hear(self.chart.send(self.stops[1]._replace(at=self.at)))
+            self.receive(self.chart.send(self.stops[1]._replace(at=self.at)))
 
-    def stands(self) -> Json:
+    def state(self) -> Json:
         return {name: value for name, value in self.chart.snapshot().items() if name not in PASSING}
 
 
@@ -104,7 +104,7 @@ def holds_like_a_pause(document: Json, script: Script, holder: str) -> None:
     paused = Play(document, Event("pause", kind="command"), Event("resume", kind="command"))
     for each in (held, paused):
         each.play(script)
-    assert held.stands() == paused.stands()
+    assert held.state() == paused.state()
     assert [step.moves for step in held.steps] == [step.moves for step in paused.steps]
     assert not any(isinstance(effect, Handover) for step in held.steps for effect in step.effects)
 
@@ -170,17 +170,17 @@ def ends_in_a_pause(document: Json, script: Script, holder: str) -> None:
     one, other = Play(document, stop, go), Pausing(document, stop, go)
     for each in (one, other):
         each.play(script)
-    assert one.stands() == other.stands()
+    assert one.state() == other.state()
 
 
 class Pausing(Play):
     """Someone pauses it as soon as it is held, and resumes it once control is given back."""
 
-    def hear(self, step: Step) -> None:
-        super().hear(step)
+    def receive(self, step: Step) -> None:
+        super().receive(step)
         chart = self.chart
         if chart.mode == ("running" if chart.held_by else "paused"):
-            super().hear(chart.send(Event("pause" if chart.held_by else "resume", chart.at, kind="command")))
+            super().receive(chart.send(Event("pause" if chart.held_by else "resume", chart.at, kind="command")))
 
 
 @lenient

@@ -188,7 +188,7 @@ transition_regions = st.builds(
 )
 
 
-def beside(trees: list[Json], transitions: list[Json]) -> Json:
+def side_by_side(trees: list[Json], transitions: list[Json]) -> Json:
     regions = {f"region{number}": region for number, region in enumerate((*trees, *transitions))}
     states = {"all": {"parallel": regions}}
     return {"name": "m", "initial": "all", "blackboard": keys, "events": {"poke": {}}, "states": states}
@@ -200,7 +200,7 @@ def named_once(regions: tuple[list[Json], list[Json]]) -> bool:
 
 
 counting = st.builds(
-    lambda number, asked, rest, do: beside(
+    lambda number, asked, rest, do: side_by_side(
         [tree_region(1, {"selector": [counted(number), rest], "memory": False}, {"on": "poke"}, [])],
         [transition_region(2, [({"key": "n0", ">": asked}, do)])],
     ),
@@ -216,7 +216,7 @@ def counted(number: int) -> Json:
 several = (
     st.tuples(st.lists(tree_regions, min_size=1, max_size=2), st.lists(transition_regions, max_size=2))
     .filter(named_once)
-    .map(lambda regions: beside(*regions))
+    .map(lambda regions: side_by_side(*regions))
 )
 with_trees = st.one_of(several, several, counting)
 things = st.one_of(
@@ -259,6 +259,6 @@ def test_nothing_is_left_in_many_missions(document: Json, script: Any) -> None:
 
 def test_a_tree_that_no_one_has_ticked_is_found() -> None:
     tree = {"selector": [{"check": is_true("f")}, {"wait_s": 9}]}
-    run = Run(beside([tree_region(1, tree, {"on": "poke"}, [])], []))
+    run = Run(side_by_side([tree_region(1, tree, {"on": "poke"}, [])], []))
     run.chart.view.board["f"] = run.chart.view.board["f"]._replace(value=True)
     assert list(left(run.chart, run.chart.send(Tick(0.0)), {}))

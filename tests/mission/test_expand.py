@@ -94,7 +94,7 @@ def written(folder: Path, **documents: Any) -> Path:
     return folder / "top.json"
 
 
-def told(file: Path) -> list[str]:
+def faults_in(file: Path) -> list[str]:
     with pytest.raises(DefinitionError) as refused:
         load(file)
     assert refused.value.source == str(file)
@@ -269,9 +269,9 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
         ),
         (
             {},
-            {"blackboard": DOCK["blackboard"] | {"said": {"type": "string", "source": "answer"}}},
-            "/states/dock/mission: its key 'said' is written by answers, which know it by that name; "
-            'keep the name: "with": {"said": {"from": "said"}}, and declare it in this mission',
+            {"blackboard": DOCK["blackboard"] | {"words": {"type": "string", "source": "answer"}}},
+            "/states/dock/mission: its key 'words' is written by answers, which know it by that name; "
+            'keep the name: "with": {"words": {"from": "words"}}, and declare it in this mission',
         ),
         (
             {"with": {"poes": 1}},
@@ -309,19 +309,19 @@ def test_what_cannot_be_included_is_reported(tmp_path: Path, changes: Any, dock:
     (folder / "link.json").symlink_to(tmp_path / "outside.json")
     (folder / "loop.json").symlink_to(folder / "loop.json")
     top = TOP | {"states": TOP["states"] | {"dock": TOP["states"]["dock"] | changes}}
-    assert sentence in told(written(folder, top=top, dock=DOCK | dock))
+    assert sentence in faults_in(written(folder, top=top, dock=DOCK | dock))
 
 
 def test_an_option_that_is_an_event_outside_is_refused(tmp_path: Path) -> None:
     top = TOP | {"events": {"bumper": {}, "again": {}}}
-    assert told(written(tmp_path, top=top, dock=DOCK)) == [
+    assert faults_in(written(tmp_path, top=top, dock=DOCK)) == [
         "/states/dock/mission: its option 'again' is also an event of this mission; rename one of them"
     ]
 
 
 def test_a_private_name_that_is_taken_is_refused(tmp_path: Path) -> None:
     top = TOP | {"blackboard": TOP["blackboard"] | {"dock/tries": {"type": "string"}}}
-    assert told(written(tmp_path, top=top, dock=DOCK)) == [
+    assert faults_in(written(tmp_path, top=top, dock=DOCK)) == [
         "/states/dock/mission: it brings 'dock/tries', which this mission has itself; rename that"
     ]
 
@@ -329,7 +329,7 @@ def test_a_private_name_that_is_taken_is_refused(tmp_path: Path) -> None:
 def test_the_faults_of_all_inclusions_are_reported_at_once(tmp_path: Path) -> None:
     states = {"a": {"mission": "no.json"}, "b": {"states": {"c": {"mission": "bad.json"}}, "initial": "c"}}
     file = written(tmp_path, top=TOP | {"initial": "a", "states": states}, bad={"name": 1})
-    assert [line.partition(": ")[0] for line in told(file)] == [
+    assert [line.partition(": ")[0] for line in faults_in(file)] == [
         "/states/a/mission",
         *["/states/b/states/c/mission"] * 3,
     ]
@@ -340,14 +340,14 @@ def test_what_grows_without_end_is_refused(tmp_path: Path) -> None:
         states = {name: {"mission": f"m{depth + 1}.json"} for name in "abcdefgh"}
         written(tmp_path, **{f"m{depth}": {"format": 1, "name": "m", "initial": "a", "states": states}})
     written(tmp_path, m15={"format": 1, "name": "m", "initial": "a", "states": {"a": {}}})
-    assert f"more than {MAX_STATES} states with all that is included" in "".join(told(tmp_path / "m0.json"))
+    assert f"more than {MAX_STATES} states with all that is included" in "".join(faults_in(tmp_path / "m0.json"))
 
 
 def test_missions_inside_each_other_are_counted(tmp_path: Path) -> None:
     for depth in range(30):
         states = {"a": {"mission": f"m{depth + 1}.json"}}
         written(tmp_path, **{f"m{depth}": {"format": 1, "name": "m", "initial": "a", "states": states}})
-    assert "more than 16 missions inside each other" in told(tmp_path / "m0.json")[0]
+    assert "more than 16 missions inside each other" in faults_in(tmp_path / "m0.json")[0]
 
 
 NAMES_NOTHING = {

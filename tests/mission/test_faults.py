@@ -21,7 +21,7 @@ from tests.strategies import mission_documents
 SMALL: dict[str, Any] = {"format": 1, "name": "small", "initial": "a", "states": {"a": {}}}
 
 
-def told(tmp_path: Path, document: Any) -> list[str]:
+def faults_in(tmp_path: Path, document: Any) -> list[str]:
     file = tmp_path / "m.json"
     file.write_text(json.dumps(document))
     with pytest.raises(DefinitionError) as refused:
@@ -77,7 +77,7 @@ ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         ),
         (
             SMALL | {"blackboard": {"k": {"type": "number", "source": "robot", "initial": 1}}},
-            "/blackboard/k: a robot key has no 'initial': it is unknown until the robot says it",
+            "/blackboard/k: a robot key has no 'initial': it is unknown until the robot reports it",
         ),
         (SMALL | {"cancel_s": True}, "/cancel_s: true is not a number; write one, without quotes"),
         (SMALL | {"ready_s": -1}, "/ready_s: -1 is too small; it must be 0 or more"),
@@ -129,7 +129,7 @@ ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
     ],
 )
 def test_a_fault_reports_where_what_and_what_instead(tmp_path: Path, document: Any, sentence: str) -> None:
-    assert told(tmp_path, document) == [sentence]
+    assert faults_in(tmp_path, document) == [sentence]
 
 
 def test_every_fault_is_reported_at_once_in_the_order_of_the_document(tmp_path: Path) -> None:
@@ -141,13 +141,13 @@ def test_every_fault_is_reported_at_once_in_the_order_of_the_document(tmp_path: 
         },
         "on_cancel": 3,
     }
-    places = [line.partition(": ")[0] for line in told(tmp_path, document)]
+    places = [line.partition(": ")[0] for line in faults_in(tmp_path, document)]
     expected = ["/name", "/states/a/final", "/states/b/entry/0/say", "/states/b/entry/1", "/states/b/transitions/0/t"]
     assert places == [*expected, "/on_cancel"]
 
 
 def test_thousands_of_faults_are_counted_not_reported(tmp_path: Path) -> None:
-    lines = told(tmp_path, SMALL | {"states": {f"s{number}": 1 for number in range(1500)}})
+    lines = faults_in(tmp_path, SMALL | {"states": {f"s{number}": 1 for number in range(1500)}})
     assert len(lines) == 1001
     assert lines[-1] == "/: and 500 more faults; mend these first"
 
@@ -191,5 +191,5 @@ def test_whatever_a_document_states_it_is_a_mission_or_faults_in_our_words(docum
     except ValidationError as error:
         for fault in faults_of(error, Mission, document):
             assert "Input should" not in fault.sentence
-            assert "cannot stand here" not in fault.sentence
+            assert "does not belong here" not in fault.sentence
             assert str(fault).encode()

@@ -75,7 +75,7 @@ def test_a_text_cut_short_is_never_read_as_a_whole_object(value: object, data: s
         (b'{"a": 9223372036854775808}', "/a: '9223372036854775808' does not fit in 64 bits; give a smaller number"),
         (b'{"a": "\\ud800"}', "/a: '\\ud800' holds half a character (a lone surrogate); write it whole"),
         (b'{"\\udfff": 1}', "/\\udfff: the word '\\udfff' holds half a character; write it whole"),
-        (b'{"x": {"a": 1, "a": 2}}', "/x/a: 'a' stands more than once in this object; keep one"),
+        (b'{"x": {"a": 1, "a": 2}}', "/x/a: 'a' appears more than once in this object; keep one"),
     ],
 )
 def test_what_is_wrong_is_reported_with_its_place(raw: bytes, sentence: str) -> None:

@@ -19,7 +19,7 @@ def mission() -> Mission:
 """
 
 
-def told(tmp_path: Path, text: str | bytes) -> str:
+def fault_of(tmp_path: Path, text: str | bytes) -> str:
     file = tmp_path / "m.py"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(DefinitionError) as refused:
@@ -71,7 +71,7 @@ def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> 
     ],
 )
 def test_what_goes_wrong_is_reported_with_its_line(tmp_path: Path, text: str | bytes, sentence: str) -> None:
-    assert told(tmp_path, text).startswith(sentence)
+    assert fault_of(tmp_path, text).startswith(sentence)
 
 
 def test_a_file_may_define_dataclasses_and_be_called_anything(tmp_path: Path) -> None:

@@ -108,7 +108,7 @@ rich_leaves = st.one_of(
     leaves,
     guards.map(lambda guard: {"check": guard}),
     st.sampled_from([{"set": "n", "add": 1}, {"set": "n", "from": "m"}, {"set": "c", "value": True}]),
-    st.just({"publish": "said", "message": {"n": {"from": "n"}}}),
+    st.just({"publish": "spoken", "message": {"n": {"from": "n"}}}),
 )
 
 
@@ -116,7 +116,7 @@ def rich_branches(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
     return st.one_of(
         branches(inner),
         st.builds(lambda guard, child: {"eternal_guard": guard, "child": child}, guards, inner),
-        st.builds(lambda child: {"status_to_blackboard": "said", "child": child}, inner),
+        st.builds(lambda child: {"status_to_blackboard": "spoken", "child": child}, inner),
         st.dictionaries(st.sampled_from(["left", "right"]), inner).map(asked),
     )
 

@@ -258,12 +258,12 @@ class Polled(Oracle):
     def reaches(self, at: float, rig: Any) -> bool:
         """Whether polling that goes round comes by this are."""
         for _ in range(MOST_POLLS):
-            if self.stand() == rig:
+            if self.state_now() == rig:
                 return True
             self.tick(at, self.facts, {})
         return False
 
-    def stand(self) -> Json:
+    def state_now(self) -> Json:
         """What runs, and what the tree has written."""
         running = sorted(path for path, status in self.statuses().items() if status == "running")
         calls = [path for path in running if isinstance(self.nodes[path], Ring)]
@@ -358,7 +358,7 @@ class Pair:
         ours["calls"] = sorted(state.leaves)
         if not self.has_settled and not self.step.resting:
             self.has_settled = self.polled.reaches(self.half_s / 2, ours)
-        return Ran(self.has_settled, self.step.resting, (ended, self._end()), ours, self.polled.stand())
+        return Ran(self.has_settled, self.step.resting, (ended, self._end()), ours, self.polled.state_now())
 
     def _end(self) -> str:
         return {Status.SUCCESS: "success", Status.FAILURE: "failure"}.get(self.polled.root.status, "running")

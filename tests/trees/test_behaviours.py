@@ -26,13 +26,13 @@ class Worker(py_trees.behaviour.Behaviour):
 
     def __init__(self, *states: Any) -> None:
         super().__init__("worker")
-        self.says, self.calls = list(states), []  # type: ignore[var-annotated]
+        self.statuses, self.calls = list(states), []  # type: ignore[var-annotated]
 
     def setup(self, **kwargs: Any) -> None:
         self.calls.append("setup")
 
     def update(self) -> Status:
-        reported = self.says.pop(0)
+        reported = self.statuses.pop(0)
         if isinstance(reported, Exception):
             raise reported
         return reported  # type: ignore[no-any-return]

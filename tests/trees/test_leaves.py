@@ -18,7 +18,7 @@ KEYS = {
     "a": Key("boolean"),
     "battery": Key("number", source="robot", max_age_s=5),
     "n": Key("integer"),
-    "said": Key("string"),
+    "spoken": Key("string"),
     "target": Key("object"),
 }
 
@@ -97,7 +97,7 @@ def test_later_nodes_of_a_tick_see_what_was_set() -> None:
             "sequence": [
                 {"set": "n", "add": 1},
                 over,
-                {"set": "said", "value": "over"},
+                {"set": "spoken", "value": "over"},
                 {"publish": "t", "message": {"n": {"from": "n"}}},
             ]
         }
@@ -105,7 +105,7 @@ def test_later_nodes_of_a_tick_see_what_was_set() -> None:
     assert run.tick(n=1).writes == (("n", 2),)
     ticked = run.tick(n=2)
     assert ticked.status == "success"
-    assert ticked.writes == (("n", 3), ("said", "over"))
+    assert ticked.writes == (("n", 3), ("spoken", "over"))
     assert ticked.published == (("t", {"n": 3}),)
 
 
@@ -132,7 +132,7 @@ def test_a_set_takes_a_value_another_key_or_a_sum(leaf: Any, facts: dict[str, An
         ({"set": "n", "add": 1}, {}),
         ({"set": "n", "add": 0.5}, {"n": 1}),
         ({"set": "n", "from": "target.count"}, {"target": {}}),
-        ({"set": "n", "from": "said"}, {"said": "three"}),
+        ({"set": "n", "from": "spoken"}, {"spoken": "three"}),
     ],
 )
 def test_a_set_without_a_value_that_fits_fails_and_writes_nothing(leaf: Any, facts: dict[str, Any]) -> None:
@@ -238,10 +238,10 @@ def test_a_condition_waits_for_what_its_child_reports() -> None:
 
 
 def test_a_status_is_written_where_it_is_new() -> None:
-    run = Run({"status_to_blackboard": "said", "child": {"wait_s": 1.0}})
-    assert run.tick(0.0).writes == (("said", "running"),)
-    assert run.tick(0.5, said="running").writes == ()
-    assert run.tick(1.0, said="running").writes == (("said", "success"),)
+    run = Run({"status_to_blackboard": "spoken", "child": {"wait_s": 1.0}})
+    assert run.tick(0.0).writes == (("spoken", "running"),)
+    assert run.tick(0.5, spoken="running").writes == ()
+    assert run.tick(1.0, spoken="running").writes == (("spoken", "success"),)
 
 
 def test_a_held_guard_counts_from_when_it_became_true() -> None:

@@ -23,7 +23,7 @@ KEYS = {
     "c": Key("boolean"),
     "n": Key("integer"),
     "m": Key("integer"),
-    "said": Key("string"),
+    "spoken": Key("string"),
 }
 
 
@@ -56,7 +56,7 @@ def life_of(ticker: Ticker, life: list[Moment]) -> Iterator[tuple[TreeState, Any
         state = ticked.state
 
 
-def told(ticked: Ticked) -> Any:
+def essence(ticked: Ticked) -> Any:
     """What a tick did, without the instants that it noted."""
     return ticked._replace(state=TreeState())
 
@@ -100,7 +100,7 @@ def test_until_the_time_that_it_names_time_alone_changes_nothing(tree: Any, life
         assume(later.at <= last)
         for at in (later.at, last):
             later = now._replace(at=at)
-            assert told(ticker.tick(ticked.state, later, {})) == told(ticker.tick(ticked.state, now, {}))
+            assert essence(ticker.tick(ticked.state, later, {})) == essence(ticker.tick(ticked.state, now, {}))
 
 
 @often
@@ -114,7 +114,7 @@ def test_a_key_that_it_does_not_read_changes_nothing(tree: Any, life: list[Momen
         if value is not None:
             board[key] = Stamped(value, now.at)
         other = now._replace(board=board)
-        assert told(ticker.tick(ticked.state, other, {})) == told(ticker.tick(ticked.state, now, {}))
+        assert essence(ticker.tick(ticked.state, other, {})) == essence(ticker.tick(ticked.state, now, {}))
 
 
 @often
@@ -125,7 +125,7 @@ def test_a_pause_moves_a_tree_as_a_whole(tree: Any, life: list[Moment], paused_s
         later = Facts(now.at + paused_s, {key: Stamped(value, at + paused_s) for key, (value, at) in now.board.items()})
         shifted = ticker.shifted(ticked.state, float(paused_s))
         assert ticker.wake_at(shifted, later) == ticker.wake_at(ticked.state, now) + paused_s
-        assert told(ticker.tick(shifted, later, {})) == told(ticker.tick(ticked.state, now, {}))
+        assert essence(ticker.tick(shifted, later, {})) == essence(ticker.tick(ticked.state, now, {}))
 
 
 @often
@@ -164,7 +164,7 @@ def test_two_trees_share_nothing() -> None:
 def test_py_trees_own_blackboard_stays_empty() -> None:
     import py_trees
 
-    tree = {"eternal_guard": is_true("a"), "child": {"status_to_blackboard": "said", "child": {"wait_s": 1.0}}}
+    tree = {"eternal_guard": is_true("a"), "child": {"status_to_blackboard": "spoken", "child": {"wait_s": 1.0}}}
     before = dict(py_trees.blackboard.Blackboard.storage), len(py_trees.blackboard.Blackboard.clients)
     compiled(tree).tick(TreeState(), seen(0.0, {"a": True}), {})
     assert (dict(py_trees.blackboard.Blackboard.storage), len(py_trees.blackboard.Blackboard.clients)) == before

@@ -27,7 +27,7 @@ from rai_missions.states.tree import ActionLeaf
 __all__ = ("GoalActivity", "GoalMachine")
 
 ENDS = ("failed", "canceled", "rejected")
-"""How a server says that a goal did not succeed; any other word is a failure."""
+"""How a server reports that a goal did not succeed; any other word is a failure."""
 
 
 class Pursued(Protocol):
@@ -47,7 +47,7 @@ class GoalActivity(NamedTuple):
     """How far a goal has come."""
 
     phase: str
-    """`waiting` for resources, `sent`, `running` once accepted, `settling` once its server said succeeded."""
+    """`waiting` for resources, `sent`, `running` once accepted, `settling` once its server reported `succeeded`."""
     number: int = 0
     until: float = math.inf
     """When settling is over."""
@@ -94,7 +94,7 @@ class GoalMachine:
         number = desk.open_goal(self.owner, self.definition.action, self.definition.cancel_s)
         return Turn(GoalActivity("sent", number), (StartGoal(number, self.owner, self.definition.action, goal),))
 
-    def hear(self, state: GoalActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: GoalActivity, event: Event, desk: ActivityHost) -> Turn | None:
         if event.kind == "tick":
             return self._look(state, desk)
         if event.number != state.number or not state.number or state.phase == "settling":
@@ -136,8 +136,8 @@ class GoalMachine:
             return None
         assert self.definition.achieved is not None
         value = self.achieved(desk.view)
-        says = "false" if value is False else f"unknown ({self._unknown(desk.view)})"
-        why = f"the server said succeeded, but '{self.definition.achieved.words()}' is {says}"
+        truth = "false" if value is False else f"unknown ({self._unknown(desk.view)})"
+        why = f"the server said succeeded, but '{self.definition.achieved.words()}' is {truth}"
         return Turn(None, outcome=Outcome("unverified", state.result, why))
 
     def _unknown(self, view: View) -> str:

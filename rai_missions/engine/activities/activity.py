@@ -32,7 +32,7 @@ class Outcome(NamedTuple):
     name: str
     """`succeeded`, `failed`, `timed_out`, `rejected`, `canceled`, `unverified`, or an option."""
     data: Mapping[str, Any] = {}
-    """`event.<field>` (for an option: `answer.<name>`) in the rows it fires."""
+    """`event.<field>` (for an option: `answer.<name>`) in the transitions that it fires."""
     why: str = ""
 
 
@@ -65,7 +65,7 @@ class ActivityHost(Protocol):
         """A fresh number for a start or a question."""
 
     def open_goal(self, owner: str, action: str, cancel_s: float) -> int:
-        """The number of a goal that is sent now and stands in the ledger from here on."""
+        """The number of a goal that is sent now and is in the ledger from here on."""
 
     def close_goal(self, number: int) -> None:
         """A goal has ended by the profile's own guard: it leaves the ledger."""
@@ -98,10 +98,10 @@ class Machine(Protocol):
     def begin(self, desk: ActivityHost) -> Turn:
         """The state is active and control is where it belongs: start."""
 
-    def hear(self, state: Any, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: Any, event: Event, desk: ActivityHost) -> Turn | None:
         """Something happened; None where it does not concern this.
 
-        A `tick` says that an instant has come for which `wake_at` asked, or that the `keys` in its data were written;
+        A `tick` reports that an instant has come for which `wake_at` asked, or that the `keys` in its data were
         those of them that have another value now are its `news`. Among both are `GOALS`, and states that have become
         active or inactive, each by its `presence`.
         """
@@ -124,7 +124,7 @@ class Machine(Protocol):
 
 NO_KEYS: frozenset[str] = frozenset()
 GOALS = "#goals"
-"""Stands among the keys for the ledger: a goal has ended or was given up."""
+"""What the ledger is called among the keys: a goal has ended or was given up."""
 
 
 class Bench(NamedTuple):

@@ -34,7 +34,7 @@ class BehaviourMachine:
         number = desk.next_number()
         return Turn(BehaviourActivity(number), (StartBehaviour(number, self.owner),))
 
-    def hear(self, state: BehaviourActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: BehaviourActivity, event: Event, desk: ActivityHost) -> Turn | None:
         if event.kind != "behaviour" or event.number != state.number:
             return None
         status = str(event.data.get("status", ""))

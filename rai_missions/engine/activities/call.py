@@ -47,7 +47,7 @@ class CallMachine:
         call = CallService(number, self.owner, self.definition.call, request, self.definition.timeout_s)
         return Turn(CallActivity(number), (call,))
 
-    def hear(self, state: CallActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: CallActivity, event: Event, desk: ActivityHost) -> Turn | None:
         if event.kind != "result" or event.number != state.number:
             return None
         outcome = OUTCOMES.get(event.name, "failed")

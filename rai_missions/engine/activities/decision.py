@@ -81,7 +81,7 @@ class DecisionMachine:
         value = operand.read(view)
         return Evidence(path, value, max(0.0, view.at - entry.at), fresh=value is not None)
 
-    def hear(self, state: DecisionActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: DecisionActivity, event: Event, desk: ActivityHost) -> Turn | None:
         if event.kind == "tick":
             return self._time(state, desk)
         if event.kind != "proposal" or event.number != state.question.number:
@@ -99,8 +99,8 @@ class DecisionMachine:
             return _noted(turn, verdict, f"{who} is absent: {data['absent']}")
         if not isinstance(data.get("option"), str):
             why = clipped(str(data.get("failed", "nothing")), 300)
-            verdict, said = Verdict(False, why, "failed", question.number, event.name), f"{who} gave no answer: {why}"
-            return self._again(state, desk, verdict, said, told=said)
+            verdict, text = Verdict(False, why, "failed", question.number, event.name), f"{who} gave no answer: {why}"
+            return self._again(state, desk, verdict, text, refusal=text)
         given = data.get("parameters")
         proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
         verdict = judge(question, proposal, desk.view, self.tests)
@@ -108,12 +108,12 @@ class DecisionMachine:
             verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
         option = clipped(proposal.option, 60)
         verdict = verdict._replace(number=question.number, by=event.name, option=option)
-        said = f"{who} proposed '{option}'"
+        text = f"{who} proposed '{option}'"
         if not verdict.accepted:
-            return self._again(state, desk, verdict, f"{said}: refused, {verdict.why}", told=verdict.why)
+            return self._again(state, desk, verdict, f"{text}: refused, {verdict.why}", refusal=verdict.why)
         outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
         writes = tuple(self._written(proposal.parameters))
-        return _noted(Turn(None, outcome=outcome, writes=writes), verdict, f"{said}: accepted")
+        return _noted(Turn(None, outcome=outcome, writes=writes), verdict, f"{text}: accepted")
 
     def _written(self, parameters: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         """What an accepted answer writes: the keys of its parameters' names whose source is the answer."""
@@ -127,8 +127,8 @@ class DecisionMachine:
         each = (f"{name}: {why}" for name, value in self._written(parameters) if (why := fits(self.keys[name], value)))
         return next(each, "")
 
-    def _again(self, state: DecisionActivity, desk: ActivityHost, verdict: Verdict, text: str, *, told: str) -> Turn:
-        again = state._replace(question=state.question._replace(refused=(*state.question.refused, told)))
+    def _again(self, state: DecisionActivity, desk: ActivityHost, verdict: Verdict, text: str, *, refusal: str) -> Turn:
+        again = state._replace(question=state.question._replace(refused=(*state.question.refused, refusal)))
         return _noted(self._next(again, desk, turn=state.turn, attempt=state.question.attempt + 1), verdict, text)
 
     def _next(self, state: DecisionActivity, desk: ActivityHost, *, turn: int, attempt: int) -> Turn:

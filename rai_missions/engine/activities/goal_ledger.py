@@ -51,7 +51,7 @@ class OpenGoal(NamedTuple):
     gone, or cannot be reached."""
 
     def words(self) -> str:
-        """As a person would say it: `goal 3 of 'drive' (its server refuses to cancel it)`."""
+        """In words: `goal 3 of 'drive' (its server refuses to cancel it)`."""
         reason = {
             "orphaned": "its end was not confirmed",
             "refused": "its server refuses to cancel it",
@@ -93,7 +93,7 @@ Goals = dict[int, Goal]
 
 
 def obstruction(goals: Goals, facts: RobotFacts, action: str) -> str:
-    """`busy`, `orphan` or empty: whether a goal stands in the way of a start.
+    """`busy`, `orphan` or empty: whether a goal prevents a start.
 
     One that was lost does not: it is its connector's concern until its server is back.
     """

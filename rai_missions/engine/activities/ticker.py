@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a chart wants of whatever ticks its behaviour trees.
 
-Rule: a tick is pure. All that a tree remembers stands in its `TreeState`; leaves are started and ended by the chart,
+Rule: a tick is pure. All that a tree remembers is in its `TreeState`; leaves are started and ended by the chart,
 with the machines that the states of the same words use, and their outcomes are given to the next tick.
 """
 
@@ -69,7 +69,7 @@ class Ticked(NamedTuple):
     trace: tuple[tuple[str, str, Status], ...] = ()
     """What was called, in order: (path, `initialise` | `update` | `terminate`, status), as py_trees orders them.
 
-    The status is what the node had before (`initialise`), says (`update`), or has from now on (`terminate`).
+    The status is what the node had before (`initialise`), returns (`update`), or has from now on (`terminate`).
     """
     begun: tuple[str, ...] = ()
     """Paths of the loops' children of which a run has begun in this tick and continues."""
@@ -113,4 +113,4 @@ class Trees(Protocol):
     """What a chart is given as `ticker`: compiles trees."""
 
     def compile(self, root: TreeNode, place: str, keys: Mapping[str, Any], state: str) -> Ticker:
-        """A ticker for the tree that stands at a JSON pointer in the mission, inside a state."""
+        """A ticker for the tree at a JSON pointer of the mission, inside a state."""

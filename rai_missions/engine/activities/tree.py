@@ -115,7 +115,7 @@ class TreeMachine:
 
     Args:
         ticker: The tree, compiled.
-        limbs: Path → the leaf that runs there when the tick says so.
+        limbs: Path → the leaf that runs there when a tick asks for it.
         owner: The state.
     """
 
@@ -125,7 +125,7 @@ class TreeMachine:
     def begin(self, desk: ActivityHost) -> Turn:
         return self._tick(_Growth(TreeActivity()), desk)
 
-    def hear(self, state: TreeActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: TreeActivity, event: Event, desk: ActivityHost) -> Turn | None:
         growth, concerned = _Growth(state), False
         for path, tended in state.leaves.items():
             turn = self._leaf(path, tended, event, desk)
@@ -170,7 +170,7 @@ class TreeMachine:
         if event.kind == "tick" and desk.view.at >= tended.deadline:
             left = limb.machine.leave(tended.state, desk)
             return left._replace(outcome=Outcome("timed_out"))
-        return limb.machine.hear(tended.state, event, desk)
+        return limb.machine.receive(tended.state, event, desk)
 
     def _take(self, growth: _Growth, path: str, turn: Turn, deadline: float, desk: ActivityHost) -> None:
         growth.effects += turn.effects

@@ -23,7 +23,7 @@ class Rounds:
         loops: How many rounds can end in one tick of this tree.
     """
 
-    __slots__ = ("_begun", "_ended", "_leaf_ends", "_loops", "heard", "own")
+    __slots__ = ("_begun", "_ended", "_leaf_ends", "_loops", "others", "own")
 
     def __init__(self, loops: int) -> None:
         self._loops = loops
@@ -31,7 +31,7 @@ class Rounds:
         self._ended = self._leaf_ends = 0
         self.own = 0
         """Ticks that keys written by the tree itself have caused."""
-        self.heard = 0
+        self.others = 0
         """Ticks that keys written by others have caused."""
 
     def next_begins(self, ticked: Ticked) -> bool:
@@ -52,8 +52,8 @@ class Rounds:
 
     @property
     def spent(self) -> tuple[object, ...]:
-        """What tells how much room is left, but for `room`."""
-        return self._leaf_ends, self.own, self.heard, sorted(self._begun)
+        """What decides how much room is left, but for `room`."""
+        return self._leaf_ends, self.own, self.others, sorted(self._begun)
 
     @property
     def room(self) -> int:
@@ -81,5 +81,5 @@ class Rounds:
 
     def was_written(self) -> bool:
         """Others have written what the tree looks at; whether there is room for a tick that looks."""
-        self.heard += 1
-        return self.heard <= MOST_WAKES
+        self.others += 1
+        return self.others <= MOST_WAKES

@@ -52,7 +52,7 @@ def stand(
         faults.append(Fault("/states", "none of the active states has a place in the mission now; name one for each"))
     if faults:
         return ReachedStates((), {}, ()), faults
-    found, rivals = chart.standing(targets)
+    found, rivals = chart.configuration(targets)
     clash = [Fault("/states", f"{pair} would be active together, and cannot be; name one of them") for pair in rivals]
     origins = {new: old for old in naming.states_then if old in active and (new := naming.state(old)) in found.active}
     order = tuple(name for name in naming.states_now if name in found.active)

@@ -21,7 +21,7 @@ ONLY_IN_PYTHON = (
 )
 
 Factory = Callable[[], Any]
-"""Makes a fresh `py_trees.behaviour.Behaviour`, with whatever stands below it."""
+"""Makes a fresh `py_trees.behaviour.Behaviour`, with all that is below it."""
 
 
 def factory_name(factory: Any) -> str:
@@ -39,7 +39,7 @@ def _callable(given: Any) -> Any:
 
 
 class BehaviourLeaf(TreeNode):
-    """Says what a live behaviour says, which is ticked next to the mission every `tick_s` while this runs."""
+    """Reports what a live behaviour reports, which is ticked next to the mission every `tick_s` while this runs."""
 
     positional: ClassVar = ("factory", "tick_s")
     takes_time: ClassVar = True

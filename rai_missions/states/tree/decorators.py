@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes that change what their one child says, under py_trees' names."""
+"""Nodes that change what their one child reports, under py_trees' names."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class RunningIsSuccess(Decorator, word="running_is_success"):
 
 
 class PassThrough(Decorator, word="pass_through"):
-    """Says what its child says: a name in the picture."""
+    """Reports what its child reports: a name in the picture."""
 
     child: OneOf[TreeNode] = Field(alias="pass_through")
 
@@ -111,14 +111,14 @@ class EternalGuard(Decorator, word="eternal_guard"):
 
 
 class Condition(Decorator, word="condition"):
-    """Waits until its child says this, and succeeds then; never fails."""
+    """Waits until its child reports this, and succeeds then; never fails."""
 
     positional: ClassVar = ("child", "status")
     status: Literal["success", "failure", "running"] = Field(alias="condition")
 
 
 class StatusToBlackboard(Decorator, word="status_to_blackboard"):
-    """Writes what its child says under a key of the mission: `success`, `failure` or `running`."""
+    """Writes what its child reports under a key of the mission: `success`, `failure` or `running`."""
 
     positional: ClassVar = ("child", "key")
     key: Annotated[Name, Refers("key", "status")] = Field(alias="status_to_blackboard")

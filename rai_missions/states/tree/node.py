@@ -64,7 +64,7 @@ class TreeNode(TaggedModel, family="tree node"):
 
 
 class Decorator(TreeNode):
-    """Changes what its one child says."""
+    """Changes what its one child reports."""
 
     positional: ClassVar[tuple[str, ...]] = ("child",)
 

@@ -42,7 +42,7 @@ class Tree(State, word="tree"):
         if not callable(factory):
             return words
         given = {"tick_s": words["tick_s"]} if "tick_s" in words else {}
-        rest = {word: said for word, said in words.items() if word != "tick_s"}
+        rest = {word: value for word, value in words.items() if word != "tick_s"}
         return {**rest, "tree": BehaviourLeaf(factory, **given)}
 
     def outcomes(self) -> frozenset[str]:

@@ -62,7 +62,7 @@ class StrikesMachine:
         call = CallService(number, self.owner, self.definition.service, {}, None)
         return Turn(Struck(done, number), (call,))
 
-    def hear(self, state: Struck, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: Struck, event: Event, desk: ActivityHost) -> Turn | None:
         if event.kind == "tick":
             return self._call(state.done, desk) if desk.view.at >= state.due else None
         if event.kind != "result" or event.number != state.number or not state.number:
