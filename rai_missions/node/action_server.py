@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The mission as an action: a goal starts it, feedback says where it is, the result how it ended.
+"""The mission as an action: a goal starts it, feedback reports where it is, the result how it ended.
 
 Rule: the goal is the run's. Canceling the goal cancels the mission, and the goal ends when the mission has.
 """
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rai_missions.connectors.connector import Data, Report
-from rai_missions.node.command import Command, CommandReply, mapping_in, unheard, who
+from rai_missions.node.command import Command, CommandReply, ignore_reply, mapping_in, who
 from rai_missions.node.command_server import CommandServer
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.status_message import StatusMessage
@@ -23,15 +23,15 @@ class RunServer:
     """Serves `~/run`; an `ActionServer`.
 
     Args:
-        desk: Takes the orders.
-        refused: Told why a goal is rejected, which ROS has no word for.
+        commands: Takes the orders.
+        refused: Receives why a goal is rejected, which ROS has no word for.
     """
 
-    def __init__(self, desk: CommandServer, refused: Callable[[CommandReply], None]) -> None:
-        self._desk, self._refused = desk, refused
+    def __init__(self, commands: CommandServer, refused: Callable[[CommandReply], None]) -> None:
+        self._commands, self._refused = commands, refused
         self._goal_id = ""
         self._report: Callable[[Report], None] | None = None
-        self._course: RunSession | None = None
+        self._session: RunSession | None = None
         self._is_unwanted = False
         self._lock = threading.Lock()
         self._latest: StatusMessage | None = None
@@ -44,25 +44,25 @@ class RunServer:
         if isinstance(given, str):
             receipt = CommandReply(False, given, goal_id)
         else:
-            receipt = self._desk.ask(Command("start", who(goal.get("by")), goal_id, arguments=given))
+            receipt = self._commands.ask(Command("start", who(goal.get("by")), goal_id, arguments=given))
         if not receipt.success:
             self._refused(receipt)
             report(Report(goal_id, "rejected", {}, receipt.why))
             return
         report(Report(goal_id, "accepted", {}))
         with self._lock:
-            self._goal_id, self._report, self._course = goal_id, report, self._desk.course
+            self._goal_id, self._report, self._session = goal_id, report, self._commands.session
             self._is_unwanted = False
             self._feed()  # the run may have been quicker than this thread
-        self._desk.when_idle(lambda: self._end(goal_id))
+        self._commands.when_idle(lambda: self._end(goal_id))
 
     def cancel(self, goal_id: str) -> None:
         """Cancel the mission of a goal."""
         if goal_id == self._goal_id:
             self._is_unwanted = True
-            self._desk.submit(Command("cancel", "operator (~/run)", goal_id), unheard)
+            self._commands.submit(Command("cancel", "operator (~/run)", goal_id), ignore_reply)
 
-    def tell(self, bulletin: StatusMessage) -> None:
+    def follow(self, bulletin: StatusMessage) -> None:
         """What the mission is doing now."""
         with self._lock:
             self._latest = bulletin
@@ -70,31 +70,31 @@ class RunServer:
 
     def _feed(self) -> None:
         """Feedback for the goal that runs, if there is news."""
-        report, course, latest = self._report, self._course, self._latest
-        if report is None or course is None or latest is None or latest.revision <= self._fed:
+        report, session, latest = self._report, self._session, self._latest
+        if report is None or session is None or latest is None or latest.revision <= self._fed:
             return
-        if course.is_over or latest.run != course.runner.run_id:
+        if session.is_over or latest.run != session.runner.run_id:
             return
         self._fed = latest.revision
         fields: dict[str, Any] = latest.fields()
-        told = {word: fields[word] for word in ("revision", "mode", "questions")}
-        report(Report(self._goal_id, "feedback", told | {"state": fields["active"]}))
+        feedback = {word: fields[word] for word in ("revision", "mode", "questions")}
+        report(Report(self._goal_id, "feedback", feedback | {"state": fields["active"]}))
 
     def _end(self, goal_id: str) -> None:
-        report, course = self._report, self._course
-        if report is None or course is None or goal_id != self._goal_id:
+        report, session = self._report, self._session
+        if report is None or session is None or goal_id != self._goal_id:
             return
         with self._lock:
             self._report = None
-        result = course.result
+        result = session.result
         data: dict[str, Any] = {
-            "outcome": course.mode, "why": result.why if result is not None else course.error,
-            "run": course.runner.run_id, "journal": (result.journal if result is not None else None) or "",
+            "outcome": session.mode, "why": result.why if result is not None else session.error,
+            "run": session.runner.run_id, "journal": (result.journal if result is not None else None) or "",
             "open_goals": [goal.data() for goal in result.open_goals] if result is not None else [],
         }  # fmt: skip
-        if course.mode == "succeeded":
+        if session.mode == "succeeded":
             report(Report(goal_id, "succeeded", data))
-        elif course.mode == "canceled" and self._is_unwanted:
+        elif session.mode == "canceled" and self._is_unwanted:
             report(Report(goal_id, "canceled", data))
         else:
             report(Report(goal_id, "failed", data, data["why"]))

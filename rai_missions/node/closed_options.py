@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which options of an open question would be refused if they were taken now, for whoever shows them to a person.
+"""Which options of an open question would be refused if they were taken now, for clients that show them to a person.
 
-Rule: it is for show. What counts is what `judge` says once an answer has come; and what is written in Python is asked
-by the engine alone, so an option whose guard names a predicate stays open here.
+Rule: it is for show. What counts is what `judge` decides once an answer has come. Only the engine asks what is written
+in Python, so an option whose guard names a predicate stays open here.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from rai_missions.mission.mission import Mission
 __all__ = ("Closed",)
 
 NOTHING: Mapping[str, Any] = {}
-SAYS = {False: "this does not hold", None: "this is unknown"}
+WORDS = {False: "this does not hold", None: "this is unknown"}
 
 
 class Seen(NamedTuple):
-    """A `View` of one moment, taken from a chart that goes on meanwhile."""
+    """A `View` of one moment, taken from a chart that continues meanwhile."""
 
     at: float
     board: Blackboard
@@ -63,7 +63,7 @@ class Closed:
             each = {offer.name: tests[offer.name] for offer in question.options if offer.name in tests}
             values = {name: (test(seen), guard) for name, (test, guard) in each.items()}
             why = {
-                name: f"{SAYS[value]}: {guard.words()}" for name, (value, guard) in values.items() if value is not True
+                name: f"{WORDS[value]}: {guard.words()}" for name, (value, guard) in values.items() if value is not True
             }
             if why:
                 found[question.number] = why

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a client asks of a mission, read from JSON that anybody may have sent.
 
-Rule: what comes in is data. It is bounded, each word is known, and what is wrong is told, never raised.
+Rule: what comes in is data. It is bounded, each word is known, and what is wrong is reported, never raised.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ __all__ = (
     "Command",
     "CommandReply",
     "ReplyCallback",
+    "ignore_reply",
     "lasts",
     "mapping_in",
     "overdue",
     "read_order",
-    "unheard",
     "untaken",
     "who",
 )
@@ -94,7 +94,7 @@ def read_order(text: Any) -> Command | CommandReply:
 
 
 def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
-    """The object that a text says in JSON, or why it says none; an empty text says an empty one."""
+    """The object that a text holds in JSON, or why it holds none; an empty text holds an empty one."""
     if not isinstance(text, str):
         return f"{what} is JSON text, not {shown(text)}"
     if len(text) > LONGEST:
@@ -107,30 +107,30 @@ def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
 
 
 def who(given: Any) -> str:
-    """The name under which someone stands in the journal: one short line, `operator` where nothing is said."""
+    """The name under which a client appears in the journal: one short line, `operator` where none is given."""
     text = given if isinstance(given, str) else ""
     line = "".join(letter if letter.isprintable() else " " for letter in redacted(text))
     return cut(line, LONGEST_NAME).strip() or "operator"
 
 
 def lasts(order: Command) -> bool:
-    """It is carried out however late the run takes it: it ends something, or says what has happened."""
+    """It is carried out however late the run takes it: it ends something, or reports what has happened."""
     return order.command in LASTING or (order.command == "control" and order.to == "nobody")
 
 
 def overdue(order: Command, waited_s: float) -> CommandReply:
-    """What is told of an order that the run was too busy to take in time."""
-    why = f"the run did not get to it for {waited_s:.0f} s, and it was dropped; look again, and give it anew"
+    """The reply to an order that the run was too busy to take in time."""
+    why = f"the run did not get to it for {waited_s:.0f} s, and it was dropped; look again, and give it again"
     return CommandReply(False, why, order.id, dropped=True)
 
 
 def untaken(order: Command) -> str:
-    """What is told of an order that the run has not taken yet."""
+    """The reply to an order that the run has not taken yet."""
     then = "it will as soon as it can" if lasts(order) else f"unless it does within {GOOD_FOR_S:g} s, it is dropped"
-    return f"the run has not taken it yet; {then}, and what became of it is told then"
+    return f"the run has not taken it yet; {then}, and what became of it is reported then"
 
 
-def unheard(_receipt: CommandReply) -> None:
+def ignore_reply(_receipt: CommandReply) -> None:
     """No one asks what became of an order."""
 
 
@@ -154,4 +154,4 @@ def _fault(given: Mapping[str, Any]) -> str:
 
 
 ReplyCallback = Callable[[CommandReply], None]
-"""Told once what became of an order; from any thread."""
+"""Receives once what became of an order; from any thread."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where orders arrive: one run at a time, begun when someone asks for it and the node is active.
 
-Rule: nothing here widens what a mission allows. What the desk lets through, the engine still judges.
+Rule: nothing here widens what a mission allows. What is let through here, the engine still judges.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ log = logger(__name__)
 
 PATIENCE_S = 1.0
 """How long a service waits for the run to take an order."""
-LOCKED = 'control is with nobody since the stop; first an operator takes it: {"command": "control", "to": "operator"}'
+LOCKED = 'control is with "nobody" since the stop; first an operator takes it: {"command": "control", "to": "operator"}'
 ALWAYS = ("cancel", "e_stop")
 """Taken by a node that is not active, too."""
 
@@ -30,14 +30,14 @@ class CommandServer:
 
     Args:
         begin: Begins a run that an order asks for, and returns it; None where runs are begun elsewhere.
-        changed: Told of each change, on any thread.
+        changed: Called on each change, on any thread.
     """
 
     def __init__(self, begin: Callable[[Command], RunSession] | None, changed: Callable[[], None]) -> None:
         self._begin, self._changed = begin, changed
         self._lock = threading.RLock()
         self._when_idle: list[Callable[[], None]] = []
-        self.course: RunSession | None = None
+        self.session: RunSession | None = None
         """The run that was begun last."""
         self.closed = "the node is unconfigured; configure and activate it first"
         """Why nothing is begun now; empty where it is."""
@@ -45,44 +45,44 @@ class CommandServer:
     @property
     def live(self) -> RunSession | None:
         """The run that has not ended."""
-        course = self.course
-        return course if course is not None and not course.is_over else None
+        session = self.session
+        return session if session is not None and not session.is_over else None
 
-    def submit(self, order: Command, told: ReplyCallback) -> None:
-        """Take an order; `told` receives once what became of it, from any thread."""
+    def submit(self, order: Command, on_reply: ReplyCallback) -> None:
+        """Take an order; `on_reply` receives once what became of it, from any thread."""
         if order.command == "start":
-            told(self._start(order))
+            on_reply(self._start(order))
             return
-        course, last = self.live, self.course
-        if course is None and order.command == "control" and last is not None and last.is_locked:
-            told(last.unlock(order))
+        session, last = self.live, self.session
+        if session is None and order.command == "control" and last is not None and last.is_locked:
+            on_reply(last.unlock(order))
             self._changed()
-        elif course is None:
-            told(CommandReply(False, "no mission is running; start one", order.id))
+        elif session is None:
+            on_reply(CommandReply(False, "no mission is running; start one", order.id))
         elif self.closed and order.command not in ALWAYS:
-            told(CommandReply(False, self.closed, order.id))
+            on_reply(CommandReply(False, self.closed, order.id))
         else:
-            course.submit(order, told)
+            session.submit(order, on_reply)
 
     def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
         """Take an order and wait, for a moment, for what becomes of it."""
         receipts: list[CommandReply] = []
-        is_told = threading.Event()
+        is_answered = threading.Event()
 
-        def told(receipt: CommandReply) -> None:
+        def receive(receipt: CommandReply) -> None:
             receipts.append(receipt)
-            is_told.set()
+            is_answered.set()
 
-        self.submit(order, told)
-        course = self.live
-        if course is None or not course.is_here:  # a run that asks its own node would wait for itself
-            is_told.wait(within_s)
+        self.submit(order, receive)
+        session = self.live
+        if session is None or not session.is_here:  # a run that asks its own node would wait for itself
+            is_answered.wait(within_s)
         return receipts[0] if receipts else CommandReply(False, untaken(order), order.id)
 
-    def attend(self, course: RunSession) -> None:
+    def attend(self, session: RunSession) -> None:
         """A run is about to begin."""
         with self._lock:
-            self.course = course
+            self.session = session
         self._changed()
 
     def ended(self) -> None:
@@ -103,22 +103,22 @@ class CommandServer:
 
     def _start(self, order: Command) -> CommandReply:
         with self._lock:
-            course = self.live
+            session = self.live
             why = (
                 "this run is the node's only one; run it with --managed to start it again"
                 if self._begin is None
-                else f"a mission is under way, {course.mode}; cancel it first"
-                if course is not None
-                else self.closed or (LOCKED if self.course is not None and self.course.is_locked else "")
+                else f"a mission is under way, {session.mode}; cancel it first"
+                if session is not None
+                else self.closed or (LOCKED if self.session is not None and self.session.is_locked else "")
             )
             if why or self._begin is None:
                 return CommandReply(False, why, order.id)
             try:
-                self.course = self._begin(order)
+                self.session = self._begin(order)
             except (MissionError, OSError) as error:
                 return CommandReply(False, Redaction().text(f"{error}"), order.id)
             except Exception as error:
                 log.exception("the mission could not be begun")
                 return CommandReply(False, Redaction().text(f"{type(error).__name__}: {error}"), order.id)
         self._changed()
-        return CommandReply(True, f"run {self.course.runner.run_id}", order.id)
+        return CommandReply(True, f"run {self.session.runner.run_id}", order.id)

@@ -28,7 +28,7 @@ def arguments_of(parameters: Mapping[str, Any], mission: Mission, given: Mapping
     """The mission's arguments among parameters; `target.x` is the field `x` of `target`.
 
     Args:
-        parameters: By name; JSON text stands for what ROS has no type for.
+        parameters: By name; JSON text is what ROS has no type for.
         mission: Whose arguments they are.
         given: Arguments that were given in another way.
 
@@ -51,7 +51,7 @@ def arguments_of(parameters: Mapping[str, Any], mission: Mission, given: Mapping
 
 
 def _value(value: Any, *, is_text: bool) -> Any:
-    """JSON text is what it says, where no text is wanted."""
+    """JSON text is the value that it holds, where no text is wanted."""
     if is_text or not isinstance(value, str):
         return value
     try:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from rai_missions.errors import UsageError
-from rai_missions.node.command import Command, unheard
+from rai_missions.node.command import Command, ignore_reply
 from rai_missions.node.command_server import CommandServer
 from rai_missions.node.managed_lifecycle import Finish
 
@@ -23,15 +23,15 @@ class LifecycleCallbacks:
     """The acts of one node, by the transition's label.
 
     Args:
-        desk: Where its mission is begun and steered.
+        commands: Where its mission is begun and steered.
         ready: Reads and checks what a run is made of; raises where it is at fault.
-        finalized: Told once the node has been shut down.
+        finalized: Called once the node has been shut down.
     """
 
-    def __init__(self, desk: CommandServer, *, ready: Callable[[], None], finalized: Callable[[], None]) -> None:
-        self._desk, self._ready, self._finalized = desk, ready, finalized
+    def __init__(self, commands: CommandServer, *, ready: Callable[[], None], finalized: Callable[[], None]) -> None:
+        self._commands, self._ready, self._finalized = commands, ready, finalized
         self._is_to_resume = False
-        desk.closed = UNCONFIGURED
+        commands.closed = UNCONFIGURED
 
     def by_label(self) -> Mapping[str, Callable[[Finish], None]]:
         """As `ManagedLifecycle` takes them."""
@@ -43,36 +43,36 @@ class LifecycleCallbacks:
     def configure(self, finish: Finish) -> None:
         """Read and check; what is at fault leaves the node unconfigured."""
         self._ready()
-        self._desk.closed = INACTIVE
+        self._commands.closed = INACTIVE
         finish("")
 
     def activate(self, finish: Finish) -> None:
         """Take orders. Nothing moves by itself, but a mission that `deactivate` has paused continues."""
-        self._desk.closed = ""
-        course = self._desk.live
-        if self._is_to_resume and course is not None and course.mode == "paused":
-            self._desk.ask(Command("resume", "operator (activate)"))
+        self._commands.closed = ""
+        session = self._commands.live
+        if self._is_to_resume and session is not None and session.mode == "paused":
+            self._commands.ask(Command("resume", "operator (activate)"))
         self._is_to_resume = False
         finish("")
 
     def deactivate(self, finish: Finish) -> None:
         """Pause the mission that runs; one that has not begun to move yet is canceled."""
-        course = self._desk.live
-        if course is not None and course.mode == "canceling":
+        session = self._commands.live
+        if session is not None and session.mode == "canceling":
             raise UsageError("the mission is being canceled; deactivate the node when that has ended")
-        if course is not None and course.mode in ("ready", "running"):
-            word = "cancel" if course.mode == "ready" else "pause"
-            receipt = self._desk.ask(Command(word, "operator (deactivate)"))
-            if not receipt.success and self._desk.live is not None:
+        if session is not None and session.mode in ("ready", "running"):
+            word = "cancel" if session.mode == "ready" else "pause"
+            receipt = self._commands.ask(Command(word, "operator (deactivate)"))
+            if not receipt.success and self._commands.live is not None:
                 raise UsageError(receipt.why)
             self._is_to_resume = word == "pause"
-        self._desk.closed = INACTIVE
+        self._commands.closed = INACTIVE
         finish("")
 
     def clean_up(self, finish: Finish) -> None:
         """Cancel the mission that is under way; it ends when that has ended."""
         self._wind_up("cancel", "operator (cleanup)")
-        self._desk.when_idle(lambda: finish(""))
+        self._commands.when_idle(lambda: finish(""))
 
     def shut_down(self, finish: Finish) -> None:
         """As `clean_up`, for good."""
@@ -82,7 +82,7 @@ class LifecycleCallbacks:
             self._finalized()
 
         self._wind_up("cancel", "operator (shutdown)")
-        self._desk.when_idle(end)
+        self._commands.when_idle(end)
 
     def recover(self, finish: Finish) -> None:
         """Something broke: nothing that was begun continues."""
@@ -90,7 +90,7 @@ class LifecycleCallbacks:
         finish("")
 
     def _wind_up(self, word: str, by: str) -> None:
-        self._desk.closed, self._is_to_resume = UNCONFIGURED, False
-        course = self._desk.live
-        if course is not None:
-            course.submit(Command(word, by), unheard)
+        self._commands.closed, self._is_to_resume = UNCONFIGURED, False
+        session = self._commands.live
+        if session is not None:
+            session.submit(Command(word, by), ignore_reply)

@@ -42,7 +42,7 @@ class ManagedLifecycle:
 
     Args:
         acts: Transition's label → what it does; also `error`, which cleans up after what went wrong unforeseen.
-        moved: Told of each move, in order.
+        moved: Receives each move, in order.
     """
 
     def __init__(self, acts: Mapping[str, Callable[[Finish], None]], moved: Callable[[NodeTransition], None]) -> None:

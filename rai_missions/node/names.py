@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a mission's node is called, and what stands below its name."""
+"""How a mission's node is called, and the names below its own."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class NodeName(NamedTuple):
         return f"/{self.namespace}/{self.name}" if self.namespace else f"/{self.name}"
 
     def below(self, name: str) -> str:
-        """What a node's own name (`~/status`) stands for."""
+        """The full name of a node's own (`~/status`)."""
         return f"{self.path}/{name}"
 
 
@@ -40,7 +40,7 @@ def node_name(given: str, *, namespace: str = "", ros_arguments: Sequence[str] =
 
     Args:
         given: A name, or a path whose last part is one.
-        namespace: Where the path says none.
+        namespace: Where the path has none.
         ros_arguments: What follows `--ros-args`: `["-r", "__node:=tractor", "-r", "__ns:=/fields"]`.
 
     Raises:

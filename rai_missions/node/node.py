@@ -12,7 +12,7 @@ from rai_missions.connectors.connector import Close, Reply
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.node.action_server import RunServer
-from rai_missions.node.command import Command, CommandReply, unheard
+from rai_missions.node.command import Command, CommandReply, ignore_reply
 from rai_missions.node.command_server import PATIENCE_S, CommandServer
 from rai_missions.node.launched import parameters_of
 from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
@@ -36,17 +36,17 @@ FAREWELL_S = 2.0
 
 
 class MissionNode:
-    """A node that runs a mission when it is told to, again and again; or one next to a run that someone else begins.
+    """A node that runs a mission whenever a client asks for it; or one next to a run that another object begins.
 
     Args:
         setting: What a run is made of.
         name: The node's; left out, the profile's or the mission's.
         managed: Runs are begun by clients. Else by the one who made the node, with `joined` and `attend`.
         ros_arguments: What follows `--ros-args`.
-        carrier: Used instead of what the profile says.
+        carrier: Used instead of what the profile names.
         journals: Names a fresh journal for each run; else there is only the setting's.
         operator: Clients answer as the operator, where the setting names no one.
-        ended: Told of each run of the node's own that is over.
+        ended: Receives each run of the node's own that is over.
 
     Raises:
         UsageError: A name that no node can have, a connector that cannot be opened.
@@ -56,7 +56,7 @@ class MissionNode:
     def __init__(
         self, setting: RunConfig, name: str = "", *, managed: bool = True, ros_arguments: Sequence[str] = (),
         carrier: Carrier | None = None, journals: Callable[[], Path] | None = None, operator: bool = True,
-        ended: Callable[[RunSession], None] = lambda _course: None,
+        ended: Callable[[RunSession], None] = lambda _session: None,
     ) -> None:  # fmt: skip
         robot = robot_of(setting)
         self._host = RunHost(setting, robot=robot, journals=journals, operator=operator)
@@ -64,15 +64,15 @@ class MissionNode:
         self.name: NodeName = name_of(name, called, robot, ros_arguments)
         self._carrier = carrier or open_carrier(robot, self.name, now=self._host.now, ros_arguments=ros_arguments)
         self._is_managed, self._on_end = managed, ended
-        self._press = StatusPublisher(
+        self._publisher = StatusPublisher(
             self._carrier, self.name, lifecycle=lambda: (self._lifecycle.state.label, self._lifecycle.fault),
-            course=lambda: self._host.course, about=lambda: self._about,
+            session=lambda: self._host.session, about=lambda: self._about,
             robot=lambda: self._host.robot.name if self._host.robot is not None else "",
         )  # fmt: skip
         self._finalized = threading.Event()
-        self._desk = CommandServer(self._begin if managed else None, self._press.changed)
-        acts = LifecycleCallbacks(self._desk, ready=self._ready, finalized=self._finalized.set)
-        self._lifecycle = ManagedLifecycle(acts.by_label(), self._press.moved)
+        self._commands = CommandServer(self._begin if managed else None, self._publisher.changed)
+        acts = LifecycleCallbacks(self._commands, ready=self._ready, finalized=self._finalized.set)
+        self._lifecycle = ManagedLifecycle(acts.by_label(), self._publisher.moved)
         self._closes: list[Close] = []
         self._is_open = self._is_ours = False
 
@@ -97,22 +97,22 @@ class MissionNode:
         except BaseException:
             self.stop()
             raise
-        self._press.open()
+        self._publisher.open()
         if not self._is_managed:
             self._lifecycle.change("configure")
             self._lifecycle.change("activate")
 
     def stop(self) -> None:
         """Cancel what runs, and close the node."""
-        course = self._desk.live
-        if course is not None and self._is_managed:
-            course.submit(Command("cancel", "stop"), unheard)
-            self._host.join(course.runner.mission.cancel_s + FAREWELL_S)
-            course.submit(Command("e_stop", "stop"), unheard)
+        session = self._commands.live
+        if session is not None and self._is_managed:
+            session.submit(Command("cancel", "stop"), ignore_reply)
+            self._host.join(session.runner.mission.cancel_s + FAREWELL_S)
+            session.submit(Command("e_stop", "stop"), ignore_reply)
             self._host.join(FAREWELL_S)
         while self._closes:
             self._closes.pop()()
-        self._press.close()
+        self._publisher.close()
         if self._is_open and self._is_ours:
             self._carrier.connector.stop()
         self._is_open = False
@@ -123,13 +123,13 @@ class MissionNode:
         return self._lifecycle.fault
 
     @property
-    def course(self) -> RunSession | None:
+    def session(self) -> RunSession | None:
         """The run that was begun last."""
-        return self._host.course
+        return self._host.session
 
     def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
         """Give an order from this program, and wait for a moment for what becomes of it."""
-        return self._desk.ask(order, within_s)
+        return self._commands.ask(order, within_s)
 
     def wait(self, within_s: float | None = None) -> bool:
         """Until the node was shut down; whether it was."""
@@ -141,11 +141,11 @@ class MissionNode:
         Args:
             at_once: The run is not canceled but killed.
         """
-        course = self._desk.live
-        if at_once and course is not None:
-            course.submit(Command("e_stop", "operator (interrupt)"), unheard)
+        session = self._commands.live
+        if at_once and session is not None:
+            session.submit(Command("e_stop", "operator (interrupt)"), ignore_reply)
         if not self._lifecycle.change("shutdown"):  # another transition is under way: after it
-            self._desk.when_idle(self._shut_down_now)
+            self._commands.when_idle(self._shut_down_now)
 
     def _shut_down_now(self) -> None:
         self._lifecycle.change("shutdown")
@@ -153,36 +153,36 @@ class MissionNode:
     # -- next to a run ---------------------------------------------------------------------------------------------
 
     def joined(self, setting: RunConfig) -> RunConfig:
-        """A setting whose run travels over the node's connector, is told of by it and can be answered through it."""
+        """A setting whose run travels over the node's connector, is reported by it and can be answered through it."""
         return self._host.joined(setting, self._carrier, on_step=self._followed)
 
     def attend(self, runner: Runner) -> RunSession:
         """Follow a run that is about to begin, by `RunSession.run`."""
-        course = self._host.course = RunSession(runner, self._host.robot)
-        self._desk.attend(course)
-        return course
+        session = self._host.session = RunSession(runner, self._host.robot)
+        self._commands.attend(session)
+        return session
 
     def conclude(self) -> None:
         """The run that was attended is over."""
-        self._desk.ended()
+        self._commands.ended()
         self._lifecycle.change("shutdown")
 
     def _followed(self, step: Step) -> None:
-        course = self._host.course
-        if course is not None:
-            if course.step(step):
-                self._press.changed()
-            self._press.step(step, course.runner.run_id)
-            course.receive(step)
+        session = self._host.session
+        if session is not None:
+            if session.step(step):
+                self._publisher.changed()
+            self._publisher.step(step, session.runner.run_id)
+            session.receive(step)
 
     # -- runs of its own ------------------------------------------------------------------------------------------
 
     def _begin(self, order: Command) -> RunSession:
         return self._host.begin(order, self.joined, self._ended)
 
-    def _ended(self, course: RunSession) -> None:
-        self._desk.ended()
-        self._on_end(course)
+    def _ended(self, session: RunSession) -> None:
+        self._commands.ended()
+        self._on_end(session)
 
     def _ready(self) -> None:
         if self._is_managed:
@@ -210,13 +210,13 @@ class MissionNode:
     def _serve(self) -> None:
         connector, name = self._carrier.connector, self.name
         self._closes += serve_lifecycle(connector, name, self._lifecycle)
-        self._closes += serve_orders(connector, name, self._desk, self._press.reply)
-        self._closes.append(connector.subscribe(name.below("status"), STRING, self._press.heard))
+        self._closes += serve_orders(connector, name, self._commands, self._publisher.reply)
+        self._closes.append(connector.subscribe(name.below("status"), STRING, self._publisher.receive))
         if self._carrier.robots and self._host.follows:
-            self._closes.append(connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", self._host.hear_time))
+            self._closes.append(connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", self._host.follow_time))
         if self._carrier.typed:
-            self._closes += serve_typed_orders(connector, name, self._desk)
+            self._closes += serve_typed_orders(connector, name, self._commands)
             if "actions" in connector.modes and self._is_managed:
-                server = RunServer(self._desk, self._press.reply)
-                self._press.also = server.tell
+                server = RunServer(self._commands, self._publisher.reply)
+                self._publisher.also = server.follow
                 self._closes.append(connector.offer(name.below("run"), f"{PACKAGE}/action/RunMission", server))

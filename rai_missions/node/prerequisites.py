@@ -24,7 +24,7 @@ OUTSIDE = re.compile(r"^(?=\d)|[^A-Za-z0-9_]")
 
 
 class Clients:
-    """The operator, wherever on the graph: a question stands in the status, and an order brings the answer."""
+    """The operator, wherever on the graph: the status shows a question, and an order brings the answer."""
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Nothing to do: the status shows it, and the answer comes as an order."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the node publishes: status, control, steps, transitions, replies, diagnostics.
 
-Rule: what is said is numbered here, under one lock, so that revisions rise in the order in which they are published.
+Rule: each status is numbered here, under one lock, so that revisions rise in the order in which they are published.
 The run's thread only hands over; messages are made on the publisher's.
 """
 
@@ -44,20 +44,26 @@ class StatusPublisher:
     """Publishes for one node.
 
     Args:
-        carrier: What carries it; started by the time that anything is said.
+        carrier: What carries it; started before anything is published.
         name: The node's.
         lifecycle: The label of the node's state, and why its last transition failed.
-        course: The run that was begun last, if any.
+        session: The run that was begun last, if any.
         about: The mission's name and version, as far as they are known.
         robot: The robot's name; empty where there is none.
     """
 
     def __init__(
         self, carrier: Carrier, name: NodeName, *, lifecycle: Callable[[], tuple[str, str]],
-        course: Callable[[], RunSession | None], about: Callable[[], tuple[str, str]],
+        session: Callable[[], RunSession | None], about: Callable[[], tuple[str, str]],
         robot: Callable[[], str] = str,
     ) -> None:  # fmt: skip
-        self._carrier, self._name, self._lifecycle, self._course, self._about = carrier, name, lifecycle, course, about
+        self._carrier, self._name, self._lifecycle, self._session, self._about = (
+            carrier,
+            name,
+            lifecycle,
+            session,
+            about,
+        )
         self._robot = robot
         self._lock = threading.Lock()
         self._last = IDLE
@@ -67,7 +73,7 @@ class StatusPublisher:
         self._outlet = Worker("publisher", limit=LONGEST_QUEUE, keep="newest")
         self.lines = LogLines(self._logger, self.log)
         self.also: Callable[[StatusMessage], None] = lambda _bulletin: None
-        """Told of each bulletin, on the publisher's thread."""
+        """Receives each status, on the publisher's thread."""
 
     @property
     def _logger(self) -> str:
@@ -92,43 +98,43 @@ class StatusPublisher:
         self._outlet.post(lambda: self._carrier.connector.publish(LOG_TOPIC, LOG, line))
 
     def changed(self) -> None:
-        """Something may have changed: say so, if it has."""
+        """Something may have changed: report it, if it has."""
         with self._lock:
             now = self._now()
             if now._replace(questions=()) == self._last._replace(at=0.0, questions=()) and _numbers(now) == _numbers(
                 self._last
             ):
                 return
-            self._last = said = now._replace(revision=self._last.revision + 1, at=time.time())
-            self._outlet.post(lambda: self._say(said))
+            self._last = latest = now._replace(revision=self._last.revision + 1, at=time.time())
+            self._outlet.post(lambda: self._publish_status(latest))
 
     def _now(self) -> StatusMessage:
         """How things are, under the revision of the last bulletin."""
-        course, (mission, version), (label, fault) = self._course(), self._about(), self._lifecycle()
+        session, (mission, version), (label, fault) = self._session(), self._about(), self._lifecycle()
         last = self._last
         bulletin = IDLE._replace(
             revision=last.revision, node=self._name.path, instance=self._instance, mission=mission, version=version,
             lifecycle=label, fault=fault,
         )  # fmt: skip
-        if course is None:
+        if session is None:
             return bulletin
-        status, result = course.status, course.result
+        status, result = session.status, session.result
         return bulletin._replace(
-            run=course.runner.run_id, mode=course.mode, questions=course.questions(),
+            run=session.runner.run_id, mode=session.mode, questions=session.questions(),
             control=status.control if status is not None else last.control,
             active=status.active if status is not None else (),
-            outcome=course.mode if course.is_over else "",
-            waits=status.waits if status is not None and not course.is_over else "",
-            held_by=status.held_by if status is not None and not course.is_over else "",
-            held_since=status.held_since or 0.0 if status is not None and not course.is_over else 0.0,
+            outcome=session.mode if session.is_over else "",
+            waits=status.waits if status is not None and not session.is_over else "",
+            held_by=status.held_by if status is not None and not session.is_over else "",
+            held_since=status.held_since or 0.0 if status is not None and not session.is_over else 0.0,
             open_goals=result.open_goals if result is not None else status.open_goals if status is not None else (),
-            why=course.error or (result.why if result is not None else status.why if status is not None else ""),
+            why=session.error or (result.why if result is not None else status.why if status is not None else ""),
         )  # fmt: skip
 
     def step(self, step: Step, run: str) -> None:
         """A step was made; one that changed nothing is left out."""
         if not (step.ignored and step.event.kind in ("write", "tick", "feedback")):
-            self._outlet.post(lambda: self._say_step(step, run))
+            self._outlet.post(lambda: self._publish_step(step, run))
         for line in lines_of(step, self._logger) if step.effects else ():
             self.log(line)
 
@@ -139,24 +145,24 @@ class StatusPublisher:
         self.changed()
 
     def reply(self, receipt: CommandReply) -> None:
-        """Tell anyone who has ordered something what became of it."""
-        said = text_of({"id": receipt.id, "success": receipt.success, "why": receipt.why})
-        self._outlet.post(lambda: self._publish("reply", STRING, {"data": said}))
+        """Report what became of an order."""
+        text = text_of({"id": receipt.id, "success": receipt.success, "why": receipt.why})
+        self._outlet.post(lambda: self._publish("reply", STRING, {"data": text}))
 
-    def heard(self, message: Message) -> None:
+    def receive(self, message: Message) -> None:
         """A status was published under the node's name; by another, if it is none of ours."""
         try:
-            said = parse_json(str(message.data.get("data", "")).encode("utf-8", "replace"))
+            found = parse_json(str(message.data.get("data", "")).encode("utf-8", "replace"))
         except DefinitionError:
-            said = {}
-        stranger = cut(said.get("instance", ""), 64) if isinstance(said, dict) else ""
+            found = {}
+        stranger = cut(found.get("instance", ""), 64) if isinstance(found, dict) else ""
         if stranger != self._instance and stranger not in self._strangers and len(self._strangers) < 16:
             self._strangers.add(stranger)
             log.warning("another node is called %s too; give one of them another name with --node", self._name.path)
 
     # -- on the publisher's thread --------------------------------------------------------------------------------
 
-    def _say(self, bulletin: StatusMessage) -> None:
+    def _publish_status(self, bulletin: StatusMessage) -> None:
         self._publish("status", STRING, {"data": text_of(bulletin.data())})
         if self._carrier.typed:
             self._publish("mission_status", f"{PACKAGE}/msg/MissionStatus", bulletin.fields())
@@ -166,7 +172,7 @@ class StatusPublisher:
         self.also(bulletin)
         self._diagnose()
 
-    def _say_step(self, step: Step, run: str) -> None:
+    def _publish_step(self, step: Step, run: str) -> None:
         text = step_text(step, run)
         self._publish("step", STRING, {"data": text})
         if self._carrier.typed:
@@ -175,8 +181,8 @@ class StatusPublisher:
     def _diagnose(self) -> None:
         with self._lock:
             bulletin = self._last
-        course = self._course()
-        stale, sources = (course.stale(), course.sources()) if course is not None else ((), {})
+        session = self._session()
+        stale, sources = (session.stale(), session.sources()) if session is not None else ((), {})
         fields = array_of(
             bulletin, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources, robot=self._robot()
         )

@@ -31,12 +31,12 @@ class LogLines(logging.Handler):
 
     Args:
         name: The node's, as ROS names its logger: `farm.tractor`.
-        say: Told the fields of each line; from any thread, and returns at once.
+        on_line: Receives the fields of each line; from any thread, and returns at once.
     """
 
-    def __init__(self, name: str, say: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(self, name: str, on_line: Callable[[dict[str, Any]], None]) -> None:
         super().__init__()
-        self._name, self._say = name, say
+        self._name, self._on_line = name, on_line
 
     def open(self) -> None:
         """Begin."""
@@ -52,12 +52,12 @@ class LogLines(logging.Handler):
         if last is not None and record.levelno >= last.level and not self._has_company():
             last.handle(record)
         if getattr(record, MISSION_LINE, False):
-            return  # the step that it is of says it
+            return  # it is published with its step
         try:
             raised = record.exc_info[1] if record.exc_info else None
             text = cut(record.getMessage() + (f": {type(raised).__name__}: {raised}" if raised else ""), LONGEST)
             place = {"file": Path(record.pathname).name, "function": record.funcName or "", "line": record.lineno}
-            self._say(line_of(self._name, record.levelno, text, record.created) | place)
+            self._on_line(line_of(self._name, record.levelno, text, record.created) | place)
         except Exception:  # noqa: BLE001 - as Python has it: who logs is not disturbed
             self.handleError(record)
 
@@ -71,7 +71,7 @@ def line_of(name: str, level: int, text: str, at: float) -> dict[str, Any]:
 
     Args:
         name: The logger's.
-        level: As Python counts; the next lower of ROS's stands for it.
+        level: As Python counts; the next lower of ROS's is taken.
         text: The line.
         at: Wall time, in seconds since 1970.
     """
@@ -80,7 +80,7 @@ def line_of(name: str, level: int, text: str, at: float) -> dict[str, Any]:
 
 
 def lines_of(step: Step, name: str) -> list[dict[str, Any]]:
-    """What a step of the mission logs and says."""
-    texts = [each.text if isinstance(each, LogLine) else f"says: {each.text}" for each in step.effects
+    """What a step of the mission logs and speaks."""
+    texts = [each.text if isinstance(each, LogLine) else f"speaks: {each.text}" for each in step.effects
              if isinstance(each, LogLine | SayAloud)]  # fmt: skip
     return [line_of(name, logging.INFO, cut(text, LONGEST), time.time()) for text in texts]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs on a node: over its connector, told of by it, answered through it; begun by an order, or by someone else."""
+"""Runs on a node: over its connector, reported by it, answered through it; begun by an order, or by someone else."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ class RunHost:
         self, setting: RunConfig, *, robot: Robot | None, journals: Callable[[], Path] | None, operator: bool
     ) -> None:
         self.setting, self.robot, self._journals, self._is_operator = setting, robot, journals, operator
-        self._heard = HeardClock() if robot is not None and robot.connector.get("sim_time") is True else None
-        self._clock: Clock = self._heard or WallClock()
+        self._simulated = HeardClock() if robot is not None and robot.connector.get("sim_time") is True else None
+        self._clock: Clock = self._simulated or WallClock()
         self._threads: list[threading.Thread] = []
         self.mission: Mission | None = None
         """As it was read last; the setting's until then."""
-        self.course: RunSession | None = None
+        self.session: RunSession | None = None
         """The run that was begun last."""
         self._parameters: Mapping[str, Any] = {}
 
@@ -62,7 +62,7 @@ class RunHost:
         self._parameters = parameters
         if parameters and self.setting.resume is not None:
             names = ", ".join(sorted(parameters))
-            raise UsageError(f"parameters ({names}) cannot be given with --resume: the run goes on as it began")
+            raise UsageError(f"parameters ({names}) cannot be given with --resume: the run continues as it began")
         with suppress(DefinitionError):
             self.arguments()
 
@@ -86,35 +86,35 @@ class RunHost:
 
     @property
     def follows(self) -> bool:
-        """Time is what a simulation says."""
-        return self._heard is not None
+        """Time is what a simulation reports."""
+        return self._simulated is not None
 
-    def hear_time(self, message: Message) -> None:
-        """The simulation has told the time."""
-        if self._heard is not None:
-            said = message.data["clock"]
-            self._heard.hear(said["sec"] + said["nanosec"] / 1e9)
+    def follow_time(self, message: Message) -> None:
+        """The simulation has reported the time."""
+        if self._simulated is not None:
+            clock = message.data["clock"]
+            self._simulated.hear(clock["sec"] + clock["nanosec"] / 1e9)
 
     def joined(self, setting: RunConfig, carrier: Carrier, *, on_step: Callable[[Step], None]) -> RunConfig:
-        """A setting whose run the node carries, tells of and answers for."""
+        """A setting whose run the node carries, reports and answers for."""
         if carrier.robots:
-            self._clock = self._heard or WallClock()
+            self._clock = self._simulated or WallClock()
             setting = replace(setting, connector=carrier.connector, clock=self._clock)
         setting = replace(setting, arguments={**self.arguments(), **setting.arguments})
         if setting.operator is None and self._is_operator:
             setting = replace(setting, operator=Clients())
-        tell_step, tell_status = setting.on_step, setting.on_status
+        on_made, on_status = setting.on_step, setting.on_status
 
         def step(made: Step) -> None:
             on_step(made)
-            if tell_step is not None:
-                tell_step(made)
+            if on_made is not None:
+                on_made(made)
 
         def status(now: Status) -> None:
-            if self.course is not None:
-                self.course.follow(now)  # what it changes is said with its step, which follows at once
-            if tell_status is not None:
-                tell_status(now)
+            if self.session is not None:
+                self.session.follow(now)  # what it changes is published with its step, which follows at once
+            if on_status is not None:
+                on_status(now)
 
         return replace(setting, on_step=step, on_status=status)
 
@@ -126,7 +126,7 @@ class RunHost:
         Args:
             order: Who wants it, with which arguments.
             join: Makes the setting one of the node's.
-            ended: Told when it is over.
+            ended: Called when it is over.
 
         Raises:
             MissionError: It cannot be begun.
@@ -140,11 +140,11 @@ class RunHost:
         except BaseException:
             prepared.close()
             raise
-        course = self.course = RunSession(prepared.runner, prepared.robot)
-        thread = threading.Thread(target=_conduct, args=(prepared, course, ended), name="mission", daemon=True)
+        session = self.session = RunSession(prepared.runner, prepared.robot)
+        thread = threading.Thread(target=_conduct, args=(prepared, session, ended), name="mission", daemon=True)
         self._threads = [each for each in self._threads if each.is_alive()] + [thread]
         thread.start()
-        return course
+        return session
 
     def join(self, within_s: float) -> None:
         """Wait for the runs to end."""
@@ -153,11 +153,11 @@ class RunHost:
                 thread.join(within_s)
 
 
-def _conduct(prepared: PreparedRun, course: RunSession, ended: Callable[[RunSession], None]) -> None:
+def _conduct(prepared: PreparedRun, session: RunSession, ended: Callable[[RunSession], None]) -> None:
     try:
-        course.run()
+        session.run()
     except Exception:
         log.exception("the run breaks off")
     finally:
         prepared.close()
-        ended(course)
+        ended(session)

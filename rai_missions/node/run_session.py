@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One run, the orders that it was given, and what became of each.
 
-Rule: an order is an event in the run's mailbox like any other, and its receipt is what the Step says that took it.
+Rule: an order is an event in the run's mailbox like any other; its receipt is what the Step made of it.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ class Waiting(NamedTuple):
     """An order that the run has yet to take."""
 
     order: Command
-    told: ReplyCallback
+    on_reply: ReplyCallback
     until: float
     """By `time.monotonic`: when it is too late for it."""
 
     def drops(self) -> bool:
-        """Whether it is too late now; then that is told."""
+        """Whether it is too late now; then that is reported."""
         late_s = time.monotonic() - self.until
         if late_s > 0:
-            self.told(overdue(self.order, late_s + GOOD_FOR_S))
+            self.on_reply(overdue(self.order, late_s + GOOD_FOR_S))
         return late_s > 0
 
 
@@ -57,7 +57,7 @@ class RunSession:
 
     Args:
         runner: The run; not begun yet.
-        robot: The profile, which says which events may be posted.
+        robot: The profile, which lists the events that may be posted.
     """
 
     def __init__(self, runner: Runner, robot: Robot | None) -> None:
@@ -89,7 +89,7 @@ class RunSession:
         return threading.current_thread() is self._thread
 
     def questions(self) -> tuple[OpenQuestion, ...]:
-        """What is asked now, the oldest first, with the time left; it stands still in a pause, and while it is held."""
+        """What is asked now, the oldest first, with the time left, which stops in a pause and while it is held."""
         with self._lock:
             asked = () if self.is_over else tuple(self._asked.values())
         return tuple(OpenQuestion(question, max(0.0, question.until - self._now_for(question))) for question in asked)
@@ -105,8 +105,8 @@ class RunSession:
             return ()
         now, board = self.runner.view.now(), self.runner.view.board
         keys = [(name, key) for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
-        heard = [(name, key, board.get(name)) for name, key in keys]
-        return tuple(name for name, key, entry in heard if entry is not None and stale_at(key, entry) <= now)
+        known = [(name, key, board.get(name)) for name, key in keys]
+        return tuple(name for name, key, entry in known if entry is not None and stale_at(key, entry) <= now)
 
     def sources(self) -> Mapping[str, SourceState]:
         """The robot's keys → what is known of the readings of their sources."""
@@ -117,40 +117,40 @@ class RunSession:
 
     @property
     def is_locked(self) -> bool:
-        """It is over and left control with nobody: the next may begin once an operator has taken it.
+        """It is over and no one has control since: the next may begin once an operator has taken it.
 
-        Where the robot says who holds control, it says so to the next run as well, and nothing is kept here.
+        Where the robot reports who holds control, it does so to the next run as well, and nothing is kept here.
         """
-        is_told = self._robot is not None and self._robot.holder is not None
-        return self.is_over and not is_told and self.status is not None and self.status.control == "nobody"
+        is_reported = self._robot is not None and self._robot.holder is not None
+        return self.is_over and not is_reported and self.status is not None and self.status.control == "nobody"
 
     def unlock(self, order: Command) -> CommandReply:
-        """An operator takes the control that the run has left with nobody."""
+        """An operator takes the control that no one has had since the run."""
         if order.to != "operator" or not is_operator(_controller(order.by)):
-            return CommandReply(False, "control is with nobody since the stop; an operator takes it first", order.id)
+            return CommandReply(False, "control is with 'nobody' since the stop; an operator takes it first", order.id)
         if self.status is not None:
             self.status = self.status._replace(control="operator")
         return CommandReply(True, "", order.id)
 
     # -- orders ---------------------------------------------------------------------------------------------------
 
-    def submit(self, order: Command, told: ReplyCallback) -> None:
-        """Give the run an order; `told` hears once what became of it, from any thread."""
-        why, told = self._refuses(order), _harmless(told)
+    def submit(self, order: Command, on_reply: ReplyCallback) -> None:
+        """Give the run an order; `on_reply` receives once what became of it, from any thread."""
+        why, on_reply = self._refuses(order), _harmless(on_reply)
         if why:
-            told(CommandReply(False, why, order.id))
+            on_reply(CommandReply(False, why, order.id))
         else:
-            self._post(order, told)
+            self._post(order, on_reply)
 
-    def _post(self, order: Command, told: ReplyCallback) -> None:
+    def _post(self, order: Command, on_reply: ReplyCallback) -> None:
         request = uuid.uuid4().hex[:12]
         with self._lock:
             is_over, is_full = self.is_over, len(self._waiting) >= MOST_WAITING and order.command != "e_stop"
             if not is_over and not is_full:
                 until = math.inf if lasts(order) else time.monotonic() + GOOD_FOR_S
-                self._waiting[request] = Waiting(order, told, until)
+                self._waiting[request] = Waiting(order, on_reply, until)
         if is_over or is_full:
-            told(CommandReply(False, OVER if is_over else "too many orders wait already; ask again", order.id))
+            on_reply(CommandReply(False, OVER if is_over else "too many orders wait already; ask again", order.id))
         elif order.command == "e_stop":
             self.runner.post_urgent(self._event(order, request))
         elif order.command == "control":
@@ -159,14 +159,14 @@ class RunSession:
             self.runner.post(self._event(order, request))
 
     def _hand_over(self, request: str) -> None:
-        """Ask for control as somebody has ordered, on the run's thread."""
+        """Ask for control as an order wants it, on the run's thread."""
         waiting = self._waiting.pop(request, None)
         if waiting is not None and not waiting.drops():
             why = self.runner.control(waiting.order.to, _controller(waiting.order.by))
-            waiting.told(CommandReply(not why, why, waiting.order.id))
+            waiting.on_reply(CommandReply(not why, why, waiting.order.id))
 
     def is_overdue(self, event: Event) -> bool:
-        """An order that the run takes too late is dropped, and that is told."""
+        """An order that the run takes too late is dropped, and that is reported."""
         request = _request(event) if self._waiting else ""
         waiting = self._waiting.get(request)
         if waiting is None or not waiting.drops():
@@ -175,18 +175,18 @@ class RunSession:
         return True
 
     def _event(self, order: Command, request: str) -> Event:
-        at, said = self.runner.view.now(), {"by": order.by, "request": request}
+        at, origin = self.runner.view.now(), {"by": order.by, "request": request}
         if order.command == "answer":
             answer = {"option": order.option, "parameters": dict(order.parameters)}
-            return Event("operator", at, answer | said, "proposal", order.question)
+            return Event("operator", at, answer | origin, "proposal", order.question)
         if order.command == "post":
-            return Event(order.event, at, dict(order.data) | said)
-        return Event(COMMANDS[order.command], at, said, "command")
+            return Event(order.event, at, dict(order.data) | origin)
+        return Event(COMMANDS[order.command], at, origin, "command")
 
     def _refuses(self, order: Command) -> str:
         """Why an order is not put to the engine at all."""
         if order.command == "control" and order.to not in HOLDERS:
-            return f"nobody called '{cut(order.to, 60)}' can hold control{suggestion(order.to, HOLDERS)}"
+            return f"no one called '{cut(order.to, 60)}' can hold control{suggestion(order.to, HOLDERS)}"
         if order.command == "control":
             return self.runner.view.refuses_control(order.to, _controller(order.by))
         if order.command == "post":
@@ -212,7 +212,7 @@ class RunSession:
     # -- the run --------------------------------------------------------------------------------------------------
 
     def run(self, by: Callable[[], Result] | None = None) -> Result:
-        """Run to the end on this thread, by whoever else has the run in hand; what is raised is raised on."""
+        """Run to the end on this thread, by `by` where another object has the run in hand; raises what that raises."""
         self._thread = threading.current_thread()
         try:
             self.result = by() if by is not None else self.runner.run()
@@ -234,10 +234,10 @@ class RunSession:
         return self._follow_questions(step) or is_news
 
     def receive(self, step: Step) -> None:
-        """Tell whoever has ordered what this step did."""
+        """Report to the client of an order what this step did."""
         waiting = self._waiting.pop(_request(step.event), None) if self._waiting else None
         if waiting is not None:
-            waiting.told(_receipt(waiting.order, step))
+            waiting.on_reply(_receipt(waiting.order, step))
 
     def _follow_questions(self, step: Step) -> bool:
         if not self._asked and not any(isinstance(effect, Ask) for effect in step.effects):
@@ -252,19 +252,19 @@ class RunSession:
             self.is_over = True
             left, self._waiting = tuple(self._waiting.values()), {}
         for each in left:
-            each.told(CommandReply(False, OVER, each.order.id))
+            each.on_reply(CommandReply(False, OVER, each.order.id))
 
 
-def _harmless(told: ReplyCallback) -> ReplyCallback:
-    """Whoever cannot be told any more, by a connection that is gone, does no harm to the run."""
+def _harmless(on_reply: ReplyCallback) -> ReplyCallback:
+    """A client that cannot be reached any more, by a connection that is gone, does no harm to the run."""
 
-    def tell(receipt: CommandReply) -> None:
+    def reply(receipt: CommandReply) -> None:
         try:
-            told(receipt)
+            on_reply(receipt)
         except Exception:
-            log.exception("what became of order '%s' could not be told", receipt.id)
+            log.exception("what became of order '%s' could not be reported", receipt.id)
 
-    return tell
+    return reply
 
 
 def _request(event: Event) -> str:
@@ -274,7 +274,7 @@ def _request(event: Event) -> str:
 
 
 def _controller(by: str) -> str:
-    """As whom somebody asks for control: one of those who can hold it, else as the operator."""
+    """As whom a client asks for control: one of those who can hold it, else as the operator."""
     return by if by in HOLDERS or is_operator(by) else f"operator ({by})"
 
 
@@ -294,7 +294,7 @@ def _receipt(order: Command, step: Step) -> CommandReply:
 
 
 def _asks(written: Any) -> Iterator[Any]:
-    """Whom the decisions in a state ask, wherever in it they stand."""
+    """Whom the decisions in a state ask, wherever in it they are."""
     if isinstance(written, Mapping):
         if "question" in written:
             yield written.get("ask", ("agent", "operator", "rules"))

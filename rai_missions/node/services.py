@@ -20,37 +20,37 @@ PLAIN = ("start", "pause", "resume", "cancel", "e_stop")
 
 
 def serve_orders(
-    connector: Connector, name: NodeName, desk: CommandServer, reply: Callable[[CommandReply], None]
+    connector: Connector, name: NodeName, commands: CommandServer, reply: Callable[[CommandReply], None]
 ) -> list[Close]:
     """Serve `~/start`, `~/pause`, `~/resume`, `~/cancel` and `~/e_stop`, and listen to `~/command`.
 
     Args:
         connector: Started.
         name: The node's.
-        desk: Takes the orders.
+        commands: Takes the orders.
         reply: Publishes what became of a command.
     """
 
-    def heard(message: Message) -> None:
+    def receive(message: Message) -> None:
         order = read_order(message.data.get("data"))
         if isinstance(order, CommandReply):
             reply(order)
         else:
-            desk.submit(order, reply)
+            commands.submit(order, reply)
 
-    triggers = [connector.serve(name.below(word), TRIGGER, _trigger(desk, word)) for word in PLAIN]
-    return [*triggers, connector.subscribe(name.below("command"), STRING, heard)]
-
-
-def _trigger(desk: CommandServer, word: str) -> Callable[[Data], Data]:
-    return lambda _request: _answered(desk.ask(Command(word, by=f"operator (~/{word})")))
+    triggers = [connector.serve(name.below(word), TRIGGER, _trigger(commands, word)) for word in PLAIN]
+    return [*triggers, connector.subscribe(name.below("command"), STRING, receive)]
 
 
-def serve_typed_orders(connector: Connector, name: NodeName, desk: CommandServer) -> list[Close]:
+def _trigger(commands: CommandServer, word: str) -> Callable[[Data], Data]:
+    return lambda _request: _answered(commands.ask(Command(word, by=f"operator (~/{word})")))
+
+
+def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandServer) -> list[Close]:
     """Serve `~/set_control`, `~/answer` and `~/post`, in the types of `rai_missions_msgs`."""
 
     def control(request: Data) -> Data:
-        return _answered(desk.ask(Command("control", who(request.get("by")), to=str(request.get("to", "")))))
+        return _answered(commands.ask(Command("control", who(request.get("by")), to=str(request.get("to", "")))))
 
     def answer(request: Data) -> Data:
         given = mapping_in(request.get("parameters", ""), "parameters")
@@ -58,14 +58,14 @@ def serve_typed_orders(connector: Connector, name: NodeName, desk: CommandServer
             return _answered(CommandReply(False, given))
         number, option = int(request.get("number", 0)), str(request.get("option", ""))
         order = Command("answer", who(request.get("by")), question=number, option=option, parameters=given)
-        return _answered(desk.ask(order))
+        return _answered(commands.ask(order))
 
     def post(request: Data) -> Data:
         given = mapping_in(request.get("data", ""), "data")
         if isinstance(given, str):
             return _answered(CommandReply(False, given))
         return _answered(
-            desk.ask(Command("post", who(request.get("by")), event=str(request.get("event", "")), data=given))
+            commands.ask(Command("post", who(request.get("by")), event=str(request.get("event", "")), data=given))
         )
 
     served: list[tuple[str, str, Callable[[Data], Data]]] = [

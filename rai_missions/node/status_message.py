@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the node says of its mission: one value with a revision, as JSON and as the fields of `MissionStatus`."""
+"""What the node reports of its mission: one value with a revision, as JSON and as the fields of `MissionStatus`."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class StatusMessage(NamedTuple):
     revision: int
     node: str
     instance: str
-    """Which process says so; another one under the same name is a stranger."""
+    """Which process reports it; another one under the same name is a stranger."""
     lifecycle: str
     mission: str
     version: str
@@ -69,7 +69,7 @@ class StatusMessage(NamedTuple):
     active: tuple[str, ...] = ()
     questions: tuple[OpenQuestion, ...] = ()
     outcome: str = ""
-    """Said once the run is over, every goal's end included: another may be begun."""
+    """Set once the run is over, every goal's end included: another may be begun."""
     why: str = ""
     waits: str = ""
     """Which states wait for someone to have control."""
@@ -111,9 +111,15 @@ def step_text(step: Step, run: str) -> str:
 
 def step_fields(step: Step, run: str, text: str) -> dict[str, Any]:
     """A step as `rai_missions_msgs/msg/Step`."""
-    fields = step_json(step, without=("event", "taken", "guards", "effects", "verdicts"))
-    more = {"run": run, "event": step.event.name, "kind": step.event.kind, "notes": list(step.notes), "json": text}
-    return fields | more
+    fields = step_json(step, without=("event", "taken", "guards", "effects", "verdicts", "notes"))
+    verdicts = [each._asdict() | {"why": cut(each.why, CUT)} for each in step.verdicts]
+    for verdict in verdicts:
+        del verdict["note"]  # which of the step's notes has it in words: those are not sent
+    return fields | {
+        "run": run, "event": step.event.name, "kind": step.event.kind, "mode": step.mode or "",
+        "holder": step.holder or "", "verdicts": verdicts, "refusal": step.refusal, "kept": step.kept,
+        "remarks": list(step.remarks), "json": text,
+    }  # fmt: skip
 
 
 def text_of(data: Mapping[str, Any]) -> str:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which connector carries a node: the robot's own, or, where that ends in this process, one to ROS 2.
 
-Rule: what must be known before a connector opens is told to it here: names, arguments, topics that are latched.
+Rule: what must be known before a connector opens is passed to it here: names, arguments, topics that are latched.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ def name_of(given: str, mission: str, robot: Robot | None, ros_arguments: Sequen
         UsageError: ROS takes no node of that name.
     """
     is_remote = robot is not None and connector_offer(str(robot.connector["kind"])) is not None
-    said = robot.connector if robot is not None and is_remote else {}
-    name = given or str(said.get("node") or "") or mission
-    return node_name(name, namespace=str(said.get("namespace") or ""), ros_arguments=ros_arguments)
+    options = robot.connector if robot is not None and is_remote else {}
+    name = given or str(options.get("node") or "") or mission
+    return node_name(name, namespace=str(options.get("namespace") or ""), ros_arguments=ros_arguments)
 
 
 def open_carrier(

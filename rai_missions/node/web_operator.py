@@ -15,7 +15,7 @@ from rai_missions.node.command import Command, CommandReply, read_order
 from rai_missions.node.run_session import RunSession
 from rai_missions.redaction import cut
 
-__all__ = ("PageDesk", "PageOperator")
+__all__ = ("WebCommands", "WebOperator")
 
 ACTS = ("pause", "resume", "cancel", "e_stop", "control", "answer")
 PAGE = "operator (page)"
@@ -27,31 +27,31 @@ class ReplyCallback(Protocol):
     def __call__(self, success: bool, why: str) -> None: ...
 
 
-class PageDesk:
+class WebCommands:
     """Carries a page's orders to a run.
 
     Args:
-        course: The run.
+        session: The run.
         answers: Whether the page may answer as the operator.
         note: Writes into the run's journal.
     """
 
-    def __init__(self, course: RunSession, *, answers: bool, note: Callable[[str], object]) -> None:
-        self._course, self._answers, self._note = course, answers, note
+    def __init__(self, session: RunSession, *, answers: bool, note: Callable[[str], object]) -> None:
+        self._session, self._answers, self._note = session, answers, note
 
-    def submit(self, text: str, told: ReplyCallback) -> None:
+    def submit(self, text: str, on_reply: ReplyCallback) -> None:
         """Take an order, as JSON that anybody may have written; never waits."""
         order = read_order(text)
         if isinstance(order, CommandReply):
-            told(False, order.why)
+            on_reply(False, order.why)
             return
         order = replace_by(order)
         why = self._refuses(order)
         if why:
-            self._tell(order, told, CommandReply(False, why), heard=False)
+            self._reply(order, on_reply, CommandReply(False, why), has_arrived=False)
         else:
-            self._course.submit(
-                order, lambda receipt: self._tell(order, told, receipt, heard=_is_heard(order, receipt))
+            self._session.submit(
+                order, lambda receipt: self._reply(order, on_reply, receipt, has_arrived=_has_arrived(order, receipt))
             )
 
     def _refuses(self, order: Command) -> str:
@@ -60,8 +60,8 @@ class PageDesk:
         if order.command != "answer":
             return ""
         if not self._answers:
-            return "nobody answers as the operator in this run; it was begun with --no-operator"
-        open_ = {each.question.number: each.question for each in self._course.questions()}
+            return "no one answers as the operator in this run; it was begun with --no-operator"
+        open_ = {each.question.number: each.question for each in self._session.questions()}
         question = open_.get(order.question)
         if question is None:
             return f"question {order.question} is not open; open: {', '.join(map(str, open_)) or 'none'}"
@@ -69,29 +69,29 @@ class PageDesk:
             return f"question {order.question} is not for the operator; {question.asked} is asked"
         return ""
 
-    def _tell(self, order: Command, told: ReplyCallback, receipt: CommandReply, *, heard: bool) -> None:
-        """What the engine has received is in the journal with what it said; the rest is noted here."""
-        if not receipt.success and not heard:
+    def _reply(self, order: Command, on_reply: ReplyCallback, receipt: CommandReply, *, has_arrived: bool) -> None:
+        """What the engine has received is in the journal with its answer; the rest is noted here."""
+        if not receipt.success and not has_arrived:
             what = f"{order.command} {order.to or order.option}".strip()
             try:
                 self._note(f"refused: {cut(what, 100)} by {order.by}: {cut(receipt.why, 300)}")
             except Exception:  # noqa: BLE001 - the engine itself finds out that the journal is lost
                 pass
-        told(receipt.success, receipt.why)
+        on_reply(receipt.success, receipt.why)
 
 
-def _is_heard(order: Command, receipt: CommandReply) -> bool:
+def _has_arrived(order: Command, receipt: CommandReply) -> bool:
     """The engine has taken it as an event."""
     return order.command != "control" and not receipt.dropped
 
 
 def replace_by(order: Command) -> Command:
-    """Anyone who comes by the page is the operator, whatever else is said."""
+    """Anyone who comes by the page is the operator, whatever the name."""
     is_fine = order.by == "operator" or order.by.startswith("operator ")
     return order._replace(by=PAGE if order.by == "operator" else order.by if is_fine else f"operator {order.by} (page)")
 
 
-class PageOperator:
+class WebOperator:
     """Holds a question open for the page, and for the terminal too where there is one; the first answer counts.
 
     Args:
@@ -107,11 +107,11 @@ class PageOperator:
         if self._terminal is None:
             return
 
-        def said(data: Mapping[str, Any]) -> None:
+        def receive(data: Mapping[str, Any]) -> None:
             if "option" in data or not self._watched():
                 answer(data)
 
-        self._terminal.ask(question, said)
+        self._terminal.ask(question, receive)
 
     def withdraw(self, number: int) -> None:
         """It was answered here or there, or is no longer asked."""

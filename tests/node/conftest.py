@@ -12,13 +12,13 @@ from rai_missions.agents.mission import RunConfig
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.node import MissionNode
 from rai_missions.node.transport import Carrier
-from tests.node.scenes import Client, StandIn, mission, robot
+from tests.node.scenes import Client, FakeRobot, mission, robot
 
 
 class Scene(NamedTuple):
     node: MissionNode
     client: Client
-    robot: StandIn
+    robot: FakeRobot
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def open_scene() -> Iterator[Callable[..., Scene]]:
         setting = RunConfig(words.pop("mission", mission()), profile, answerers=words.pop("answerers", {}))
         node = MissionNode(setting, name, carrier=Carrier(connector, True, typed), **words)
         opened.append((node, connector))
-        scene = Scene(node, Client(connector, node.name.path), StandIn(connector))
+        scene = Scene(node, Client(connector, node.name.path), FakeRobot(connector))
         node.run()
         return scene
 

@@ -13,7 +13,7 @@ from rai_missions.connectors.contract import Inbox
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 
-__all__ = ("Client", "StandIn", "mission", "robot")
+__all__ = ("Client", "FakeRobot", "mission", "robot")
 
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
 PATIENCE_S = 30.0
@@ -55,7 +55,7 @@ def robot(connector: Mapping[str, Any], below: str = "/robot") -> Robot:
     """Three services' worth of a robot."""
     return Robot.model_validate(
         {
-            "name": "stand-in", "connector": dict(connector),
+            "name": "fake", "connector": dict(connector),
             "blackboard": {"there": {"topic": f"{below}/there", "type": "std_msgs/msg/Bool"}},
             "events": {name: {"posted": True} for name in ("go", "ask", "guess")}
             | {"unlisted": {"topic": f"{below}/unlisted", "type": "std_msgs/msg/Empty"}},
@@ -69,7 +69,7 @@ def robot(connector: Mapping[str, Any], below: str = "/robot") -> Robot:
     )  # fmt: skip
 
 
-class StandIn:
+class FakeRobot:
     """The robot: reports what it was asked to do, and arrives when it is asked to."""
 
     def __init__(self, connector: Connector, below: str = "/robot") -> None:

@@ -28,7 +28,7 @@ NAMES = {
 }
 
 
-class Said:
+class LaunchPart:
     """What was reported to a constructor."""
 
     def __init__(self, *given: Any, **words: Any) -> None:
@@ -36,23 +36,23 @@ class Said:
 
 
 @pytest.fixture
-def described(monkeypatch: pytest.MonkeyPatch) -> list[Said]:
+def described(monkeypatch: pytest.MonkeyPatch) -> list[LaunchPart]:
     """The entries of the launch description."""
     for module, names in NAMES.items():
-        stand_in = ModuleType(module)
-        vars(stand_in).update({name: type(name, (Said,), {}) for name in names})
-        monkeypatch.setitem(sys.modules, module, stand_in)
+        fake_robot = ModuleType(module)
+        vars(fake_robot).update({name: type(name, (LaunchPart,), {}) for name in names})
+        monkeypatch.setitem(sys.modules, module, fake_robot)
     description = runpy.run_path(str(FILE))["generate_launch_description"]()
     return list(description.given[0])
 
 
-def test_the_command_lines_that_it_makes_are_understood(described: list[Said]) -> None:
+def test_the_command_lines_that_it_makes_are_understood(described: list[LaunchPart]) -> None:
     defaults = {each.given[0]: each.words["default_value"] for each in described if "default_value" in each.words}
     nodes = [each for each in described if "arguments" in each.words]
     assert len(nodes) == 2
 
     def text(part: Any) -> str:
-        if isinstance(part, Said):
+        if isinstance(part, LaunchPart):
             return str(defaults[part.given[0]])
         return "".join(map(text, part)) if isinstance(part, list) else str(part)
 

@@ -14,7 +14,7 @@ from rai_missions.connectors.mqtt import open_connector
 from rai_missions.errors import UsageError
 from rai_missions.node import MissionNode
 from tests.connectors.test_mqtt import Broker, needs_broker
-from tests.node.scenes import Client, StandIn, mission, robot
+from tests.node.scenes import Client, FakeRobot, mission, robot
 from tests.node.test_node import revisions_rise
 
 
@@ -31,7 +31,7 @@ def test_a_client_runs_the_mission_over_mqtt(broker: Broker) -> None:
     connector = open_connector({"port": broker.port})
     connector.start()
     setting = RunConfig(mission(), robot({"kind": "mqtt", "port": broker.port}))
-    node, client, stand_in = MissionNode(setting), Client(connector, "/errand"), StandIn(connector)
+    node, client, fake_robot = MissionNode(setting), Client(connector, "/errand"), FakeRobot(connector)
     try:
         node.run()
         with pytest.raises(UsageError, match="another node is called /errand already"):
@@ -39,8 +39,8 @@ def test_a_client_runs_the_mission_over_mqtt(broker: Broker) -> None:
         client.activate()
         client.start()
         assert client.command(command="post", event="go")["success"]
-        stand_in.asked.wait(lambda asked: asked == ["move"], "the robot moves")
-        stand_in.arrive()
+        fake_robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+        fake_robot.arrive()
         client.await_status("it is over", outcome="succeeded")
         revisions_rise(client)
     finally:

@@ -43,7 +43,7 @@ def obeys(client: Client, orders: list[str]) -> None:
     for order in orders:
         reported = client.call(order) if order != "control" else client.command(command="control", to="operator")
         assert reported["success"] is (order in ALLOWED[mode]), (mode, order, reported)
-        assert reported["success"] or reported.get("message") or reported["why"], f"a refused '{order}' says why"
+        assert reported["success"] or reported.get("message") or reported["why"], f"a refused '{order}' states why"
         mode = ALLOWED[mode].get(order, mode)
         if reported["success"] and order in ("cancel", "e_stop"):
             client.await_status("it is over", outcome="canceled" if order == "cancel" else "aborted")
@@ -99,7 +99,7 @@ def test_a_node_without_a_name_has_its_mission_s_and_else_its_file_s(
     path.write_text(text or dump(mission()))
     scene = open_scene("", mission=path)
     assert scene.node.name.path == called
-    scene.client.await_status("it says whose node it is", mission="" if text else "errand")
+    scene.client.await_status("it reports whose node it is", mission="" if text else "errand")
 
 
 def test_a_node_does_nothing_before_it_is_configured_and_activated(scene: Scene) -> None:
@@ -157,9 +157,9 @@ def test_after_an_emergency_stop_nothing_begins_until_an_operator_has_taken_cont
     scene.client.start()
     assert scene.client.call("e_stop")["success"]
     scene.client.await_status("it is over", outcome="aborted", control="nobody")
-    assert scene.client.call("start")["message"].startswith("control is with nobody since the stop")
+    assert scene.client.call("start")["message"].startswith('control is with "nobody" since the stop')
     for by, to in (("agent", "operator"), ("nobody", "operator"), ("Ann", "autonomy")):
-        assert "nobody since the stop" in scene.client.command(command="control", to=to, by=by)["why"]
+        assert 'control is with "nobody" since the stop' in scene.client.command(command="control", to=to, by=by)["why"]
     assert not scene.client.call("start")["success"]
     assert scene.client.command(command="control", to="operator", by="Ann")["success"]
     scene.client.await_status("the operator has it", control="operator")
@@ -180,7 +180,7 @@ def test_shutting_down_cancels_the_mission_and_finalizes_the_node(scene: Scene) 
     assert scene.client.change("shutdown")
     scene.client.await_status("it is finalized", lifecycle="finalized", outcome="canceled")
     assert scene.node.wait(30) and not scene.client.change("configure")
-    labels = [label for label, _ in scene.client.moves.wait(lambda all_: len(all_) == 6, "every move is told")]
+    labels = [label for label, _ in scene.client.moves.wait(lambda all_: len(all_) == 6, "every move is reported")]
     assert labels == [
         "configure",
         "transition_success",
@@ -211,7 +211,7 @@ def test_an_error_that_no_one_foresaw_goes_through_errorprocessing(
     caplog.set_level(logging.CRITICAL + 1)
     monkeypatch.setattr("rai_missions.node.node.readied", lambda _setting: 1 / 0)
     assert not scene.client.change("configure")
-    ways = scene.client.moves.wait(lambda all_: len(all_) == 3, "every move is told")
+    ways = scene.client.moves.wait(lambda all_: len(all_) == 3, "every move is reported")
     assert ways == [
         ("configure", "configuring"), ("transition_error", "errorprocessing"), ("transition_success", "unconfigured"),
     ]  # fmt: skip
@@ -280,7 +280,7 @@ def test_control_is_asked_for_by_its_rules(scene: Scene) -> None:
     reported = scene.client.command(command="control", to="autonomy", by="autonomy")
     assert reported["why"] == "the operator has control and has not given it back"
     reported = scene.client.command(command="control", to="pilot")
-    assert reported["why"] == "nobody called 'pilot' can hold control; there is: agent, autonomy, nobody, operator"
+    assert reported["why"] == "no one called 'pilot' can hold control; there is: agent, autonomy, nobody, operator"
     assert scene.client.command(command="control", to="autonomy", by="Ann")["success"]
     scene.client.holders.wait(lambda all_: all_[-1] == "autonomy", "it is given back")
 
@@ -396,16 +396,16 @@ def test_orders_that_a_busy_run_takes_too_late_are_dropped_but_those_that_end_it
 ) -> None:
     is_free = kept_busy(scene)
     monkeypatch.setattr("rai_missions.node.run_session.GOOD_FOR_S", -1.0)  # as if it had been busy for longer
-    course, reported = scene.node.course, Inbox[CommandReply]()
+    course, reported = scene.node.session, Inbox[CommandReply]()
     assert course is not None
     orders = (Command("pause", id="a"), Command("control", to="operator", id="b"), Command("control", to="nobody", id="c"),  # noqa: E501
               Command("post", event="ask", id="d"), Command("cancel", id="e"))  # fmt: skip
     for order in orders:
         course.submit(order, reported)
     is_free.set()
-    receipts = {each.id: each for each in reported.wait(lambda all_: len(all_) == len(orders), "each is told its fate")}
+    receipts = {each.id: each for each in reported.wait(lambda all_: len(all_) == len(orders), "each has a reply")}
     assert {name: each.dropped for name, each in receipts.items()} == dict(zip("abcde", (1, 1, 0, 0, 0), strict=True))
-    assert "did not get to it for" in receipts["a"].why and "give it anew" in receipts["a"].why
+    assert "did not get to it for" in receipts["a"].why and "give it again" in receipts["a"].why
     assert receipts["c"].success and receipts["e"].success
     scene.client.await_status("it is canceled", outcome="canceled")
     assert not any("paused" in step.get("notes", ()) for step in scene.client.steps.all)

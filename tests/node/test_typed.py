@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +15,7 @@ from tests.node.conftest import Scene
 from tests.node.scenes import mission
 
 RUN = "rai_missions_msgs/action/RunMission"
+MESSAGES = Path(__file__).parents[2] / "interfaces/rai_missions_msgs/msg"
 
 
 @pytest.fixture
@@ -38,7 +41,7 @@ def test_a_goal_runs_the_mission_and_its_result_reports_how_it_ended(scene: Scen
     scene.client.await_status("it runs", mode="running")
     assert scene.client.call("post", "rai_missions_msgs/srv/Post", event="go", data="{}", by="Ann")["success"]
     scene.robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
-    reports.wait(lambda all_: all_[-1].data.get("state") == ["moving"], "the feedback tells so")
+    reports.wait(lambda all_: all_[-1].data.get("state") == ["moving"], "the feedback reports it")
     scene.robot.arrive()
     reported = reports.wait(ended, "the goal ends")
     assert reported[0].status == "accepted" and reported[-1].status == "succeeded"
@@ -117,7 +120,7 @@ def test_a_second_goal_is_rejected_while_a_mission_runs(scene: Scene) -> None:
     send(scene)
     scene.client.await_status("it runs", mode="running")
     assert send(scene, "g2").wait(ended, "it is rejected")[-1].status == "rejected"
-    scene.client.await_status("the first goes on", mode="running")
+    scene.client.await_status("the first continues", mode="running")
 
 
 def test_questions_are_answered_by_a_service(scene: Scene) -> None:
@@ -140,3 +143,23 @@ def test_control_is_asked_for_by_a_service(scene: Scene) -> None:
     scene.client.holders.wait(lambda all_: all_[-1] == "operator", "the operator holds control")
     reported = scene.client.call("set_control", "rai_missions_msgs/srv/Control", to="agent", by="agent")
     assert not reported["success"] and reported["message"]
+
+
+def fields_of(message: str) -> set[str]:
+    """The names of the fields in a definition."""
+    text = (MESSAGES / f"{message}.msg").read_text(encoding="utf-8")
+    return set(re.findall(r"^[\w/\[\]]+ (\w+)$", text, re.MULTILINE))
+
+
+def test_a_step_has_the_fields_of_its_definition_and_verdict_mode_holder_and_refusal_in_them(scene: Scene) -> None:
+    received: Inbox[Message] = Inbox(30.0)
+    scene.client.connector.subscribe("/errand/mission_step", "rai_missions_msgs/msg/Step", received)
+    scene.client.start()
+    scene.client.command(command="post", event="ask")
+    scene.client.command(command="answer", question=1, option="left", by="Ann")
+    step = received.wait(lambda all_: bool(all_) and bool(all_[-1].data["outcome"]), "it ends")[-1].data
+    (verdict,) = step["verdicts"]
+    assert (step.keys(), verdict.keys()) == (fields_of("Step"), fields_of("Verdict"))
+    assert (verdict["accepted"], verdict["kind"], verdict["number"], verdict["option"]) == (True, "proposal", 1, "left")
+    assert (step["mode"], step["holder"], step["refusal"], step["kept"]) == ("aborted", "autonomy", "", False)
+    assert step["remarks"] == []

@@ -31,7 +31,7 @@ PROFILE: dict[str, Any] = {
             "type": TRIGGER,
             "every_s": 0.2,
             "when": {"key": "message", "==": "STOPPED"},
-            "fields": {"said": "message"},
+            "fields": {"reported": "message"},
         },
         "go": {"posted": True},
     },
@@ -68,7 +68,7 @@ MISSION: dict[str, Any] = {
         "obstacle": {"type": "object", "source": "robot", "optional": True},
         "pose": {"type": "pose", "source": "robot"},
     },
-    "events": {"anomaly": {"fields": {"said": "string"}}, "go": {}, "tired": {}},
+    "events": {"anomaly": {"fields": {"reported": "string"}}, "go": {}, "tired": {}},
     "initial": "driving",
     "states": {
         "driving": {

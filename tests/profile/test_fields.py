@@ -73,21 +73,21 @@ def test_all_faults_are_reported_at_once_and_those_of_events_too() -> None:
             "other": {"topic": "/o", "type": "not/msg/Here", "field": "x"},
         },
         events={
-            "said": {
+            "reported": {
                 "topic": "/s",
                 "type": "s/msg/String",
                 "when": {"any": [{"key": "dada", "==": "GO"}, {"key": "data", "==": {"key": "date"}}]},
                 "fields": {"word": "data", "other": "word"},
             },
-            "told": {"topic": "/s", "type": "s/msg/String", "json": True, "when": {"key": "mode", "==": "GO"}},
+            "parsed": {"topic": "/s", "type": "s/msg/String", "json": True, "when": {"key": "mode", "==": "GO"}},
         },
     )
     assert [each.partition(";")[0] for each in found] == [
         "/blackboard/battery/field: a s/msg/Battery has no field 'percent' (did you mean 'percentage'?)",
         "/blackboard/place/field: a s/srv/Ask has no field 'y' in 'poses.0.position'",
-        "/events/said/when: a s/msg/String has no field 'dada' (did you mean 'data'?)",
-        "/events/said/when: a s/msg/String has no field 'date' (did you mean 'data'?)",
-        "/events/said/fields/other: a s/msg/String has no field 'word'",
+        "/events/reported/when: a s/msg/String has no field 'dada' (did you mean 'data'?)",
+        "/events/reported/when: a s/msg/String has no field 'date' (did you mean 'data'?)",
+        "/events/reported/fields/other: a s/msg/String has no field 'word'",
     ]
 
 
@@ -123,7 +123,7 @@ def test_a_message_without_the_field_is_reported_once_and_one_that_leaves_it_ope
         {
             "name": "r",
             "blackboard": battery("percent") | {"open": {"topic": "/open", "type": "s/msg/Battery", "field": "level"}},
-            "events": {"said": {"topic": "/s", "type": "s/msg/String", "when": {"key": "dada", "==": "GO"}}},
+            "events": {"reported": {"topic": "/s", "type": "s/msg/String", "when": {"key": "dada", "==": "GO"}}},
         }
     )
     connector, mailbox, received = LocalConnector(), Mailbox(), list[Event]()
@@ -142,5 +142,5 @@ def test_a_message_without_the_field_is_reported_once_and_one_that_leaves_it_ope
     assert received == []
     assert [each.getMessage() for each in caplog.records] == [
         "'battery': a s/msg/Battery has no field 'percent' (did you mean 'percentage'?); it has: voltage, percentage",
-        "'said': a s/msg/String has no field 'dada' (did you mean 'data'?); it has: data",
+        "'reported': a s/msg/String has no field 'dada' (did you mean 'data'?); it has: data",
     ]

@@ -144,7 +144,7 @@ def test_the_engine_learns_what_conflicts_what_is_kept_and_what_ends_an_action()
     assert known.failed == {}
     assert known.conflict("drive_alleys", "go_home")
     assert known.conflict("horn", "go_home")
-    assert known.conflict("nobody_knows", "go_home")
+    assert known.conflict("no_one_knows", "go_home")
 
 
 def test_actions_that_use_nothing_in_common_do_not_conflict() -> None:
@@ -237,7 +237,7 @@ def test_a_robot_without_anything_lacks_everything() -> None:
         ({"events/anomaly": None}, "/events/anomaly: missing; the mission uses it at /events/anomaly; there is: go"),
         (
             {"events/anomaly/fields": {"sad": "message"}},
-            "/events/anomaly/fields/said: missing; the mission's 'anomaly' has it; did you mean 'sad'?",
+            "/events/anomaly/fields/reported: missing; the mission's 'anomaly' has it; there is: sad",
         ),
         (
             {"blackboard/alleys": {"topic": "/alleys"}},

@@ -20,7 +20,7 @@ LAMP = Mission.model_validate(
         "blackboard": {
             "battery": {"type": "number", "source": "robot"},
             "camera": {"type": "image", "source": "robot", "optional": True},
-            "said": {"type": "object", "source": "robot", "optional": True},
+            "speech": {"type": "object", "source": "robot", "optional": True},
             "count": {"type": "integer", "source": "mission", "initial": 0},
         },
         "initial": "on",

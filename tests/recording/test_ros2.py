@@ -36,7 +36,7 @@ ROBOT = Robot.model_validate(
         "blackboard": {
             "battery": {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percentage"},
             "camera": {"topic": "/camera", "type": "sensor_msgs/msg/Image"},
-            "said": {"topic": "/said", "type": "std_msgs/msg/String", "json": True},
+            "speech": {"topic": "/speech", "type": "std_msgs/msg/String", "json": True},
         },
     }
 )
@@ -186,8 +186,8 @@ def test_a_type_without_its_definition_is_kept_as_plain_data(
 
     monkeypatch.setattr(receiver, "definition", nowhere)
     made = Recording.create(tmp_path / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0)
-    RecordedConnector(receiver, made).subscribe("/said", "std_msgs/msg/String", lambda message: received.set())
-    sender.publish("/said", "std_msgs/msg/String", {"data": "hello"})
+    RecordedConnector(receiver, made).subscribe("/speech", "std_msgs/msg/String", lambda message: received.set())
+    sender.publish("/speech", "std_msgs/msg/String", {"data": "hello"})
     assert received.wait(PATIENCE_S)
     made.close()
-    assert kept(tmp_path / "run.mcap").messages["/said"] == [{"data": "hello"}]
+    assert kept(tmp_path / "run.mcap").messages["/speech"] == [{"data": "hello"}]

@@ -45,7 +45,7 @@ ROBOT = Robot.model_validate(
         "blackboard": {
             "battery": {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percentage"},
             "camera": {"topic": "/camera", "type": "sensor_msgs/msg/Image"},
-            "said": {"topic": "/said", "type": "std_msgs/msg/String", "json": True},
+            "speech": {"topic": "/speech", "type": "std_msgs/msg/String", "json": True},
         },
         "services": {"horn": {"service": "/horn", "type": "std_srvs/srv/Trigger"}},
     }
@@ -71,7 +71,7 @@ SCRIPT: dict[float, tuple[str, Any]] = {
     0.5: ("/battery", {"percentage": 0.9, "cell_voltage": [], "header": {"frame_id": "base"}}),
     1.0: ("/camera", {"header": {"frame_id": "eye"}, "data": Image("camera@1", 2, 2, "rgb8", PIXELS)}),
     1.5: ("/camera", {"header": {"frame_id": "eye"}, "data": Image("camera@2", 2, 2, "png", lambda: PNG)}),
-    2.0: ("/said", {"data": '{"kind": "log"}'}),
+    2.0: ("/speech", {"data": '{"kind": "log"}'}),
     2.5: ("/battery", {"percentage": 0.4}),
     3.0: ("/battery", {"percentage": 0.1}),
 }
@@ -164,7 +164,7 @@ def test_a_picture_is_one_that_foxglove_shows(run: Kept) -> None:
 def test_what_the_robot_reports_is_there_as_it_was_received(run: Kept) -> None:
     assert [each["percentage"] for each in run.messages["/battery"]] == [0.9, 0.4, 0.1]
     assert run.schemas["/battery"][0][0] == "sensor_msgs/msg/BatteryState"
-    assert run.messages["/said"] == [{"data": '{"kind": "log"}'}]
+    assert run.messages["/speech"] == [{"data": '{"kind": "log"}'}]
 
 
 def test_the_steps_state_what_was_left_entered_and_why(run: Kept) -> None:
@@ -190,8 +190,8 @@ def test_the_blackboard_has_a_number_where_it_can_be_plotted(run: Kept) -> None:
         (3.0, 0.1),
     ]
     assert [each["number"] for each in writes if each["key"] == "count"][-1] == 1
-    assert [each["text"] for each in writes if each["key"] == "said"] == ['{"kind": "log"}']
-    assert all("number" not in each for each in writes if each["key"] in ("said", "camera"))
+    assert [each["text"] for each in writes if each["key"] == "speech"] == ['{"kind": "log"}']
+    assert all("number" not in each for each in writes if each["key"] in ("speech", "camera"))
 
 
 def test_the_log_has_a_line_a_step_with_its_end_as_an_error(run: Kept) -> None:

@@ -43,8 +43,8 @@ def _is(*kinds: str) -> Callable[..., bool]:
 
 INSTANTS: Mapping[str, Spot] = {
     "a step is done again": Spot("rai_missions.replay.rebuild:Rebuilding.again", 30),
-    "the run is taken up": Spot("rai_missions.runtime.recovery:carry_on", 1),
-    "the robot is heard again": Spot("rai_missions.runtime.recovery:ResyncWindow.take", 3),
+    "the run is resumed": Spot("rai_missions.runtime.recovery:carry_on", 1),
+    "the robot reports again": Spot("rai_missions.runtime.recovery:ResyncWindow.take", 3),
     "a question is asked again": Spot("rai_missions.runtime.effects:Performer.ask_again", 1),
     "a step is taken": Spot("rai_missions.engine:Chart.send", 25),
     "a row is written": Spot("rai_missions.journal.writer:Journal._append", 30),

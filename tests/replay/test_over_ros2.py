@@ -110,7 +110,7 @@ def test_an_errand_that_no_one_kills_succeeds(errands: Errands) -> None:
 def test_it_is_killed_before_and_after_a_write_in_a_decision_and_in_its_resume(errands: Errands) -> None:
     chosen = (
         Instant("a row is written", 2, False), Instant("an answer comes", 1, True),
-        Instant("the robot is heard again", 1, False), Instant("a service is called", 1, True),
+        Instant("the robot reports again", 1, False), Instant("a service is called", 1, True),
     )  # fmt: skip
     kills = errands.kills
     errands.run([Plan("instant", 30.0, instant=each) for each in chosen], [0.0, 0.5, 0.0, 0.0])

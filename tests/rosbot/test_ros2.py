@@ -41,7 +41,7 @@ class House(Graph):
     def house(self, *words: str, **options: Any) -> Process:
         given = [word for name, value in options.items() for word in ("--option", f"{name}={json.dumps(value)}")]
         started = self.start("world", "house", "--ros", "--speed", "6", "--no-camera", *words, *given)
-        started.says("^ready")
+        started.wait_for("^ready")
         return started
 
     def patrol(self, places: Sequence[str]) -> Process:
@@ -79,7 +79,7 @@ class House(Graph):
         close = listener.subscribe(STATUS, "action_msgs/msg/GoalStatusArray", received)
         received.wait(
             lambda all_: bool(all_) and [one["status"] for one in all_[-1].data["status_list"]] == wanted,
-            f"goals that stand as {wanted}",
+            f"goals whose status is {wanted}",
         )
         close()
         return True
@@ -121,7 +121,7 @@ def test_leaving_a_state_while_it_navigates_cancels_the_goal_at_its_server(
         reported = json.loads(run.lines.all[-1])
         assert (reported["outcome"], reported["state"]) == ("aborted", "stopped")
         assert graph.goals(listener, [CANCELED])
-        driven.wait(lambda all_: speed(all_[-1]) < 0.02, "the robot to stand")
+        driven.wait(lambda all_: speed(all_[-1]) < 0.02, "the robot to stop")
 
 
 def speed(odometry: Message) -> float:

@@ -61,7 +61,7 @@ class Process:
         for line in self._process.stdout:
             self.lines(line.rstrip("\n"))
 
-    def says(self, pattern: str) -> str:
+    def wait_for(self, pattern: str) -> str:
         """Wait for a line; returns it."""
         found = self.lines.wait(lambda lines: any(re.search(pattern, line) for line in lines), f"a line {pattern!r}")
         return next(line for line in found if re.search(pattern, line))
@@ -106,7 +106,7 @@ class Graph:
         """An orchard, once it is ready."""
         given = [word for name, value in options.items() for word in ("--option", f"{name}={json.dumps(value)}")]
         started = self.start("world", "orchard", "--ros", "--speed", speed, *words, *given)
-        started.says("^ready")
+        started.wait_for("^ready")
         return started
 
     def run(self, *words: str, alleys: int = 1, robot: Path = TRACTOR / "robot.ros2.json") -> Process:
@@ -134,7 +134,7 @@ def graph_in(folder: Path, kind: Callable[[Mapping[str, str], Path], Kind]) -> I
 
 
 def answers(journal: Path) -> list[str]:
-    """The options that were taken, one after the other; the same again and again stands here once."""
+    """The options that were taken, one after the other; the same again and again appears here once."""
     with read(journal) as record:
         notes = [note for step in record.steps() for note in step.notes if ": accepted" in note]
     taken = [note.split("'")[1] for note in notes]

@@ -26,11 +26,11 @@ pytestmark = [pytest.mark.sim, on_ros]
 BRANCH = {"alleys": 1, "length_m": 14, "obstacles": ["branch"]}
 ANIMAL = {**BRANCH, "obstacles": ["animal"]}
 ORCHARD = {"alleys": 2, "seed": 3}
-"""What the world chooses by its seed: it stands twice for an animal and once for a branch."""
+"""What the world chooses by its seed: it stops twice for an animal and once for a branch."""
 WHY = "'done' was reached, and alleys_driven ≥ alleys"
 WORDS = ("state: DRIVING", "state: STOPPED", "passed: True", "state: CHANGING_PATH")
 OFTEN = {
-    "a step is done again": 40, "the run is taken up": 1, "the robot is heard again": 8, "a question is asked again": 1,
+    "a step is done again": 40, "the run is resumed": 1, "the robot reports again": 8, "a question is asked again": 1,
     "a step is taken": 300, "a row is written": 25, "effects are performed": 12, "a service is called": 3,
     "a call is sent": 3, "an acceptance comes": 3, "a result comes": 4, "an answer comes": 1,
 }  # fmt: skip
@@ -74,7 +74,7 @@ class Orchard(Graph):
                 break
             self.kills += 1
             reported = len(world.lines.all)
-            wait_until(lambda death=death, reported=reported: says(world, death.until, reported), death.alone_s)  # type: ignore[misc]
+            wait_until(lambda death=death, reported=reported: reports(world, death.until, reported), death.alone_s)  # type: ignore[misc]
         assert verify(journal) == ()
         again = replay(journal)
         assert again.holds, again.difference
@@ -97,14 +97,14 @@ class Orchard(Graph):
             return self.nursery.status is not None
 
         if death.word:
-            wait_until(lambda: is_over() or says(world, death.word, reported), LIFE_S)
+            wait_until(lambda: is_over() or reports(world, death.word, reported), LIFE_S)
         wait_until(is_over, death.delay_s)
         if not is_over():
             self.nursery.signal(signal.SIGKILL)
         return self.nursery.ends()
 
 
-def says(world: Process, pattern: str, since: int) -> bool:
+def reports(world: Process, pattern: str, since: int) -> bool:
     return any(re.search(pattern, line) for line in world.lines.all[since:])
 
 

@@ -67,8 +67,8 @@ class TestOnRos:
         assert (reported["outcome"], reported["state"]) == ("succeeded", "done")
         assert answers(Path(reported["journal"])) == ["drive_over"]
         assert replay(reported["journal"]).holds
-        world.says("passed: True")
-        world.says("alleys_driven: 1")
+        world.wait_for("passed: True")
+        world.wait_for("alleys_driven: 1")
         world.signal(signal.SIGINT)
         assert world.ends() == 0, world.text
 
@@ -83,7 +83,7 @@ class TestOnRos:
         again = replay(reported["journal"])
         assert again.holds and again.outcome == "succeeded", again.difference
         taken = answers(Path(reported["journal"]))
-        world.says("alleys_driven: 2")
+        world.wait_for("alleys_driven: 2")
         world.signal(signal.SIGINT)
         assert world.ends() == 0, world.text
         assert "touched_living: True" not in world.text
@@ -100,11 +100,11 @@ class TestOnRos:
     def test_a_world_that_is_killed_ends_the_run_which_states_why(self, graph: Graph) -> None:
         world = graph.world(alleys=1, obstacles=["none"])
         mission = graph.run()
-        world.says("state: DRIVING")
+        world.wait_for("state: DRIVING")
         world.signal(signal.SIGKILL)
         assert mission.ends() == 1, mission.text
         assert "aborted: 'stopped' was reached" in mission.text
-        assert "because not touched_living is fresh" in mission.text, "what was not heard any more stands there"
+        assert "because not touched_living is fresh" in mission.text, "what was no longer received is named there"
         assert replay(graph.folder / "run.journal").holds
 
     def test_an_emergency_stop_from_a_third_process_stops_the_tractor(
@@ -112,7 +112,7 @@ class TestOnRos:
     ) -> None:
         world = graph.world(alleys=1, obstacles=["none"])
         mission = graph.run()
-        world.says("state: DRIVING")
+        world.wait_for("state: DRIVING")
         for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_LOG_DIR"):
             monkeypatch.setenv(name, graph.environment[name])
         load_quietly()
@@ -124,7 +124,7 @@ class TestOnRos:
         finally:
             button.stop()
         assert "aborted: 'stopped' was reached" in mission.text, mission.text
-        world.says("state: STOPPED")
+        world.wait_for("state: STOPPED")
 
     @pytest.mark.drill
     @with_each_profile

@@ -39,7 +39,7 @@ def test_the_main_job_succeeds_and_its_journal_reports_how(drive: Any, tmp_path:
     result = one.run()
     assert (result.outcome, result.why) == ("succeeded", "'done' was reached, and alleys_driven ≥ alleys")
     assert len(one.world.counter.alleys) == 6 and not one.world.judge.touched
-    assert abs(one.world.pose.speed) < 0.3 or not one.world.autonomy.is_driving, "told to halt when it was done"
+    assert abs(one.world.pose.speed) < 0.3 or not one.world.autonomy.is_driving, "it halted when it was done"
     again = replay(tmp_path / "one.journal")
     assert again.holds and again.outcome == "succeeded", again.difference
 
@@ -126,7 +126,7 @@ def test_an_emergency_stop_stops_it_at_once_from_anywhere(drive: Any) -> None:
         assert result.duration_s < at + 1.5
         for _ in range(60):
             one.world.step()
-        assert abs(one.world.pose.speed) < 0.05, "it stands"
+        assert abs(one.world.pose.speed) < 0.05, "it is at rest"
 
 
 @pytest.mark.sim

@@ -24,11 +24,11 @@ class Rig:
     def __init__(self, **options: Any) -> None:
         self.world: Any = open_world("orchard", **options)
         self.connector = LocalConnector(now=lambda: self.world.at)
-        self.heard: list[Message] = []
+        self.received: list[Message] = []
         self.reports: list[Report] = []
         self.last: dict[str, Message] = {}
         for name in self.topics:
-            self.connector.subscribe(f"/tractor1/{name}", "", self._hear)
+            self.connector.subscribe(f"/tractor1/{name}", "", self._receive)
         self.world.open(self.connector)
         self.connector.start()
 
@@ -45,8 +45,8 @@ class Rig:
         "touched_living",
     ]
 
-    def _hear(self, message: Message) -> None:
-        self.heard.append(message)
+    def _receive(self, message: Message) -> None:
+        self.received.append(message)
         self.last[message.topic.rsplit("/", 1)[1]] = message
 
     def call(self, service: str) -> dict[str, Any]:

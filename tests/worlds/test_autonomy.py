@@ -24,10 +24,10 @@ def test_without_obstacles_it_drives_every_alley_and_the_count_is_by_pose(rig: A
     orchard.call("continue")
     assert orchard.run(lambda: orchard.state == "FINISHED", 150.0)
     assert orchard.data("alleys_driven") == 6
-    counts = [m.data["data"] for m in orchard.heard if m.topic.endswith("alleys_driven")]
+    counts = [m.data["data"] for m in orchard.received if m.topic.endswith("alleys_driven")]
     assert sorted(set(counts)) == [0, 1, 2, 3, 4, 5, 6]
     assert counts == sorted(counts)
-    states = {m.data["data"] for m in orchard.heard if m.topic.endswith("state")}
+    states = {m.data["data"] for m in orchard.received if m.topic.endswith("state")}
     assert states == {"CHANGING_PATH", "DRIVING", "FINISHED"}
     assert orchard.call("continue") == {"success": False, "message": "There is nothing to continue"}
 

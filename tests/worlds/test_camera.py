@@ -85,7 +85,7 @@ def test_an_obstacle_is_measured_in_pixels(facing: Any, kind: str, low: float, h
 
 def test_obstacles_are_reported_five_times_a_second_and_only_while_seen(facing: Any) -> None:
     orchard = facing("branch")
-    times = [m.at for m in orchard.heard if m.topic.endswith("obstacle")]
+    times = [m.at for m in orchard.received if m.topic.endswith("obstacle")]
     assert np.diff(times) == pytest.approx(0.2)
     orchard.call("replan")
     orchard.rest(15.0)
@@ -97,9 +97,9 @@ def test_noise_misses_and_mistakes_come_from_the_seed(facing: Any) -> None:
     orchard.rest(8.0)
     kinds = {orchard.facts("obstacle")["kind"]}
     assert kinds != {"branch"}, "it is taken for something else"
-    times = [m.at for m in orchard.heard if m.topic.endswith("obstacle") and m.at > orchard.world.at - 8.0]
+    times = [m.at for m in orchard.received if m.topic.endswith("obstacle") and m.at > orchard.world.at - 8.0]
     assert 12 < len(times) < 36, "some looks miss"
-    heights = {m.data["data"] for m in orchard.heard if m.topic.endswith("obstacle")}
+    heights = {m.data["data"] for m in orchard.received if m.topic.endswith("obstacle")}
     assert len(heights) > 8, "measures are noisy though nothing moves"
 
 

@@ -30,9 +30,9 @@ class Visit:
         self.world: Any = open_world("house", **{"camera": False, **options})
         self.connector = LocalConnector(now=lambda: self.world.at)
         self.reports: list[Report] = []
-        self.heard: list[Message] = []
+        self.received: list[Message] = []
         for topic in ("scan", "odom", "amcl_pose", "battery"):
-            self.connector.subscribe(f"/{topic}", "", self.heard.append)
+            self.connector.subscribe(f"/{topic}", "", self.received.append)
         self.world.open(self.connector)
         self.connector.start()
 
@@ -100,7 +100,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_does_not(visit: Any) -> N
         house.finish()
     prints = [house.world.fingerprint() for house in runs]
     assert prints[0] == prints[1] != prints[2]
-    assert [repr(message) for message in runs[0].heard] == [repr(message) for message in runs[1].heard]
+    assert [repr(message) for message in runs[0].received] == [repr(message) for message in runs[1].received]
 
 
 def test_feedback_reports_how_far_it_is_and_how_long_it_took(visit: Any) -> None:
@@ -233,7 +233,7 @@ def test_it_charges_on_the_dock_and_nowhere_else(visit: Any) -> None:
     assert report.status == "succeeded"
     assert report.data == {"success": True, "error_code": 0, "num_retries": 0, "error_msg": ""}
     assert house.run(lambda: house.world.battery.percentage > 0.95, 60)
-    reported = [message.data["power_supply_status"] for message in house.heard if message.topic == "/battery"]
+    reported = [message.data["power_supply_status"] for message in house.received if message.topic == "/battery"]
     assert reported[-1] == 1 and 2 in reported
 
 
@@ -258,15 +258,15 @@ def test_an_empty_battery_ends_the_goal(visit: Any) -> None:
 def test_the_lidar_sees_the_walls_and_a_crate(visit: Any) -> None:
     house = visit()
     house.world.step()
-    scan = [message.data for message in house.heard if message.topic == "/scan"][-1]
+    scan = [message.data for message in house.received if message.topic == "/scan"][-1]
     assert len(scan["ranges"]) == 360 and scan["ranges"][180] == pytest.approx(5.0 - 0.58, abs=0.1)
     house.send((6.2, 2.0))
     house.finish()
-    ahead = house.heard[-1]
+    ahead = house.received[-1]
     for blocked, far in ((True, 7.25), (False, 9.4)):
         house.world.doors.set("study_pantry", blocked)
         house.run(lambda: False, 0.5)
-        ahead = [message for message in house.heard if message.topic == "/scan"][-1]
+        ahead = [message for message in house.received if message.topic == "/scan"][-1]
         assert ahead.data["ranges"][180] == pytest.approx(far - house.world.pose.x, abs=0.25), blocked
 
 

@@ -17,7 +17,7 @@ from rai_missions.worlds.orchard.obstacles import place
 
 def digest(orchard: Any) -> str:
     """Of everything received; of a picture its reference."""
-    reported = "\n".join(f"{m.topic} {m.at!r} {m.data!r}" for m in orchard.heard)
+    reported = "\n".join(f"{m.topic} {m.at!r} {m.data!r}" for m in orchard.received)
     return hashlib.sha256(reported.encode()).hexdigest()
 
 
@@ -48,7 +48,9 @@ def test_the_default_orchard_can_be_done(rig: Any) -> None:
     work(orchard)
     assert orchard.data("alleys_driven") == 6
     assert orchard.data("touched_living") is False
-    assert "REVERSING" in {m.data["data"] for m in orchard.heard if m.topic.endswith("state")}, "one alley comes later"
+    assert "REVERSING" in {m.data["data"] for m in orchard.received if m.topic.endswith("state")}, (
+        "one alley comes later"
+    )
     assert [r.status for r in orchard.reports if r.status != "feedback"] == ["accepted", "succeeded"] * 2
 
 

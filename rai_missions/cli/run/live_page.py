@@ -140,21 +140,21 @@ class RunPage:
         self.config = replace(config, on_step=self._stepped, on_status=self._changed)
         """What the run is to be made of instead."""
         if operator:
-            from rai_missions.node.web_operator import PageOperator
+            from rai_missions.node.web_operator import WebOperator
 
-            here = PageOperator(config.operator, lambda: page.viewers > 0)
+            here = WebOperator(config.operator, lambda: page.viewers > 0)
             self.config = replace(self.config, operator=here)
 
     def run(self, prepared: PreparedRun, run: Callable[[Runner], Result]) -> Result:
         """Run it by `run`, with the page next to it."""
         from rai_missions.node.closed_options import Closed
         from rai_missions.node.run_session import RunSession
-        from rai_missions.node.web_operator import PageDesk
+        from rai_missions.node.web_operator import WebCommands
         from visualize.live import RunFeed
 
         runner, journal = prepared.runner, prepared.journal
         self._course = RunSession(runner, prepared.robot)
-        desk = PageDesk(self._course, answers=self._operator, note=runner.note)
+        desk = WebCommands(self._course, answers=self._operator, note=runner.note)
         closed = Closed(prepared.mission)
         self._feed = RunFeed(
             self._look, runner.view.now, lambda: closed.now(self._asked(), runner.view, runner.view.now()),

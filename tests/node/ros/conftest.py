@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the node on ROS 2 stand on: loopback only, and a domain of their own."""
+"""The rig of the tests of the node on ROS 2: loopback only, and a domain of their own."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def open_node(domain: int) -> Iterator[Callable[..., MissionNode]]:
-    """Opens nodes that run `errand` on the stand-in robot; all are stopped after the test."""
+    """Opens nodes that run `errand` on the fake robot; all are stopped after the test."""
     opened: list[MissionNode] = []
 
     def open_one(name: str, **words: Any) -> MissionNode:
@@ -42,7 +42,7 @@ def open_node(domain: int) -> Iterator[Callable[..., MissionNode]]:
 
 @pytest.fixture
 def open_client(open_ros: Callable[..., Any]) -> Callable[..., Client]:
-    """A client in a context of its own; a late one hears what was latched."""
+    """A client in a context of its own; a late one receives what was latched."""
 
     def open_one(path: str) -> Client:
         latched = {"durability": "latched", "depth": 1}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions run --node` in a process of its own: beside one run, and managed, as a launch file starts it."""
+"""`rai-missions run --node` in a process of its own: next to one run, and managed, as a launch file starts it."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def run(domain: int, tmp_path: Path) -> Iterator[Run]:
         process.communicate()
 
 
-def test_a_node_beside_a_run_ends_with_it(run: Run, open_client: Callable[[str], Client]) -> None:
-    process = run("--node", "beside", "--json", "--ros-args", "-r", "__ns:=/farm", "--log-level", "warn")
-    client = open_client("/farm/beside")
+def test_a_node_next_to_a_run_ends_with_it(run: Run, open_client: Callable[[str], Client]) -> None:
+    process = run("--node", "near", "--json", "--ros-args", "-r", "__ns:=/farm", "--log-level", "warn")
+    client = open_client("/farm/near")
     client.await_status("it runs", mode="running", lifecycle="active")
     refused = client.call("start")["message"]
     assert refused == "this run is the node's only one; run it with --managed to start it again"
@@ -51,7 +51,7 @@ def test_a_node_beside_a_run_ends_with_it(run: Run, open_client: Callable[[str],
     out, err = process.communicate(timeout=60)
     reported = json.loads(out)
     assert (process.returncode, reported["outcome"]) == (1, "canceled"), err
-    assert reported["why"] == "canceled by operator (~/cancel)" and "node: /farm/beside" in err
+    assert reported["why"] == "canceled by operator (~/cancel)" and "node: /farm/near" in err
 
 
 def test_a_managed_node_runs_the_mission_again_and_again_until_it_is_shut_down(
@@ -85,7 +85,7 @@ def test_an_interrupt_cancels_what_runs_and_shuts_a_managed_node_down(
     assert "canceled: canceled by operator (shutdown)" in out
 
 
-def test_arguments_that_ros_does_not_take_are_told_at_once(run: Run) -> None:
+def test_arguments_that_ros_does_not_take_are_reported_at_once(run: Run) -> None:
     process = run("--ros-args", "-r", "nonsense")
     _, err = process.communicate(timeout=60)
     assert process.returncode == 2 and "ROS does not start with ['-r', 'nonsense']" in err, err

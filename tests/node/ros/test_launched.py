@@ -18,8 +18,8 @@ OpenNode = Callable[..., MissionNode]
 def speed_of(node: MissionNode, client: Client) -> float:
     client.activate()
     client.start()
-    assert node.course is not None
-    return float(node.course.runner.view.board["speed"].value)
+    assert node.session is not None
+    return float(node.session.runner.view.board["speed"].value)
 
 
 def test_a_parameter_is_an_argument(open_node: OpenNode, open_client: Callable[[str], Client]) -> None:

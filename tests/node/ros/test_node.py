@@ -16,7 +16,7 @@ from rai_missions.connectors.ros2.config import read_options
 from rai_missions.errors import UsageError
 from rai_missions.node import MissionNode
 from rai_missions.node.node import LOOK_S
-from tests.node.scenes import Client, StandIn
+from tests.node.scenes import Client, FakeRobot
 from tests.node.test_node import ORDERS, obeys, revisions_rise
 
 OpenNode = Callable[..., MissionNode]
@@ -34,24 +34,24 @@ def errand(open_node: OpenNode, open_client: OpenClient) -> Client:
 def test_a_client_runs_the_mission_with_standard_messages(
     open_node: OpenNode, open_client: OpenClient, open_ros: Callable[..., Any]
 ) -> None:
-    stand_in = StandIn(open_ros(), "/whole_robot")
+    fake_robot = FakeRobot(open_ros(), "/whole_robot")
     client = open_client(open_node("whole").name.path)
     client.await_status("it waits", lifecycle="unconfigured", mode="idle")
     client.activate()
     client.start()
     assert client.command(command="post", event="go", by="Ann")["success"]
-    stand_in.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+    fake_robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
     assert client.call("pause")["success"]
-    stand_in.asked.wait(lambda asked: asked == ["move", "halt"], "the robot halts")
+    fake_robot.asked.wait(lambda asked: asked == ["move", "halt"], "the robot halts")
     assert client.call("resume")["success"]
-    stand_in.asked.wait(lambda asked: asked == ["move", "halt", "move"], "the robot moves again")
-    stand_in.arrive()
+    fake_robot.asked.wait(lambda asked: asked == ["move", "halt", "move"], "the robot moves again")
+    fake_robot.arrive()
     assert client.await_status("it is over", outcome="succeeded")["why"] == "'done' was reached, and there is true"
     client.steps.wait(lambda steps: any(step.get("outcome") == "succeeded" for step in steps), "the last step")
     revisions_rise(client)
 
 
-def test_who_joins_late_hears_the_latest(errand: Client, open_client: OpenClient) -> None:
+def test_a_client_that_joins_late_receives_the_latest(errand: Client, open_client: OpenClient) -> None:
     errand.start()
     errand.call("pause")
     latest = errand.await_status("it is paused", mode="paused")
@@ -69,7 +69,7 @@ def test_orders_are_taken_where_the_lifecycle_allows_them_and_refused_elsewhere(
     revisions_rise(errand)
 
 
-def test_the_standard_services_say_what_can_be_done(open_node: OpenNode, open_client: OpenClient) -> None:
+def test_the_standard_services_report_what_can_be_done(open_node: OpenNode, open_client: OpenClient) -> None:
     client = open_client(open_node("standard").name.path)
     kind = "lifecycle_msgs/srv/GetAvailableTransitions"
     reported = client.call("get_available_transitions", kind)["available_transitions"]
@@ -80,7 +80,7 @@ def test_the_standard_services_say_what_can_be_done(open_node: OpenNode, open_cl
     assert not client.change(number=1) and not client.change("fly")
 
 
-def test_diagnostics_say_how_the_mission_fares(errand: Client) -> None:
+def test_diagnostics_report_how_the_mission_fares(errand: Client) -> None:
     received: Inbox[Message] = Inbox(30.0)
     errand.connector.subscribe("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", received)
 
@@ -90,7 +90,7 @@ def test_diagnostics_say_how_the_mission_fares(errand: Client) -> None:
     errand.start()
     received.wait(states(0, "running"), "it is well")
     errand.command(command="post", event="ask")
-    received.wait(states(1, "question 1 waits for operator: Which way?"), "somebody should look")
+    received.wait(states(1, "question 1 waits for operator: Which way?"), "a person should look")
     errand.call("e_stop")
     received.wait(states(2, "aborted: killed by operator (~/e_stop)"), "it has failed")
 
@@ -106,7 +106,7 @@ def test_a_second_node_of_the_same_name_is_refused(errand: Client, open_node: Op
     assert errand.state() == "active", "the first is left as it was"
 
 
-def test_another_node_is_looked_for_until_whoever_is_there_was_found() -> None:
+def test_another_node_is_looked_for_until_one_that_is_there_was_found() -> None:
     assert read_options({}).discovery_s < LOOK_S
 
 

@@ -44,7 +44,7 @@ def test_log_lines_are_published_with_their_level(
             return next((each.data for each in received.all if each.data["msg"] == text), None)
 
         received.wait(lambda _all: line("'battery' is odd"), "the warning")
-        received.wait(lambda _all: line("says: good morning"), "what the mission says")
+        received.wait(lambda _all: line("speaks: good morning"), "what the mission speaks")
         assert (line("'battery' is odd")["level"], line("the lamp is on")["level"]) == (30, 20)
         assert line("the lamp is on")["name"] == "loud"
         assert len([each for each in received.all if each.data["msg"] == "the lamp is on"]) == 1

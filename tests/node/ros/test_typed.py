@@ -13,7 +13,7 @@ import pytest
 from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.contract import Inbox
 from rai_missions.node import MissionNode
-from tests.node.scenes import Client, StandIn
+from tests.node.scenes import Client, FakeRobot
 
 pytestmark = pytest.mark.skipif(
     importlib.util.find_spec("rai_missions_msgs") is None, reason="make ros-interfaces has not been run"
@@ -42,13 +42,13 @@ def end_of(reports: Inbox[Report]) -> Report:
 
 
 def test_a_goal_runs_the_mission(typed: Client, open_ros: Callable[..., Any]) -> None:
-    stand_in = StandIn(open_ros(), "/typed_robot")
+    fake_robot = FakeRobot(open_ros(), "/typed_robot")
     _, reports = send(typed, arguments='{"speed": 0.5}', by="Ann")
     typed.await_status("it runs", mode="running")
     posted = typed.call("post", f"{PACKAGE}/srv/Post", event="go", data="{}", by="Ann")
     assert posted == {"success": True, "message": ""}
-    stand_in.asked.wait(lambda asked: asked == ["move"], "the robot moves")
-    stand_in.arrive()
+    fake_robot.asked.wait(lambda asked: asked == ["move"], "the robot moves")
+    fake_robot.arrive()
     end = end_of(reports)
     assert (end.status, end.data["outcome"], end.data["why"]) == (
         "succeeded", "succeeded", "'done' was reached, and there is true",
@@ -66,7 +66,7 @@ def test_canceling_the_goal_cancels_the_mission(typed: Client) -> None:
     typed.await_status("it is over", outcome="canceled", why="canceled by operator (~/run)")
 
 
-def test_a_mission_that_somebody_else_stops_aborts_the_goal(typed: Client) -> None:
+def test_a_mission_that_another_client_stops_aborts_the_goal(typed: Client) -> None:
     _, reports = send(typed)
     typed.await_status("it runs", mode="running")
     assert typed.call("e_stop")["success"]
@@ -74,7 +74,7 @@ def test_a_mission_that_somebody_else_stops_aborts_the_goal(typed: Client) -> No
     assert (end.status, end.data["outcome"]) == ("failed", "aborted")
 
 
-def test_a_goal_that_cannot_be_is_rejected_and_the_reply_says_why(typed: Client) -> None:
+def test_a_goal_that_cannot_be_is_rejected_and_the_reply_states_why(typed: Client) -> None:
     goal_id, reports = send(typed, arguments='{"sped": 1}')
     assert end_of(reports).status == "rejected"
     reported = typed.replies.wait(bool, "a reply")[-1]

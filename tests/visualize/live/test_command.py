@@ -127,7 +127,7 @@ def test_what_is_refused_reports_why_and_is_in_the_journal(watched: Callable[...
     assert one.order(command="resume") == (409, "only a paused mission can be resumed; it is running")
     for words, why in (
         ({"command": "start"}, "a page cannot 'start'"), ({"command": "post", "event": "go"}, "a page cannot 'post'"),
-        ({"command": "control", "to": "king"}, "nobody called 'king' can hold control"),
+        ({"command": "control", "to": "king"}, "no one called 'king' can hold control"),
         ({"command": "answer", "question": 99, "option": "left"}, "question 99 is not open; open: none"),
         ({"command": "fly"}, "is none"), ({"command": "answer", "question": "1"}, "question"), ({}, "command"),
     ):  # fmt: skip
@@ -135,7 +135,7 @@ def test_what_is_refused_reports_why_and_is_in_the_journal(watched: Callable[...
         assert (status, why in reported) == (409, True), (words, reported)
     assert one.mode == "running"
     for line in (
-        "refused: control king by operator (page): nobody called 'king'",
+        "refused: control king by operator (page): no one called 'king'",
         "refused: answer left by operator (page): question 99 is not open",
     ):
         until(lambda line=line: line in one.journal_text(), line)  # type: ignore[misc]
@@ -224,7 +224,7 @@ def test_without_an_operator_the_page_answers_nothing(watched: Callable[..., Wat
     one = watched(operator=False)
     assert ask(one.page, "GET", "/mission")[2]["answers"] is False
     reported = one.order(command="answer", question=1, option="left")
-    assert reported == (409, "nobody answers as the operator in this run; it was begun with --no-operator")
+    assert reported == (409, "no one answers as the operator in this run; it was begun with --no-operator")
     assert one.order(command="pause")[0] == 200
 
 

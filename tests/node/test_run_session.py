@@ -21,28 +21,28 @@ from tests.rigs.runs import ManualClock, Rig, by_hand
 SPANS = st.lists(st.floats(0.001, 100.0), max_size=6)
 
 
-class Stood:
+class AskingRun:
     """A run whose steps the test makes, followed by its course."""
 
     def __init__(self) -> None:
         self.clock = ManualClock(waits=True)
         self.chart = Chart(mission(), PyTrees())
         self.runner = by_hand(self.chart, robot=robot({"kind": "local"}), clock=self.clock)
-        self.course = RunSession(self.runner, None)
-        self.course.step(self.chart.start(0.0))
+        self.session = RunSession(self.runner, None)
+        self.session.step(self.chart.start(0.0))
 
     def send(self, name: str, kind: str = "event") -> None:
-        self.course.step(self.chart.send(Event(name, self.clock.at, {}, kind)))
+        self.session.step(self.chart.send(Event(name, self.clock.at, {}, kind)))
 
     @property
     def left_s(self) -> float:
-        (asked,) = self.course.questions()
+        (asked,) = self.session.questions()
         return round(asked.left_s, 6)
 
 
 @given(goes=SPANS, rests=SPANS)
 def test_a_question_loses_no_time_while_its_run_is_paused(goes: list[float], rests: list[float]) -> None:
-    answered_at, gone = Stood(), 0.0
+    answered_at, gone = AskingRun(), 0.0
     answered_at.send("ask")
     for went, rested in zip(goes, rests, strict=False):
         answered_at.clock.at += went
@@ -51,13 +51,13 @@ def test_a_question_loses_no_time_while_its_run_is_paused(goes: list[float], res
         assert abs(answered_at.left_s - left) < 1e-5
         answered_at.send("pause", "command")
         answered_at.clock.at += rested
-        assert abs(answered_at.left_s - left) < 1e-5, "it stands still"
+        assert abs(answered_at.left_s - left) < 1e-5, "its time stops"
         answered_at.send("resume", "command")
-        assert abs(answered_at.left_s - left) < 1e-5, "and goes on from there"
+        assert abs(answered_at.left_s - left) < 1e-5, "and continues from there"
 
 
 def test_a_pause_before_a_question_gives_it_no_more_time() -> None:
-    answered_at = Stood()
+    answered_at = AskingRun()
     answered_at.send("pause", "command")
     answered_at.clock.at = 50.0
     answered_at.send("resume", "command")
@@ -67,7 +67,7 @@ def test_a_pause_before_a_question_gives_it_no_more_time() -> None:
 
 
 def test_a_run_that_continues_shows_what_was_asked_before_with_the_time_left() -> None:
-    answered_at = Stood()
+    answered_at = AskingRun()
     answered_at.send("ask")
     answered_at.clock.at = 10.0
     answered_at.send("pause", "command")
@@ -82,11 +82,11 @@ def test_a_run_that_continues_shows_what_was_asked_before_with_the_time_left() -
 @pytest.mark.parametrize("reported", [{"id": 1}, [1], None, 7, "another"])
 def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> None:
     """An order waits; a robot's event comes first, in which something has the name of what distinguishes orders."""
-    answered_at, receipts = Stood(), list[CommandReply]()
-    answered_at.course.submit(Command("pause"), receipts.append)
-    event = Event("robot_says", 0.0, {"request": reported})
-    assert not answered_at.course.is_overdue(event)
-    answered_at.course.receive(answered_at.chart.send(event))
+    answered_at, receipts = AskingRun(), list[CommandReply]()
+    answered_at.session.submit(Command("pause"), receipts.append)
+    event = Event("robot_reports", 0.0, {"request": reported})
+    assert not answered_at.session.is_overdue(event)
+    answered_at.session.receive(answered_at.chart.send(event))
     assert receipts == []
 
 
