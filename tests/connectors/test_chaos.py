@@ -40,7 +40,7 @@ class Line:
         )  # fmt: skip
         self.chaos.start()
 
-    def hear(self, count: int = MESSAGES) -> list[Message]:
+    def receive(self, count: int = MESSAGES) -> list[Message]:
         """What arrives of so many messages that are published behind it, without what was put off."""
         received: list[Message] = []
         self.chaos.subscribe("/n", NUMBER, received.append)
@@ -63,19 +63,19 @@ def test_one_to_which_nothing_befalls_keeps_the_contract() -> None:
 
 
 def test_it_loses_some_and_keeps_the_order_of_the_rest() -> None:
-    received = numbers(Line(lose=0.3).hear())
+    received = numbers(Line(lose=0.3).receive())
     assert 100 < len(received) < 180 and received == sorted(received)
 
 
 def test_it_repeats_some() -> None:
-    received = numbers(Line(repeat=0.3).hear())
+    received = numbers(Line(repeat=0.3).receive())
     assert sorted(set(received)) == [float(number) for number in range(MESSAGES)]
     assert 230 < len(received) < 290 and max(received.count(number) for number in received) == 2
 
 
 def test_what_it_delays_is_overtaken_and_comes() -> None:
     line = Line(delay=0.3)
-    received = line.hear()
+    received = line.receive()
     assert 100 < len(received) < 180
     assert all(0 <= seconds <= 1 for seconds, _ in line.put_off)
     line.let_come()
@@ -84,23 +84,23 @@ def test_what_it_delays_is_overtaken_and_comes() -> None:
 
 
 def test_what_it_backdates_is_as_it_was_and_up_to_a_second_older() -> None:
-    received = Line(backdate=0.3).hear()
+    received = Line(backdate=0.3).receive()
     old = [message for message in received if message.at != 10.0]
     assert 30 < len(old) < 90 and all(9.0 <= message.at < 10.0 for message in old)
     assert numbers(received) == [float(number) for number in range(MESSAGES)]
 
 
 def test_what_it_garbles_is_of_another_type_or_no_number() -> None:
-    received = Line(garble=0.3).hear()
+    received = Line(garble=0.3).receive()
     wrong = [each for each in numbers(received) if not isinstance(each, float) or not math.isfinite(each)]
     assert 30 < len(wrong) < 90 and len({repr(each) for each in wrong}) > 5
 
 
 def test_a_topic_that_it_silences_has_nothing_more_to_state_and_others_have() -> None:
     line = Line(silence=0.05)
-    received = numbers(line.hear())
+    received = numbers(line.receive())
     assert received == [float(number) for number in range(len(received))] and len(received) < MESSAGES
-    assert line.hear(1) == [], "for good"
+    assert line.receive(1) == [], "for good"
     others: list[Message] = []
     line.chaos.subscribe("/m", NUMBER, others.append)
     line.local.publish("/m", NUMBER, {"data": 1.0})
@@ -136,4 +136,4 @@ def test_a_goal_that_it_repeats_is_one_goal_whose_reports_come_twice() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_what_befalls_follows_from_the_seed(seed: int) -> None:
     words = {"lose": 0.2, "delay": 0.2, "repeat": 0.2, "backdate": 0.2}
-    assert Line(seed, **words).hear() == Line(seed, **words).hear() != Line(seed + 1, **words).hear()
+    assert Line(seed, **words).receive() == Line(seed, **words).receive() != Line(seed + 1, **words).receive()

@@ -98,8 +98,8 @@ def test_it_is_a_connector_without_actions() -> None:
 @needs_broker
 def test_no_one_is_reported_at_once(connector: MqttConnector) -> None:
     replies = Inbox[Reply]()
-    connector.call("/nobody", TRIGGER, {}, on_reply=replies)
-    assert replies.wait(bool, "the broker knows") == [Reply("unavailable", {}, "no server offers /nobody")]
+    connector.call("/no_one", TRIGGER, {}, on_reply=replies)
+    assert replies.wait(bool, "the broker knows") == [Reply("unavailable", {}, "no server offers /no_one")]
 
 
 @needs_broker

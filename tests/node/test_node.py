@@ -159,7 +159,7 @@ def test_after_an_emergency_stop_nothing_begins_until_an_operator_has_taken_cont
     scene.client.await_status("it is over", outcome="aborted", control="nobody")
     assert scene.client.call("start")["message"].startswith('control is with "nobody" since the stop')
     for by, to in (("agent", "operator"), ("nobody", "operator"), ("Ann", "autonomy")):
-        assert 'control is with "nobody" since the stop' in scene.client.command(command="control", to=to, by=by)["why"]
+        assert "control is with 'nobody' since the stop" in scene.client.command(command="control", to=to, by=by)["why"]
     assert not scene.client.call("start")["success"]
     assert scene.client.command(command="control", to="operator", by="Ann")["success"]
     scene.client.await_status("the operator has it", control="operator")

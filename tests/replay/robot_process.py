@@ -12,7 +12,7 @@ import threading
 import time
 from typing import Any
 
-from tests.connectors.ros2.peer_process import say
+from tests.connectors.ros2.peer_process import report_line
 
 THINKS_S = 0.06
 """How long a goal is looked at before it is accepted."""
@@ -35,29 +35,29 @@ def serve(name: str) -> None:
     done = 0
 
     def decide(goal: Any) -> Any:
-        say("asked", goal.order)
+        report_line("asked", goal.order)
         time.sleep(THINKS_S)
         return GoalResponse.ACCEPT
 
     def execute(handle: Any) -> Any:
         nonlocal done
         goal_id, order = bytes(handle.goal_id.uuid).hex(), handle.request.order
-        say("runs", goal_id)
+        report_line("runs", goal_id)
         until = time.monotonic() + order / 100
         while time.monotonic() < until and not handle.is_cancel_requested:
             time.sleep(0.01)
         if handle.is_cancel_requested:
-            say("canceled", goal_id)
+            report_line("canceled", goal_id)
             handle.canceled()
         else:
             done += 1
-            say("ended", goal_id)
+            report_line("ended", goal_id)
             handle.succeed()
         return Fibonacci.Result(sequence=[done])
 
     def answering(service: str) -> Any:
         def answer(_request: Any, response: Any) -> Any:
-            say(service)
+            report_line(service)
             time.sleep(ANSWERS_S)
             response.success = True
             return response
@@ -70,13 +70,13 @@ def serve(name: str) -> None:
     )  # fmt: skip
     for service in ("horn", "lamp"):
         node.create_service(Trigger, f"/{name}/{service}", answering(service), callback_group=group)
-    node.create_subscription(Bool, f"/{name}/light", lambda received: say("light"), 10, callback_group=group)
+    node.create_subscription(Bool, f"/{name}/light", lambda received: report_line("light"), 10, callback_group=group)
     reported = node.create_publisher(Int32, f"/{name}/done", 10)
     node.create_timer(PERIOD_S, lambda: reported.publish(Int32(data=done)), callback_group=group)
     executor = MultiThreadedExecutor(6)
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()
-    say("ready")
+    report_line("ready")
     sys.stdin.read()
     os._exit(0)  # a robot that is switched off
 

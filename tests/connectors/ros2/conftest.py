@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of ROS 2 stand on: loopback only, a domain of their own, quick discovery, a peer process."""
+"""The rig of the tests of ROS 2: loopback only, a domain of their own, quick discovery, a peer process."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture
 def alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody outside of this process is found."""
+    """No process but this one is found."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF")
 
 

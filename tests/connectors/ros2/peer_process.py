@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot in another process, in plain rclpy: what each goal's `order` and each request say is what it does.
+"""A robot in another process, in plain rclpy: it does what each goal's `order` and each request ask.
 
-Rule: nothing of ours is used on its side; it says on its output what it heard.
+Rule: nothing of ours is used on its side; it reports on its output what it received.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Peer:
     """The process, from outside.
 
     Args:
-        name: Its node's name, and what its topics, services and action stand below.
+        name: Its node's name, and what its topics, services and action are named below.
         program: What it runs.
     """
 
@@ -86,7 +86,7 @@ class Peer:
         self._process.stdout.close()
 
 
-def say(*what: Any) -> None:
+def report_line(*what: Any) -> None:
     with TALKING:
         sys.stdout.write(json.dumps(what) + "\n")
         sys.stdout.flush()
@@ -120,7 +120,7 @@ class Dropping:
             goal_id = self._goal_ids.pop(id(header), "")
             self._replies[name, goal_id] += 1
             if goal_id.startswith(DROPPED) and self._replies[name, goal_id] % 2:
-                say("dropped", goal_id)
+                report_line("dropped", goal_id)
             else:
                 found(header, response)
 
@@ -142,7 +142,7 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
     group, refused = ReentrantCallbackGroup(), Counter[str]()
 
     def decide(goal: Any) -> Any:
-        say("asked", goal.order)
+        report_line("asked", goal.order)
         if goal.order == SLOW_TO_ACCEPT:
             time.sleep(1.5)  # so that a busy machine's test still finds it thinking
         return GoalResponse.REJECT if goal.order == REJECT else GoalResponse.ACCEPT
@@ -150,12 +150,12 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
     def cancel(handle: Any) -> Any:
         goal_id = bytes(handle.goal_id.uuid).hex()
         refused[goal_id] += handle.request.order == STUBBORN
-        say("cancel", goal_id)
+        report_line("cancel", goal_id)
         return CancelResponse.REJECT if handle.request.order == STUBBORN else CancelResponse.ACCEPT
 
     def execute(handle: Any) -> Any:
         goal_id, order, result = bytes(handle.goal_id.uuid).hex(), handle.request.order, Fibonacci.Result()
-        say("runs", goal_id)
+        report_line("runs", goal_id)
         handle.publish_feedback(Fibonacci.Feedback(sequence=[0]))
         done_at = time.monotonic() + (order / 100 if order >= LASTS else 0)
         while time.monotonic() < done_at and not handle.is_cancel_requested:
@@ -164,7 +164,7 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         while order in (RUN, STUBBORN, SLOW_TO_ACCEPT) and refused[goal_id] < 2 and time.monotonic() < until:
             if handle.is_cancel_requested or not rclpy.ok():
                 handle.canceled()
-                say("canceled", goal_id)
+                report_line("canceled", goal_id)
                 return result
             time.sleep(0.01)
         if handle.is_cancel_requested:
@@ -174,11 +174,11 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         else:
             handle.succeed()
         result.sequence = [0, 1, 1, 2]
-        say("ended", goal_id)
+        report_line("ended", goal_id)
         return result
 
     def hang(_request: Any, response: Any) -> Any:
-        say("hangs")
+        report_line("hangs")
         time.sleep(60)
         return response
 
@@ -206,7 +206,7 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
             await super()._execute_get_result_request(request)
 
         async def _execute_cancel_request(self, request: Any) -> None:
-            say("end wanted", bytes(request[1].goal_info.goal_id.uuid).hex())
+            report_line("end wanted", bytes(request[1].goal_info.goal_id.uuid).hex())
             await super()._execute_cancel_request(request)
 
     Reporting(
@@ -227,11 +227,11 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         String, f"/{name}/hasty", QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
     )
     node.create_timer(0.05, lambda: hasty.publish(String(data="hasty")))
-    node.create_subscription(String, f"/{name}/ear", lambda received: say("heard", received.data), 10)
+    node.create_subscription(String, f"/{name}/ear", lambda received: report_line("heard", received.data), 10)
     executor = MultiThreadedExecutor(8)
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()
-    say("ready")
+    report_line("ready")
     sys.stdin.read()
     os._exit(0)  # a robot that is switched off
 

@@ -38,23 +38,23 @@ def mission() -> Mission:
     ]  # fmt: skip
     outcomes = ["succeeded", "failed", "rejected", "canceled", "timed_out"]
     pursuing = {
-        "action": "move", "goal": {"order": {"from": "order"}}, "result": {"said": "sequence"}, "cancel_s": 0.3,
+        "action": "move", "goal": {"order": {"from": "order"}}, "result": {"kept": "sequence"}, "cancel_s": 0.3,
         "timeout_s": 60, "transitions": [{"on": outcomes, "to": "rest"}],
     }  # fmt: skip
     return Mission.model_validate(
         {
             "format": 1, "name": "windows", "version": "1.0.0", "initial": "rest",
             "blackboard": {"order": {"type": "integer", "source": "mission", "initial": 0},
-                           "said": {"type": "list", "source": "mission", "optional": True}},
-            "events": {name: {} for name in ("left", "right", "stand", "enough")},
+                           "kept": {"type": "list", "source": "mission", "optional": True}},
+            "events": {name: {} for name in ("left", "right", "halt", "enough")},
             "states": {"rest": {}, "left": pursuing, "right": pursuing, "done": {"final": "canceled"}},
-            "transitions": [*go, {"on": "stand", "to": "rest"}, {"on": "enough", "to": "done"}],
+            "transitions": [*go, {"on": "halt", "to": "rest"}, {"on": "enough", "to": "done"}],
         }
     )  # fmt: skip
 
 
 class ServerOnCall:
-    """The scripted server, which can be killed and started anew; every life has a log of its own."""
+    """The scripted server, which can be killed and started again; every life has a log of its own."""
 
     def __init__(self) -> None:
         self.name = f"scene_{uuid.uuid4().hex[:8]}"
@@ -68,7 +68,7 @@ class ServerOnCall:
     def kill(self) -> None:
         self.lives[-1].kill()
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         self.lives.append(Peer(self.name, PROGRAM))
         self.lives[-1].__enter__()
 
@@ -92,7 +92,7 @@ class Scene:
         self.tokens: list[int] = []
         robot = Robot.model_validate(
             {"name": "windows", "actions": {"move": {"action": f"/{server.name}/move", "type": FIBONACCI}},
-             "events": {name: {"posted": True} for name in ("left", "right", "stand", "enough")}}
+             "events": {name: {"posted": True} for name in ("left", "right", "halt", "enough")}}
         )  # fmt: skip
         self._clock = WallClock()
         self._runner = Runner(
@@ -106,7 +106,7 @@ class Scene:
         """Enter a state that pursues a goal, and wait for a moment of the goal's life."""
         token = next(tokens)
         self.tokens.append(token)
-        self.tell(state, order=script.order(token))
+        self.post(state, order=script.order(token))
         if window == "asked":
             self.wait_for(token, "asked", "runs", "over")
         elif window == "runs" or (window == "over" and script.end == "runs on" and script.cancel != "refused"):
@@ -115,12 +115,12 @@ class Scene:
             self.wait_for(token, "over")
         return token
 
-    def tell(self, event: str, **data: Any) -> None:
+    def post(self, event: str, **data: Any) -> None:
         self._runner.post(Event(event, self._clock.now(), data))
 
     def wait_for(self, token: int, *words: str) -> None:
-        """Wait until the server has said one of these of a goal, or the run knows that it will not be asked."""
-        came, is_there = threading.Event(), lambda: self._has_said(token, words) or self._is_over(token)
+        """Wait until the server has reported one of these of a goal, or the run knows that it will not be asked."""
+        came, is_there = threading.Event(), lambda: self._has_reported(token, words) or self._is_over(token)
         for _ in range(int(HOLDS_S / 0.01)):
             if is_there():
                 return
@@ -133,7 +133,7 @@ class Scene:
 
     def end(self) -> None:
         """End the run; hold it to the laws, and the server to having no goal that is not over."""
-        self.tell("enough")
+        self.post("enough")
         self._thread.join(HOLDS_S)
         assert not self._thread.is_alive(), f"the run does not end: {self.story()}"
         self.check()
@@ -161,7 +161,7 @@ class Scene:
         ]  # fmt: skip
         return f"\nserver: {reported}\nrun: " + "\n     ".join(map(str, run))
 
-    def _has_said(self, token: int, words: tuple[str, ...]) -> bool:
+    def _has_reported(self, token: int, words: tuple[str, ...]) -> bool:
         return any(each[0] in words and each[1] == token for each in self._server.lines.all if len(each) > 1)
 
     def _is_over(self, token: int) -> bool:
@@ -204,7 +204,7 @@ def _no_result_of_another(steps: list[Step], story: Any) -> None:
             owner, visit, token = started[event.number]
             assert owner in active and visits[owner] == visit, f"{event} reached another visit of {owner}{story()}"
             assert newest[owner] == event.number, f"{event} reached another goal's state{story()}"
-            written = dict(step.writes).get("said", [token])
+            written = dict(step.writes).get("kept", [token])
             assert list(written) == [token], f"{written} is the result of another goal than {token}{story()}"
         for move in step.moves:
             active -= set(move.exited)
@@ -220,7 +220,7 @@ def _no_result_of_another(steps: list[Step], story: Any) -> None:
 
 
 def _no_start_before_the_end(steps: list[Step], story: Any) -> None:
-    """In the run's own words: a goal is started only when the end of every earlier one was told or given up."""
+    """In the run's own words: a goal is started only when the end of every earlier one was reported or given up."""
     open_goals: set[int] = set()
     for step in steps:
         if step.event.kind == "result":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An action's server in another process, in plain rclpy, whose behaviour stands in each goal's `order`.
+"""An action's server in another process, in plain rclpy, whose behaviour is in each goal's `order`.
 
 Rule: it writes down what it does before its client can know of it, so that the order of its log is the order of facts.
 """
@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tests.connectors.ros2.peer_process import say
+from tests.connectors.ros2.peer_process import report_line
 
 __all__ = ("PROGRAM", "Script")
 
@@ -29,13 +29,13 @@ class Script(NamedTuple):
     accept: str = "at once"
     cancel: str = "taken"
     end: str = "runs on"
-    is_said_twice: bool = False
+    is_repeated: bool = False
     """Each of its answers is sent twice."""
 
     def order(self, token: int) -> int:
         """The script and a number that no other goal has, as an `order`."""
         word = ((ACCEPTS.index(self.accept) * 3 + CANCELS.index(self.cancel)) * 4 + ENDS.index(self.end)) * 2
-        return token * 100 + word + self.is_said_twice
+        return token * 100 + word + self.is_repeated
 
     @classmethod
     def read(cls, order: int) -> tuple[int, Script]:
@@ -84,31 +84,31 @@ def serve(name: str) -> None:
 
     def decide(goal: Any) -> Any:
         token, script = Script.read(goal.order)
-        say("asked", token)
-        server._handle.is_stammering = script.is_said_twice
+        report_line("asked", token)
+        server._handle.is_stammering = script.is_repeated
         if script.accept == "late":
             time.sleep(LATE_S)
         if script.accept == "never":
-            say("over", token, "rejected")
+            report_line("over", token, "rejected")
         return GoalResponse.REJECT if script.accept == "never" else GoalResponse.ACCEPT
 
     def cancel(handle: Any) -> Any:
         token, script = Script.read(handle.request.order)
-        say("cancel", token)
+        report_line("cancel", token)
         if script.cancel == "late":
             time.sleep(LATE_S)
         return CancelResponse.REJECT if script.cancel == "refused" else CancelResponse.ACCEPT
 
     def execute(handle: Any) -> Any:
         token, script = Script.read(handle.request.order)
-        say("runs", token)
+        report_line("runs", token)
         handle.publish_feedback(Fibonacci.Feedback(sequence=[token]))
         lasts_s = {"succeeds later": LATER_S, "runs on": STUBBORN_S if script.cancel == "refused" else 120.0}
         until = time.monotonic() + lasts_s.get(script.end, 0.0)
         while time.monotonic() < until and not handle.is_cancel_requested:
             time.sleep(0.005)
         end = "canceled" if handle.is_cancel_requested else "aborted" if script.end == "aborts" else "succeeded"
-        say("over", token, end)
+        report_line("over", token, end)
         {"canceled": handle.canceled, "aborted": handle.abort, "succeeded": handle.succeed}[end]()
         return Fibonacci.Result(sequence=[token])
 
@@ -120,7 +120,7 @@ def serve(name: str) -> None:
     executor = MultiThreadedExecutor(8)
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()
-    say("ready")
+    report_line("ready")
     sys.stdin.read()
     os._exit(0)
 

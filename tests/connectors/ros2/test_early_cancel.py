@@ -18,7 +18,7 @@ PATIENCE_S = 30
 
 
 class Unheard:
-    """An action's server whose acceptance is not heard before a cancel; by hand, from the services of an action."""
+    """An action's server whose acceptance is not received before a cancel; by hand, from the services of an action."""
 
     def __init__(self) -> None:
         import rclpy
@@ -95,4 +95,4 @@ def test_a_stop_does_not_wait_for_the_word_that_its_goal_was_accepted(
     connector.cancel_goal(goal_id)
     reported = reports.wait(lambda all_: all_[-1].status == "canceled", "the goal has ended")
     assert [each.status for each in reported] == ["accepted", "canceled"]
-    assert unheard.cancels == 2, "once before its acceptance was heard, and once after"
+    assert unheard.cancels == 2, "once before its acceptance was received, and once after"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whoever a run will ask knows the run before it is asked: a reply to a client that it has just met is lost."""
+"""A server that a run will ask knows the run before it is asked: a reply to a client that it has just met is lost."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_a_run_is_known_to_every_server_that_its_profile_names_before_it_asks_on
 
 
 def until_a_reply_is_awaited(other: Any, service: str) -> None:
-    """Wait until another node sees that somebody reads the service's replies."""
+    """Wait until another node sees that a client reads the service's replies."""
     runtime, tick = other._session.runtime, threading.Event()
 
     def find() -> list[Any]:
@@ -62,10 +62,10 @@ def until_a_reply_is_awaited(other: Any, service: str) -> None:
         if runtime.ask(find, []):
             return
         tick.wait(0.01)
-    raise AssertionError(f"nobody awaits a reply of {service}")
+    raise AssertionError(f"no client awaits a reply of {service}")
 
 
-def test_what_cannot_be_asked_is_told_when_it_is_expected_and_stops_no_run(open_ros: Callable[..., Any]) -> None:
+def test_what_cannot_be_asked_is_reported_when_it_is_expected_and_stops_no_run(open_ros: Callable[..., Any]) -> None:
     connector, steps = open_ros(), Inbox[Step]()
     robot = Robot.model_validate({"name": "odd", "services": {"horn": {"service": "/horn", "type": "no_msgs/srv/No"}}})
     mission = Mission.model_validate(

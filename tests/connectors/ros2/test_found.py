@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Goals of a process that was killed, taken up by another: found running, found ended, or gone."""
+"""Goals of a process that was killed, found by another: found running, found ended, or gone."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ connector = open_connector({})
 connector.start()
 until, action, goal_id, order = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
 done = threading.Event()
-def report(said):
-    if said.status == until:
+def report(one):
+    if one.status == until:
         done.set()
 connector.send_goal(action, "test_msgs/action/Fibonacci", {"order": order}, goal_id=goal_id, on_report=report)
 done.wait(60)
@@ -32,7 +32,7 @@ threading.Event().wait()
 
 
 def send_and_die(action: str, goal_id: str, order: int, until: str) -> None:
-    """Send a goal from a process that is killed once the server has said something of it."""
+    """Send a goal from a process that is killed once the server has reported something of it."""
     process = subprocess.Popen(
         [sys.executable, "-W", "ignore", "-c", SENDER, until, action, goal_id, str(order)], stdout=subprocess.PIPE
     )
@@ -49,7 +49,7 @@ def found(connector: Any, action: str, goal_id: str) -> Inbox[Report]:
     return received
 
 
-def test_a_goal_that_runs_is_found_and_its_end_is_told(open_ros: Open, peer: Peer) -> None:
+def test_a_goal_that_runs_is_found_and_its_end_is_reported(open_ros: Open, peer: Peer) -> None:
     goal_id, action = uuid.uuid4().hex, f"/{peer.name}/fibonacci"
     send_and_die(action, goal_id, RUN, "accepted")
     connector = open_ros()
@@ -67,19 +67,19 @@ def test_a_goal_that_ended_unheard_is_found_with_its_result(open_ros: Open, peer
         received.wait(lambda reported, end=end: bool(reported) and reported[-1].status == end, f"it has {end}")
 
 
-def test_a_goal_that_nobody_knows_is_lost(open_ros: Open, peer: Peer) -> None:
+def test_a_goal_that_no_server_knows_is_lost(open_ros: Open, peer: Peer) -> None:
     received = found(open_ros(), f"/{peer.name}/fibonacci", uuid.uuid4().hex)
     received.wait(lambda reported: [each.status for each in reported] == ["lost"], "it is lost")
-    received = found(open_ros(discovery_s=0.2), "/nobody/serves", uuid.uuid4().hex)
+    received = found(open_ros(discovery_s=0.2), "/no_one/serves", uuid.uuid4().hex)
     received.wait(
         lambda reported: (
-            [(each.status, each.why) for each in reported] == [("lost", "no server offers /nobody/serves")]
+            [(each.status, each.why) for each in reported] == [("lost", "no server offers /no_one/serves")]
         ),
-        "nobody is there",
+        "no server is there",
     )
 
 
-def test_goals_that_their_server_knows_nothing_of_are_sent_anew_and_nobody_asks_for_their_end(
+def test_goals_that_their_server_knows_nothing_of_are_sent_again_and_no_one_asks_for_their_end(
     open_ros: Open, peer: Peer
 ) -> None:
     """A word on the way to end them would end those that are sent under the same ids."""

@@ -59,7 +59,7 @@ def program(text: str) -> subprocess.CompletedProcess[str]:
          "connector/qos//t: no option 'history'; there is: depth, durability, reliability"),
     ],
 )  # fmt: skip
-def test_an_option_that_is_not_understood_is_told_with_what_would_be(options: dict[str, Any], sentence: str) -> None:
+def test_an_option_that_is_not_understood_is_reported_with_what_is(options: dict[str, Any], sentence: str) -> None:
     with pytest.raises(UsageError) as caught:
         open_connector(options)
     assert str(caught.value) == sentence
@@ -97,7 +97,7 @@ def check_lives(times: int) -> None:
         connector.subscribe("/life", STRING, lambda _message: None)
         connector.publish("/life", STRING, {"data": "x"})
         connector.serve("/life/call", TRIGGER, lambda _request: {})
-        connector.call("/life/nobody", TRIGGER, {}, on_reply=replies)
+        connector.call("/life/no_one", TRIGGER, {}, on_reply=replies)
         connector.offer("/life/do", FIBONACCI, Willing())
         connector.send_goal("/life/do", FIBONACCI, {}, goal_id="g", on_report=reports)
         connector.stop()
@@ -161,7 +161,7 @@ def test_a_stop_from_a_callback_ends_it_without_a_deadlock(open_ros: Open) -> No
 
 
 @pytest.mark.usefixtures("alone")
-def test_a_callback_that_raises_stops_nobody(open_ros: Open, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_callback_that_raises_stops_no_other(open_ros: Open, caplog: pytest.LogCaptureFixture) -> None:
     connector, received = open_ros(), Inbox[Message]()
 
     def fail(_message: Message) -> None:
@@ -171,13 +171,13 @@ def test_a_callback_that_raises_stops_nobody(open_ros: Open, caplog: pytest.LogC
     connector.subscribe("/ears", STRING, received)
     for text in ("one", "two"):
         connector.publish("/ears", STRING, {"data": text})
-    received.wait(lambda all_: len(all_) == 2, "the other ear hears everything")
+    received.wait(lambda all_: len(all_) == 2, "the other ear receives everything")
     assert "broken ear" in caplog.text
 
 
 @pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize(("age_s", "at"), [(0.0, 50.0), (2.0, 48.0), (1e6, 50.0 - 1e6), (-30.0, 50.0)])
-def test_a_header_stamp_is_told_on_the_runs_clock(open_ros: Open, age_s: float, at: float) -> None:
+def test_a_header_stamp_is_reported_on_the_runs_clock(open_ros: Open, age_s: float, at: float) -> None:
     connector, received = open_ros(now=lambda: 50.0), Inbox[Message]()
     connector.subscribe("/stamped", "std_msgs/msg/Header", received)
     begin = time.time()
@@ -196,7 +196,7 @@ def test_a_message_without_a_stamp_is_from_now(open_ros: Open) -> None:
 
 
 @pytest.mark.usefixtures("alone")
-def test_simulated_time_is_what_the_clock_says(open_ros: Open) -> None:
+def test_simulated_time_is_what_the_clock_reports(open_ros: Open) -> None:
     connector, received = open_ros(sim_time=True), Inbox[Message]()
     connector.subscribe("/any", STRING, received)
     clock = Inbox[Message]()
@@ -212,7 +212,7 @@ def test_simulated_time_is_what_the_clock_says(open_ros: Open) -> None:
 
 
 @pytest.mark.usefixtures("alone")
-def test_what_is_wrong_is_told_as_the_contract_says(open_ros: Open) -> None:
+def test_what_is_wrong_is_reported_as_the_contract_states(open_ros: Open) -> None:
     connector, replies, reports = open_ros(), Inbox[Reply](), Inbox[Report]()
     connector.subscribe("/t", STRING, lambda _message: None)
     connector.serve("/s", TRIGGER, lambda _request: {})
@@ -232,7 +232,7 @@ def test_what_is_wrong_is_told_as_the_contract_says(open_ros: Open) -> None:
         connector.send_goal("/a", FIBONACCI, {"order": 1}, goal_id="g", on_report=reports)
 
 
-def test_what_is_not_started_says_so() -> None:
+def test_what_is_not_started_reports_it() -> None:
     connector, replies, reports = open_connector({}), Inbox[Reply](), Inbox[Report]()
     connector.publish("/t", STRING, {"data": "x"})
     connector.cancel_goal("g")
@@ -249,7 +249,7 @@ def test_importing_the_room_loads_no_ros() -> None:
     assert program(text).returncode == 0
 
 
-def test_without_rclpy_one_sentence_says_how_to_get_it() -> None:
+def test_without_rclpy_one_sentence_states_how_to_get_it() -> None:
     done = program(
         """
         import sys; sys.modules["rclpy"] = None
@@ -280,7 +280,7 @@ def test_a_process_that_forgets_to_stop_ends_as_usual_and_leaves_no_goal(peer: A
     peer.lines.wait(lambda reported: ["canceled", "ab" * 16] in reported, "its goal is canceled at the exit")
 
 
-def test_it_lives_beside_a_program_that_spins_rclpy_itself(peer: Any) -> None:
+def test_it_lives_next_to_a_program_that_spins_rclpy_itself(peer: Any) -> None:
     done = program(
         f"""
         import threading, time, rclpy
@@ -292,18 +292,18 @@ def test_it_lives_beside_a_program_that_spins_rclpy_itself(peer: Any) -> None:
         node, executor = rclpy.create_node("users_own"), SingleThreadedExecutor()
         executor.add_node(node)
         echo = node.create_publisher(String, "/echo", 10)
-        node.create_subscription(String, "/say", echo.publish, 10)
+        node.create_subscription(String, "/speech", echo.publish, 10)
         thread = threading.Thread(target=executor.spin); thread.start()
         for _ in range(3):
-            connector, heard, replies = open_connector({{}}), Inbox(30.0), Inbox(30.0)
+            connector, received, replies = open_connector({{}}), Inbox(30.0), Inbox(30.0)
             connector.start()
-            connector.subscribe("/echo", "{STRING}", heard)
+            connector.subscribe("/echo", "{STRING}", received)
             while not node.count_subscribers("/echo"):
                 time.sleep(0.01)
-            connector.publish("/say", "{STRING}", {{"data": "x"}})
+            connector.publish("/speech", "{STRING}", {{"data": "x"}})
             connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, on_reply=replies)
             assert replies.wait(bool, "answered")[0].outcome == "succeeded"
-            heard.wait(bool, "the user's node hears and speaks")
+            received.wait(bool, "the user's node receives and speaks")
             connector.stop()
         assert rclpy.ok() and thread.is_alive()
         executor.shutdown(); thread.join(); node.destroy_node(); rclpy.shutdown()

@@ -84,7 +84,7 @@ def test_a_goal_id_is_the_same_on_the_other_side(goal_id: str) -> None:
     assert goal_id_from_bytes(goal_id_to_bytes(goal_id)) == goal_id
 
 
-def test_a_goal_id_that_ros_cannot_carry_stands_for_one_that_it_can() -> None:
+def test_a_goal_id_that_ros_cannot_carry_is_carried_as_one_that_it_can() -> None:
     assert goal_id_from_bytes(goal_id_to_bytes("a run / driving / 1")) == goal_id_to_bytes("a run / driving / 1").hex()
     assert goal_id_to_bytes("a run / driving / 1") != goal_id_to_bytes("a run / driving / 2")
 
@@ -105,7 +105,7 @@ def test_a_goal_id_that_ros_cannot_carry_stands_for_one_that_it_can() -> None:
         ("os/msg/../x", "msg", "'os/msg/../x' is no name of a message type; one looks like 'std_msgs/msg/String'"),
     ],
 )  # fmt: skip
-def test_a_type_that_is_not_here_is_told_with_what_is(name: str, kind: Any, sentence: str) -> None:
+def test_a_type_that_is_not_here_is_reported_with_what_is(name: str, kind: Any, sentence: str) -> None:
     with pytest.raises(ConnectorError) as caught:
         find_type(name, kind)
     assert str(caught.value) == sentence
@@ -141,7 +141,7 @@ def test_a_value_that_does_not_fit_names_its_field(name: str, reported: Any, sen
     assert str(caught.value) == sentence
 
 
-def test_seconds_stand_for_a_time_and_what_is_left_out_keeps_its_default() -> None:
+def test_seconds_are_taken_as_a_time_and_what_is_left_out_keeps_its_default() -> None:
     message = to_message(find_type("std_msgs/msg/Header", "msg"), {"stamp": 12.25, "frame_id": None})
     assert to_data(message) == {"stamp": {"sec": 12, "nanosec": 250_000_000}, "frame_id": ""}
 
@@ -210,5 +210,5 @@ def test_an_enormous_picture_is_no_slower_than_its_bytes() -> None:
 
 
 @given(st.deferred(lambda: messages("nav_msgs/msg/Odometry")))
-def test_what_is_heard_can_be_journaled(data: dict[str, Any]) -> None:
+def test_what_is_received_can_be_journaled(data: dict[str, Any]) -> None:
     plain(to_data(to_message(find_type("nav_msgs/msg/Odometry", "msg"), data)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Fast DDS is told where the user has told it nothing; each in a process of its own, which reads it once."""
+"""How Fast DDS is set where the user has set nothing; each in a process of its own, which reads it once."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ connector.stop()
 
 
 def opened(folder: Path, options: dict[str, Any], **environment: str) -> tuple[dict[str, Any], str]:
-    """What a process has of shared memory after its connector's start, and what it said on stderr."""
+    """What a process has of shared memory after its connector's start, and what it wrote to stderr."""
     given = {name: value for name, value in os.environ.items() if name != VARIABLE}
     command = [sys.executable, "-W", "ignore", "-c", PROGRAM, json.dumps(options)]
     ended = subprocess.run(
@@ -47,7 +47,7 @@ def opened(folder: Path, options: dict[str, Any], **environment: str) -> tuple[d
 def test_a_process_with_pictures_has_shared_memory_for_several(ros: None, tmp_path: Path) -> None:
     reported, complaints = opened(tmp_path, {"pictures": True})
     assert reported["largest"] > ROOMY, "else a picture alone fills it, and a stop that comes behind is lost"
-    assert reported["file"] is None, "nobody whom this process starts shall inherit it"
+    assert reported["file"] is None, "no process that this one starts shall inherit it"
     assert "XMLPARSER" not in complaints
 
 
@@ -57,14 +57,14 @@ def test_a_process_without_pictures_takes_no_more_memory_than_ever(ros: None, tm
     assert "XMLPARSER" not in complaints
 
 
-def test_a_users_own_profile_stands(ros: None, tmp_path: Path) -> None:
+def test_a_users_own_profile_stays(ros: None, tmp_path: Path) -> None:
     own = tmp_path / "own.xml"
     own.write_text("<profiles/>")
     reported, _ = opened(tmp_path, {"pictures": True}, **{VARIABLE: str(own)})
     assert reported["largest"] < ROOMY and reported["file"] == str(own)
 
 
-def test_a_users_choice_of_transports_stands(ros: None, tmp_path: Path) -> None:
+def test_a_users_choice_of_transports_stays(ros: None, tmp_path: Path) -> None:
     reported, _ = opened(tmp_path, {"pictures": True}, FASTDDS_BUILTIN_TRANSPORTS="SHM")
     assert 0 < reported["largest"] < ROOMY
 

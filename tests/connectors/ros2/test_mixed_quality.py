@@ -26,7 +26,7 @@ def reliabilities(node: Any, topic: str) -> list[str]:
     return sorted(each.qos_profile.reliability.name for each in node.get_subscriptions_info_by_topic(topic))
 
 
-def test_a_best_effort_publisher_degrades_nobody_else_on_its_topic(open_ros: Open) -> None:
+def test_a_best_effort_publisher_degrades_no_other_publisher_on_its_topic(open_ros: Open) -> None:
     ours, good, worse = open_ros(), open_ros(), open_ros(qos=WORSE)
     received: Inbox[Message] = Inbox()
     ours.subscribe("/orders", STRING, received)
@@ -57,7 +57,9 @@ messages = st.lists(st.tuples(st.booleans(), delays, st.floats(0.0, 0.04) | st.f
 
 
 @given(messages)
-def test_two_readers_tell_each_message_once_and_reliable_ones_in_order(given_: list[tuple[bool, Any, float]]) -> None:
+def test_two_readers_deliver_each_message_once_and_reliable_in_order(
+    given_: list[tuple[bool, Any, float]],
+) -> None:
     """Published 10 ms apart by a reliable and by a best-effort publisher, whose messages may be lost on their way."""
     from rai_missions.connectors.ros2.mixed import Mixed
 

@@ -44,7 +44,7 @@ def wait_for(reports: Inbox[Report], message: str) -> None:
 
 
 @pytest.mark.parametrize(("order", "end"), [(SUCCEED, "succeeded"), (ABORT, "failed")])
-def test_a_goal_ends_as_its_server_says_and_brings_the_result(open_ros: Open, peer: Peer, order: int, end: str) -> None:
+def test_a_goal_ends_as_its_server_reports_and_has_its_result(open_ros: Open, peer: Peer, order: int, end: str) -> None:
     goal_id, reports = start(open_ros(), peer, order)
     reported = end_of(reports)
     assert (reported[0], reported[-1]) == ("accepted", end)
@@ -85,7 +85,7 @@ def test_a_goal_left_in_any_window_runs_no_more(open_ros: Open, peer: Peer, orde
         assert ["runs", goal_id] not in peer.lines.all, "it was never sent"
 
 
-def test_a_refused_cancel_is_told_and_the_end_still_comes(open_ros: Open, peer: Peer) -> None:
+def test_a_refused_cancel_is_reported_and_the_end_still_comes(open_ros: Open, peer: Peer) -> None:
     connector = open_ros()
     goal_id, reports = start(connector, peer, STUBBORN)
     wait_for(reports, "accepted")
@@ -97,7 +97,7 @@ def test_a_refused_cancel_is_told_and_the_end_still_comes(open_ros: Open, peer: 
     assert reported.count("cancel_rejected") == 2, "every cancel is sent and answered"
 
 
-def test_a_cancel_after_the_end_asks_nobody(open_ros: Open, peer: Peer) -> None:
+def test_a_cancel_after_the_end_asks_no_one(open_ros: Open, peer: Peer) -> None:
     connector = open_ros()
     goal_id, reports = start(connector, peer, SUCCEED)
     end_of(reports)
@@ -146,7 +146,7 @@ def test_goals_are_lost_when_their_server_is_killed(open_ros: Open, own_peer: Pe
     assert "is gone" in running.all[-1].why
 
 
-def test_goals_are_lost_when_their_server_starts_anew_and_new_ones_reach_it(open_ros: Open, own_peer: Peer) -> None:
+def test_goals_are_lost_when_their_server_starts_again_and_new_ones_reach_it(open_ros: Open, own_peer: Peer) -> None:
     connector = open_ros()
     _, reports = start(connector, own_peer, RUN)
     wait_for(reports, "accepted")
@@ -178,7 +178,7 @@ def test_a_call_brings_the_reply(open_ros: Open, peer: Peer) -> None:
     assert replies.wait(bool, "it is answered") == [Reply("succeeded", {"success": True, "message": "done"})]
 
 
-def test_a_reply_that_says_that_the_server_failed_is_a_failure(open_ros: Open, peer: Peer) -> None:
+def test_a_reply_that_reports_that_the_server_failed_is_a_failure(open_ros: Open, peer: Peer) -> None:
     replies = Inbox[Reply]()
     open_ros().call("/peer/set", "std_srvs/srv/SetBool", {"data": False}, on_reply=replies)
     (reply,) = replies.wait(bool, "it is answered")
@@ -192,7 +192,7 @@ def test_a_call_that_is_not_answered_is_timed_out_once(open_ros: Open, peer: Pee
     assert reply == Reply("timed_out", {}, "/peer/hang has not answered within 4 s")
 
 
-def test_a_call_whose_server_dies_is_told_so_without_any_timeout(open_ros: Open, own_peer: Peer) -> None:
+def test_a_call_whose_server_dies_ends_without_any_timeout(open_ros: Open, own_peer: Peer) -> None:
     connector, replies = open_ros(), Inbox[Reply]()
     connector.call(f"/{own_peer.name}/hang", TRIGGER, {}, on_reply=replies)
     own_peer.lines.wait(lambda reported: ["hangs"] in reported, "the call has arrived")
@@ -218,13 +218,13 @@ def test_the_first_message_of_a_new_publisher_arrives(open_ros: Open, peer: Peer
     peer.lines.wait(lambda reported: ["heard", word] in reported, "nothing is lost while the two find each other")
 
 
-def test_who_subscribes_later_hears_what_was_latched(open_ros: Open, peer: Peer) -> None:
+def test_who_subscribes_later_receives_what_was_latched(open_ros: Open, peer: Peer) -> None:
     received = Inbox[Message]()
     open_ros(qos={"/peer/latched": {"durability": "latched"}}).subscribe("/peer/latched", STRING, received)
     assert received.wait(bool, "it was kept")[0].data == {"data": "kept"}
 
 
-def test_a_publisher_with_best_effort_is_heard_unless_the_profile_insists(open_ros: Open, peer: Peer) -> None:
+def test_a_publisher_with_best_effort_is_received_unless_the_profile_insists(open_ros: Open, peer: Peer) -> None:
     received, insisting = Inbox[Message](), Inbox[Message]()
     open_ros(qos={"/peer/hasty": {"reliability": "reliable"}}).subscribe("/peer/hasty", STRING, insisting)
     open_ros().subscribe("/peer/hasty", STRING, received)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture is costly: it is made when it leaves for somebody who listens, and not before."""
+"""A picture is costly: it is made when it leaves for a client that listens, and not before."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Camera:
                 "data": Image(f"camera@{number}", 2, 2, encoding, pixels)}  # fmt: skip
 
 
-def test_of_the_pictures_that_nobody_saw_only_the_newest_is_made(open_ros: Callable[..., Any]) -> None:
+def test_of_the_pictures_that_no_one_saw_only_the_newest_is_made(open_ros: Callable[..., Any]) -> None:
     robot, eye, camera = open_ros(discovery_s=30.0), open_ros(), Camera()
     for number in (1, 2, 3):
         robot.publish("/camera", TYPE, camera.message(number))
@@ -47,7 +47,9 @@ def test_of_the_pictures_that_nobody_saw_only_the_newest_is_made(open_ros: Calla
     assert [each.data["data"].data for each in received.all] == [bytes([3]) * 12, bytes([4]) * 12]
 
 
-def test_a_picture_that_its_message_cannot_carry_is_told_at_once_and_never_made(open_ros: Callable[..., Any]) -> None:
+def test_a_picture_that_its_message_cannot_carry_is_reported_and_never_made(
+    open_ros: Callable[..., Any],
+) -> None:
     robot, camera = open_ros(), Camera()
     with pytest.raises(ConnectorError, match="/camera/data: a picture in 'png' travels as sensor_msgs/msg/Compressed"):
         robot.publish("/camera", TYPE, camera.message(1, "png"))

@@ -113,11 +113,11 @@ def rig(open_ros: Open) -> Iterator[Rig]:
     made.close()
 
 
-def said(reports: Inbox[Report]) -> list[str]:
+def statuses(reports: Inbox[Report]) -> list[str]:
     return [each.status for each in reports.all]
 
 
-def until_said(reports: Inbox[Report], *words: str) -> list[Report]:
+def until_reported(reports: Inbox[Report], *words: str) -> list[Report]:
     return reports.wait(lambda all_: any(each.status in words for each in all_), f"one of {words}")
 
 
@@ -125,7 +125,7 @@ def test_a_goal_for_two_servers_is_rejected_and_reaches_neither(open_ros: Open, 
     servers, connector = [rig.serve(Plan()), rig.serve(Plan())], open_ros()
     rig.wait_for(connector, 2)
     _, reports = rig.send(connector)
-    (report,) = until_said(reports, "rejected")
+    (report,) = until_reported(reports, "rejected")
     assert report.why.startswith(f"more than one server answers for {rig.name} (/rai_missions_")
     assert report.why.endswith("); stop all but one")
     assert [server.seen.all for server in servers] == [[], []]
@@ -140,9 +140,9 @@ def test_a_server_that_is_on_the_graph_and_does_not_answer_is_no_second_one_and_
         rig.wait_for(connector, 2)
         frozen.signal(signal.SIGSTOP)
         goal_id, reports = rig.send(connector, script.order(1))
-        until_said(reports, "accepted")
+        until_reported(reports, "accepted")
         connector.cancel_goal(goal_id)
-        until_said(reports, "canceled")
+        until_reported(reports, "canceled")
         living.lines.wait(lambda reported: ["over", 1, "canceled"] in reported, "the goal is over")
         frozen.signal(signal.SIGCONT)
         frozen.lines.wait(lambda reported: ["over", 1, "canceled"] in reported, "what it took late is canceled")
@@ -154,27 +154,27 @@ def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal
     first, connector = rig.serve(Plan()), open_ros()
     rig.wait_for(connector, 1)
     goal_id, reports = rig.send(connector)
-    until_said(reports, "accepted")
+    until_reported(reports, "accepted")
     rig.serve(Plan())
-    until_said(reports, "contested")
+    until_reported(reports, "contested")
     connector.cancel_goal(goal_id)
-    until_said(reports, "canceled")
-    assert said(reports) == ["accepted", "contested", "canceled"]
+    until_reported(reports, "canceled")
+    assert statuses(reports) == ["accepted", "contested", "canceled"]
     assert first.executing == set()
 
 
 @pytest.mark.parametrize("what", ["service", "goal"])
-def test_a_second_server_of_which_half_is_known_yet_takes_nobody_s_server_away(
+def test_a_second_server_of_which_half_is_known_yet_takes_no_server_away(
     open_ros: Open, rig: Rig, what: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """While another server is on the graph and not matched yet, ROS says that none of its name is ready."""
+    """While another server is on the graph and not matched yet, ROS reports that none of its name is ready."""
     first, connector = rig.serve(Plan(ends=1.5)), open_ros()
     rig.wait_for(connector, 1)
     if what == "goal":
         _, reports = rig.send(connector)
-        until_said(reports, "accepted")
+        until_reported(reports, "accepted")
         monkeypatch.setattr(ActionClient, "server_is_ready", lambda _: False)
-        assert until_said(reports, "succeeded", "lost")[-1].status == "succeeded"
+        assert until_reported(reports, "succeeded", "lost")[-1].status == "succeeded"
         assert first.executing == set()
         return
     asked, free, replies = Inbox[bool](PATIENCE_S), threading.Event(), Inbox[Reply](PATIENCE_S)
@@ -218,7 +218,7 @@ def test_a_goal_that_two_servers_have_ends_when_neither_is_executing_it(
         server.seen.wait(bool, "it has the goal")
     if end == "canceled":
         connector.cancel_goal(goal_id)
-    reported = until_said(reports, "succeeded", "failed", "canceled", "rejected")
+    reported = until_reported(reports, "succeeded", "failed", "canceled", "rejected")
     assert reported[-1].status == end, reported
     assert rig.executing() == set()
 

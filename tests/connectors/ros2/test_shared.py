@@ -45,7 +45,7 @@ def listen(connector: Any, topic: str, *, is_raw: bool = False) -> tuple[Inbox[M
 
 
 @alone
-def test_a_hundred_listeners_of_a_topic_are_one_reader_and_hear_one_message(open_ros: Open) -> None:
+def test_a_hundred_listeners_of_a_topic_are_one_reader_and_receive_one_message(open_ros: Open) -> None:
     connector = open_ros()
     listeners = [listen(connector, "/shared")[0] for _ in range(100)]
     connector.publish("/shared", STRING, {"data": "x"})
@@ -55,7 +55,7 @@ def test_a_hundred_listeners_of_a_topic_are_one_reader_and_hear_one_message(open
 
 
 @alone
-def test_whoever_records_has_a_reader_of_the_bytes_beside_the_other(open_ros: Open) -> None:
+def test_a_recorder_has_a_reader_of_the_bytes_next_to_the_other(open_ros: Open) -> None:
     connector, raw = open_ros(), Inbox[RawMessage]()
     plain = [listen(connector, "/shared")[0] for _ in range(3)]
     tapped = Inbox[Message]()
@@ -70,7 +70,7 @@ def test_whoever_records_has_a_reader_of_the_bytes_beside_the_other(open_ros: Op
 
 
 @alone
-def test_who_leaves_hears_no_more_and_the_others_do_until_the_last_has_left(open_ros: Open) -> None:
+def test_who_leaves_receives_no_more_and_the_others_do_until_the_last_has_left(open_ros: Open) -> None:
     connector = open_ros()
     (first, leave_first), (second, leave_second) = listen(connector, "/shared"), listen(connector, "/shared")
     connector.publish("/shared", STRING, {"data": "one"})
@@ -89,7 +89,7 @@ def test_who_leaves_hears_no_more_and_the_others_do_until_the_last_has_left(open
 
 @alone
 @pytest.mark.parametrize("is_raw", [False, True])
-def test_who_joins_a_latched_topic_late_hears_what_was_said_last(open_ros: Open, is_raw: bool) -> None:
+def test_who_joins_a_latched_topic_late_receives_what_was_published_last(open_ros: Open, is_raw: bool) -> None:
     connector = open_ros(qos=LATCHED)
     first, _ = listen(connector, "/last", is_raw=is_raw)
     for count, text in enumerate(("one", "two", "three"), 1):
@@ -98,13 +98,13 @@ def test_who_joins_a_latched_topic_late_hears_what_was_said_last(open_ros: Open,
     late, _ = listen(connector, "/last", is_raw=is_raw)
     assert texts(late.wait(lambda all_: len(all_) == 2, "as many as are kept")) == ["two", "three"]
     connector.publish("/last", STRING, {"data": "four"})
-    late.wait(lambda all_: len(all_) == 3, "and what is said next")
+    late.wait(lambda all_: len(all_) == 3, "and what is published next")
     assert readers(connector, "/last") == 1
-    assert texts(first.all) == ["one", "two", "three", "four"], "nobody hears anything twice"
+    assert texts(first.all) == ["one", "two", "three", "four"], "no listener receives anything twice"
 
 
 @alone
-def test_who_joins_another_topic_late_hears_nothing_of_before(open_ros: Open) -> None:
+def test_who_joins_another_topic_late_receives_nothing_of_before(open_ros: Open) -> None:
     connector = open_ros()
     first, _ = listen(connector, "/shared")
     connector.publish("/shared", STRING, {"data": "one"})
@@ -114,7 +114,7 @@ def test_who_joins_another_topic_late_hears_nothing_of_before(open_ros: Open) ->
     assert texts(late.wait(bool, "it listens from now on")) == ["two"]
 
 
-def test_what_a_vanished_publisher_had_said_is_not_told_to_whoever_comes_later(open_ros: Open) -> None:
+def test_what_a_vanished_publisher_had_published_is_not_delivered_to_a_later_listener(open_ros: Open) -> None:
     connector, other = open_ros(qos=LATCHED), open_ros(qos=LATCHED)
     first, _ = listen(connector, "/last")
     other.publish("/last", STRING, {"data": "one"})
@@ -126,4 +126,4 @@ def test_what_a_vanished_publisher_had_said_is_not_told_to_whoever_comes_later(o
     late, _ = listen(connector, "/last")
     connector.publish("/last", STRING, {"data": "two"})
     first.wait(lambda all_: len(all_) == 2, "another publishes")
-    assert texts(late.wait(bool, "it is told what is said now")) == ["two"]
+    assert texts(late.wait(bool, "it receives what is published now")) == ["two"]

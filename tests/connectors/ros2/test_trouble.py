@@ -40,7 +40,7 @@ class Warned(logging.Handler):
         logging.getLogger("rai_missions.connectors.ros2").removeHandler(self)
 
 
-def test_a_topic_of_another_type_is_not_heard_and_one_sentence_says_so(open_ros: Open, peer: Peer) -> None:
+def test_a_topic_of_another_type_is_not_received_and_one_sentence_states_it(open_ros: Open, peer: Peer) -> None:
     with Warned() as warned:
         received = Inbox[Message]()
         open_ros().subscribe("/peer/hasty", NUMBER, received)
@@ -75,7 +75,7 @@ def test_empty_and_enormous_messages_arrive_and_the_next_does_too(open_ros: Open
 
 
 @pytest.mark.usefixtures("alone")
-def test_the_runs_clock_stamps_what_is_heard_however_ros_time_jumps(open_ros: Open) -> None:
+def test_the_runs_clock_stamps_what_is_received_however_ros_time_jumps(open_ros: Open) -> None:
     connector, received, clock = open_ros(sim_time=True, now=lambda: 50.0), Inbox[Message](), Inbox[Message]()
     connector.subscribe("/clock", CLOCK, clock)
     connector.subscribe("/stamped", HEADER, received)
@@ -94,7 +94,7 @@ def comes_to(connector: Any, clock: Inbox[Message], ros_time: float) -> None:
         assert time.monotonic() < until, "the node does not take the time"
         reported = len(clock.all)
         connector.publish("/clock", CLOCK, {"clock": ros_time})
-        clock.wait(lambda all_: len(all_) > reported, "time was told")  # noqa: B023 - asked at once
+        clock.wait(lambda all_: len(all_) > reported, "time was published")  # noqa: B023 - asked at once
 
 
 @pytest.mark.usefixtures("alone")
@@ -108,7 +108,7 @@ def comes_to(connector: Any, clock: Inbox[Message], ros_time: float) -> None:
         ("", ": topic name must not be empty string"),
     ],
 )  # fmt: skip
-def test_a_name_that_ros_does_not_take_is_told_at_once(open_ros: Open, name: str, rest: str) -> None:
+def test_a_name_that_ros_does_not_take_is_reported_at_once(open_ros: Open, name: str, rest: str) -> None:
     connector, replies, reports = open_ros(), Inbox[Reply](), Inbox[Report]()
     sentence = f"{name!r} is no name in ROS{rest}"
     for use in (
@@ -126,7 +126,7 @@ def test_a_name_that_ros_does_not_take_is_told_at_once(open_ros: Open, name: str
     assert reports.all == [Report("g", "rejected", {}, sentence)]
 
 
-def test_two_nodes_of_one_name_both_work_and_one_sentence_says_so(open_ros: Open) -> None:
+def test_two_nodes_of_one_name_both_work_and_one_sentence_states_it(open_ros: Open) -> None:
     with Warned() as warned:
         first, second, received = open_ros(node="twin"), open_ros(node="twin"), Inbox[Message]()
         first.subscribe("/twins", STRING, received)
@@ -138,19 +138,19 @@ def test_two_nodes_of_one_name_both_work_and_one_sentence_says_so(open_ros: Open
             ),
             "they have one name",
         )
-    received.wait(lambda all_: len(all_) >= 1, "both are heard")
+    received.wait(lambda all_: len(all_) >= 1, "both are received")
 
 
 @pytest.mark.usefixtures("alone")
-def test_where_discovery_is_blocked_nobody_is_there_and_everyone_is_told(open_ros: Open, peer: Peer) -> None:
+def test_where_discovery_is_blocked_no_one_is_found_and_every_caller_learns_it(open_ros: Open, peer: Peer) -> None:
     connector, replies, reports = open_ros(discovery_s=0.5), Inbox[Reply](), Inbox[Report]()
     connector.call("/peer/trigger", TRIGGER, {}, on_reply=replies)
     connector.send_goal("/peer/fibonacci", FIBONACCI, {"order": RUN}, goal_id="g", on_report=reports)
-    assert replies.wait(bool, "nobody is found") == [Reply("unavailable", {}, "no server offers /peer/trigger")]
-    assert reports.wait(bool, "nobody is found") == [Report("g", "rejected", {}, "no server offers /peer/fibonacci")]
+    assert replies.wait(bool, "no one is found") == [Reply("unavailable", {}, "no server offers /peer/trigger")]
+    assert reports.wait(bool, "no one is found") == [Report("g", "rejected", {}, "no server offers /peer/fibonacci")]
 
 
-def test_a_service_of_another_type_is_told_with_its_type(open_ros: Open, peer: Peer) -> None:
+def test_a_service_of_another_type_is_reported_with_its_type(open_ros: Open, peer: Peer) -> None:
     connector, replies = open_ros(discovery_s=8.0), Inbox[Reply]()
     connector.call("/peer/trigger", "std_srvs/srv/SetBool", {}, on_reply=replies)
     why = "/peer/trigger is served as std_srvs/srv/Trigger, and not as the std_srvs/srv/SetBool that is asked for"
@@ -172,7 +172,7 @@ def test_a_call_that_two_strangers_serve_is_answered_once(open_ros: Open) -> Non
     assert len(replies.wait(lambda all_: len(all_) == 2, "and again")) == 2
 
 
-def test_a_stranger_who_cancels_everything_cancels_our_goal_and_we_are_told(open_ros: Open) -> None:
+def test_a_stranger_who_cancels_everything_cancels_our_goal_and_that_is_reported(open_ros: Open) -> None:
     server, reports, stranger = PatientServer(), Inbox[Report](), Inbox[Reply]()
     connector = open_ros()
     connector.offer("/shared", FIBONACCI, server)
@@ -183,10 +183,10 @@ def test_a_stranger_who_cancels_everything_cancels_our_goal_and_we_are_told(open
     open_ros().call("/shared/_action/cancel_goal", "action_msgs/srv/CancelGoal", {}, on_reply=stranger)
     server.asked.wait(lambda all_: ("cancel", "g") in all_, "a stranger may do that")
     server.send("g", "canceled")
-    assert reports.wait(lambda all_: all_[-1].status == "canceled", "we are told")[-1].goal_id == "g"
+    assert reports.wait(lambda all_: all_[-1].status == "canceled", "it is reported")[-1].goal_id == "g"
 
 
-def test_a_publisher_that_vanishes_and_comes_back_is_heard_again(open_ros: Open, own_peer: Peer) -> None:
+def test_a_publisher_that_vanishes_and_comes_back_is_received_again(open_ros: Open, own_peer: Peer) -> None:
     connector, received = open_ros(), Inbox[Message](30.0)
     connector.subscribe(f"/{own_peer.name}/hasty", STRING, received)
     received.wait(bool, "it speaks")
@@ -197,7 +197,7 @@ def test_a_publisher_that_vanishes_and_comes_back_is_heard_again(open_ros: Open,
 
 
 @pytest.mark.usefixtures("alone")
-def test_a_callback_that_does_not_return_keeps_nobody_waiting_for_ever(open_ros: Open) -> None:
+def test_a_callback_that_does_not_return_keeps_no_one_waiting_for_ever(open_ros: Open) -> None:
     connector, stuck, release = open_ros(), threading.Event(), threading.Event()
 
     def hang(_message: Message) -> None:
@@ -213,14 +213,16 @@ def test_a_callback_that_does_not_return_keeps_nobody_waiting_for_ever(open_ros:
     assert "/stuck" in connector.listed("topics")
 
 
-def test_five_connectors_of_one_process_hear_one_another(open_ros: Open) -> None:
+def test_five_connectors_of_one_process_receive_from_one_another(open_ros: Open) -> None:
     connectors, received = [open_ros() for _ in range(5)], Inbox[Message](30.0)
     for number, connector in enumerate(connectors):
         connector.subscribe(f"/five/n{(number + 1) % 5}", STRING, received)
     for number, connector in enumerate(connectors):
         connector.publish(f"/five/n{number}", STRING, {"data": str(number)})
-    received.wait(lambda all_: {message.data["data"] for message in all_} == set("01234"), "each hears its neighbour")
+    received.wait(
+        lambda all_: {message.data["data"] for message in all_} == set("01234"), "each receives its neighbour"
+    )
     connectors[0].stop()
     reported = len(received.all)
     connectors[3].publish("/five/n3", STRING, {"data": "3"})
-    received.wait(lambda all_: len(all_) > reported, "the others go on")
+    received.wait(lambda all_: len(all_) > reported, "the others continue")

@@ -23,9 +23,9 @@ scripts = st.builds(
     accept=st.sampled_from(ACCEPTS),
     cancel=st.sampled_from(CANCELS),
     end=st.sampled_from(ENDS),
-    is_said_twice=st.booleans(),
+    is_repeated=st.booleans(),
 )
-goes = st.tuples(st.sampled_from(("left", "right", "left", "right", "stand")), scripts, st.sampled_from(WINDOWS))
+goes = st.tuples(st.sampled_from(("left", "right", "left", "right", "halt")), scripts, st.sampled_from(WINDOWS))
 UNSHRUNK = (Phase.explicit, Phase.reuse, Phase.generate)
 """A failure may be one of waiting: to make it smaller would take an hour."""
 
@@ -47,8 +47,8 @@ def server(ros: None) -> Iterator[ServerOnCall]:
 
 def play(scene: Scene, moves: list[Any]) -> None:
     for state, script, window in moves:
-        if state == "stand":
-            scene.tell("stand")
+        if state == "halt":
+            scene.post("halt")
         else:
             scene.go(state, script, window)
 
@@ -79,7 +79,7 @@ def check_a_disaster(connector: Any, disaster: str, script: Script, window: str)
         scene.go("left", script, window)
         server.kill() if disaster == "killed" else server.freeze()
         scene.wait_for_rest()
-        server.begin_anew() if disaster == "killed" else server.thaw()
+        server.restart() if disaster == "killed" else server.thaw()
         scene.go("right", Script(), "runs")
     finally:
         server.thaw()

@@ -25,7 +25,7 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.journal import read
 from rai_missions.runtime.runner import Result
-from tests.node.scenes import StandIn, mission, robot
+from tests.node.scenes import FakeRobot, mission, robot
 from tests.visualize.live.stage import Viewer, ask, until
 from visualize.live import LivePage, PageAddress
 
@@ -41,7 +41,7 @@ class Watched:
         begun = time.monotonic()
         connector = LocalConnector(now=lambda: time.monotonic() - begun)
         connector.start()
-        self.robot, self.journal = StandIn(connector), folder / "a.journal"
+        self.robot, self.journal = FakeRobot(connector), folder / "a.journal"
         self.page = LivePage(PageAddress(port=0))
         setting = RunConfig(
             mission(), robot({"kind": "local"}), connector=connector, journal=self.journal, operator=terminal, **words
