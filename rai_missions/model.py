@@ -73,6 +73,7 @@ __all__ = (
     "kind_of",
     "one_or_many",
     "suggestion",
+    "without_schema",
 )
 
 NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
@@ -176,6 +177,11 @@ if TYPE_CHECKING:
         def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self: ...
 else:
     Model = BaseModel
+
+
+def without_schema(cls: type, data: Any) -> Any:
+    """A validator for the root of a file: `$schema` is for editors."""
+    return {word: item for word, item in data.items() if word != "$schema"} if isinstance(data, Mapping) else data
 
 
 class MissionModel(Model):

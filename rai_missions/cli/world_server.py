@@ -49,8 +49,8 @@ def serve_world(name: str, options: Mapping[str, Any], *, domain: int | None, sp
             mailbox.wait(LOOK_S)
             taken = company(connector)
             front = Front(connector, lambda name, fact: _print(f"{world.at:9.1f} s  {name}: {fact}"), taken)
-            stage = Stage(world, front.as_connector())
-            world.open(front.as_connector())
+            stage = Stage(world, front)
+            world.open(front)
             _introduce(name, domain, speed, front)
             _go(stage, front, speed, mailbox)
     finally:

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from random import Random
 from typing import Any
 
-from rai_missions.connectors.connector import ActionServer, Close, Connector, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import Close, Connector, Data, Message, Reply, Report
+from rai_missions.connectors.wrapper import ConnectorWrapper
 
 __all__ = ("ChaosConnector", "Rates")
 
@@ -47,7 +48,7 @@ def by_thread(seconds: float, do: Callable[[], None]) -> None:
     timer.start()
 
 
-class ChaosConnector:
+class ChaosConnector(ConnectorWrapper):
     """Another connector, worse; a `Connector`. For drills: not for use on a robot.
 
     Args:
@@ -67,25 +68,12 @@ class ChaosConnector:
         outgoing: Rates | None = None,
         later: Later = by_thread,
     ) -> None:
-        self._connector, self._random, self._later = connector, Random(f"chaos {seed}"), later
+        super().__init__(connector)
+        self._random, self._later = Random(f"chaos {seed}"), later
         self._incoming, self._outgoing = incoming or Rates(), outgoing or Rates()
         self._lock = threading.Lock()
         self._silent: set[str] = set()
         self._sent: set[str] = set()
-        self.modes: frozenset[Mode] = connector.modes
-
-    @property
-    def running(self) -> bool:
-        return self._connector.running
-
-    def start(self) -> None:
-        self._connector.start()
-
-    def stop(self) -> None:
-        self._connector.stop()
-
-    def listed(self, mode: Mode) -> Mapping[str, str]:
-        return self._connector.listed(mode)
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         def disturbed(message: Message) -> None:
@@ -94,10 +82,10 @@ class ChaosConnector:
             if topic not in self._silent:
                 self._pass(self._incoming, lambda: on_message(self._spoiled(message)))
 
-        return self._connector.subscribe(topic, type_name, disturbed)
+        return self.inner.subscribe(topic, type_name, disturbed)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
-        self._pass(self._outgoing, lambda: self._connector.publish(topic, type_name, message))
+        self._pass(self._outgoing, lambda: self.inner.publish(topic, type_name, message))
 
     def call(
         self,
@@ -119,7 +107,7 @@ class ChaosConnector:
                 replied(Reply("timed_out", {}, f"{service} did not answer within {timeout_s:g} s"))
 
         def ask() -> None:
-            self._connector.call(
+            self.inner.call(
                 service, type_name, request, timeout_s=timeout_s,
                 on_reply=lambda reply: self._pass(self._incoming, lambda: replied(reply)),
             )  # fmt: skip
@@ -136,26 +124,16 @@ class ChaosConnector:
                 is_known = goal_id in self._sent
                 self._sent.add(goal_id)
             if not is_known:  # servers know a goal by its id, and take it once
-                self._connector.send_goal(
-                    action, type_name, goal, goal_id=goal_id, on_report=self._reporting(on_report)
-                )
+                self.inner.send_goal(action, type_name, goal, goal_id=goal_id, on_report=self._reporting(on_report))
 
         self._pass(self._outgoing, send)
 
     def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         found = self._reporting(on_report)
-        self._pass(
-            self._outgoing, lambda: self._connector.find_goal(action, type_name, goal_id=goal_id, on_report=found)
-        )
+        self._pass(self._outgoing, lambda: self.inner.find_goal(action, type_name, goal_id=goal_id, on_report=found))
 
     def cancel_goal(self, goal_id: str) -> None:
-        self._pass(self._outgoing, lambda: self._connector.cancel_goal(goal_id))
-
-    def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
-        return self._connector.serve(service, type_name, answer)
-
-    def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
-        return self._connector.offer(action, type_name, server)
+        self._pass(self._outgoing, lambda: self.inner.cancel_goal(goal_id))
 
     def _reporting(self, on_report: Callable[[Report], None]) -> Callable[[Report], None]:
         return lambda one: self._pass(self._incoming, lambda: on_report(one))

@@ -16,7 +16,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from rai_missions.errors import DefinitionError, Fault, UsageError, suggestion
 from rai_missions.gate.state import COMMANDERS, GateRules
 from rai_missions.mission.json_reader import read_json
-from rai_missions.model import Bool, Integer, Json, MissionModel, Seconds, Text, fault
+from rai_missions.model import Bool, Integer, Json, MissionModel, Seconds, Text, fault, without_schema
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
@@ -77,7 +77,9 @@ class GateWords(MissionModel):
     def _takes_lists(cls, data: Any) -> Any:
         if isinstance(data, dict) and isinstance(data.get("commands"), list):
             data = data | {"commands": tuple(data["commands"])}
-        return {word: item for word, item in data.items() if word != "$schema"} if isinstance(data, dict) else data
+        return data
+
+    _without_schema = model_validator(mode="before")(without_schema)
 
     @field_validator("leases")
     @classmethod

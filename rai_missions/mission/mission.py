@@ -27,6 +27,7 @@ from rai_missions.model import (
     TaggedModel,
     Text,
     fault,
+    without_schema,
 )
 from rai_missions.states.state import State, States, Transitions, descendants
 from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf
@@ -108,13 +109,7 @@ class Mission(MissionModel):
 
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
-    @model_validator(mode="before")
-    @classmethod
-    def _without_schema(cls, given: Any) -> Any:
-        """`$schema` is for editors."""
-        if isinstance(given, Mapping) and "$schema" in given:
-            return {word: value for word, value in given.items() if word != "$schema"}
-        return given
+    _without_schema = model_validator(mode="before")(without_schema)
 
     @model_validator(mode="after")
     def _names_packages(self) -> Self:

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
-from rai_missions.model import Json, MissionModel, Name, OneOf, Text, fault
+from rai_missions.model import Json, MissionModel, Name, OneOf, Text, fault, without_schema
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.states.state import HOLDERS
@@ -93,10 +93,7 @@ class Robot(MissionModel):
     tools: ToolPolicy | None = None
     """What the tools of a model may touch; left out, it has none."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _without_schema(cls, data: Any) -> Any:
-        return {word: item for word, item in data.items() if word != "$schema"} if isinstance(data, dict) else data
+    _without_schema = model_validator(mode="before")(without_schema)
 
     @field_validator("control")
     @classmethod

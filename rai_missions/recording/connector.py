@@ -8,27 +8,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 from rai_missions.connectors.connector import (
     Close,
     Connector,
     Data,
     Message,
-    Mode,
     RawMessage,
     Reply,
     Report,
-    SupportsPreconnect,
     SupportsRawMessages,
 )
+from rai_missions.connectors.wrapper import ConnectorWrapper
 from rai_missions.errors import ConnectorError
 from rai_missions.recording.recording import Recording
 
 __all__ = ("RecordedConnector", "recorded")
 
 
-class RecordedConnector:
+class RecordedConnector(ConnectorWrapper):
     """Around a `Connector`, for the mission that runs with it; another user of the one inside is not recorded.
 
     Args:
@@ -37,24 +35,9 @@ class RecordedConnector:
     """
 
     def __init__(self, inner: Connector, recording: Recording) -> None:
-        self._inner, self._recording = inner, recording
-        self.modes: frozenset[Mode] = inner.modes
+        super().__init__(inner)
+        self._recording = recording
         self._keeps: dict[str, object] = {}
-
-    def __getattr__(self, name: str) -> Any:
-        """Whatever else the one inside has."""
-        return getattr(self._inner, name)
-
-    def start(self) -> None:
-        self._inner.start()
-
-    def stop(self) -> None:
-        self._inner.stop()
-
-    def expect(self, mode: Mode, name: str, type_name: str) -> None:
-        """Pass it on to whom it helps."""
-        if isinstance(self._inner, SupportsPreconnect):
-            self._inner.expect(mode, name, type_name)
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         """Subscribe; a topic that is subscribed to more than once is recorded once."""
@@ -69,15 +52,15 @@ class RecordedConnector:
             on_message(message)
 
         definition = self._definition(type_name)
-        if isinstance(self._inner, SupportsRawMessages) and definition:
+        if isinstance(self.inner, SupportsRawMessages) and definition:
 
             def record_raw(message: RawMessage) -> None:
                 if is_kept():
                     self._recording.received_raw(message, definition)
 
-            close = self._inner.tap(topic, type_name, on_message, record_raw)
+            close = self.inner.tap(topic, type_name, on_message, record_raw)
         else:
-            close = self._inner.subscribe(topic, type_name, record)
+            close = self.inner.subscribe(topic, type_name, record)
 
         def end() -> None:
             close()
@@ -89,12 +72,9 @@ class RecordedConnector:
     def _definition(self, type_name: str) -> str:
         """How the bytes of a type are read; empty where no one knows, and messages are recorded as plain data."""
         try:
-            return self._inner.definition(type_name) if isinstance(self._inner, SupportsRawMessages) else ""
+            return self.inner.definition(type_name) if isinstance(self.inner, SupportsRawMessages) else ""
         except ConnectorError:
             return ""
-
-    def publish(self, topic: str, type_name: str, message: Data) -> None:
-        self._inner.publish(topic, type_name, message)
 
     def call(
         self,
@@ -111,15 +91,15 @@ class RecordedConnector:
             self._recording.called(service, request, reply, time.monotonic() - began)
             on_reply(reply)
 
-        self._inner.call(service, type_name, request, on_reply=record, timeout_s=timeout_s)
+        self.inner.call(service, type_name, request, on_reply=record, timeout_s=timeout_s)
 
     def send_goal(
         self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
-        self._inner.send_goal(action, type_name, goal, goal_id=goal_id, on_report=self._recorded(action, on_report))
+        self.inner.send_goal(action, type_name, goal, goal_id=goal_id, on_report=self._recorded(action, on_report))
 
     def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
-        self._inner.find_goal(action, type_name, goal_id=goal_id, on_report=self._recorded(action, on_report))
+        self.inner.find_goal(action, type_name, goal_id=goal_id, on_report=self._recorded(action, on_report))
 
     def _recorded(self, action: str, on_report: Callable[[Report], None]) -> Callable[[Report], None]:
         def record(one: Report) -> None:
@@ -127,15 +107,6 @@ class RecordedConnector:
             on_report(one)
 
         return record
-
-    def cancel_goal(self, goal_id: str) -> None:
-        self._inner.cancel_goal(goal_id)
-
-    def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
-        return self._inner.serve(service, type_name, answer)
-
-    def offer(self, action: str, type_name: str, server: Any) -> Close:
-        return self._inner.offer(action, type_name, server)
 
 
 def recorded(connector: Connector | None, recording: Recording | None) -> Connector | None:

@@ -7,7 +7,7 @@ Rule: what this machine has no types for is left out, and reported; the rest of 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from typing import Any, cast
+from typing import Any
 
 from rai_missions.connectors.connector import (
     ActionServer,
@@ -18,6 +18,7 @@ from rai_missions.connectors.connector import (
     SupportsDiscoveryCount,
     SupportsPreconnect,
 )
+from rai_missions.connectors.wrapper import ConnectorWrapper
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut, logger
 from rai_missions.worlds.world import World
@@ -34,12 +35,12 @@ LONGEST = 60
 """Characters of a fact that is reported."""
 
 
-class Front:
+class Front(ConnectorWrapper):
     """What a world has on a connector, remembered by name.
 
     Args:
         connector: Where it is; the front passes everything on to it.
-        reported: Is notified of each plain fact (a number, a truth, a word on a topic) that is not what it was: name
+        on_fact: Is notified of each plain fact (a number, a truth, a word on a topic) that is not what it was: name
             and fact.
         taken: Mode → names that someone else has there, as `company` found them; to open one of them is refused.
     """
@@ -50,7 +51,8 @@ class Front:
         on_fact: Callable[[str, Any], None] = lambda _name, _fact: None,
         taken: Mapping[Mode, Collection[str]] | None = None,
     ) -> None:
-        self._connector, self._on_fact, self._taken = connector, on_fact, taken or {}
+        super().__init__(connector)
+        self._on_fact, self._taken = on_fact, taken or {}
         self.topics: dict[str, str] = {}
         self.services: dict[str, str] = {}
         self.actions: dict[str, str] = {}
@@ -59,20 +61,13 @@ class Front:
         """Name → why it is not there."""
         self._facts: dict[str, Any] = {}
 
-    def as_connector(self) -> Connector:
-        """The front as the world sees it."""
-        return cast(Connector, self)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._connector, name)
-
     def expect(self, mode: Mode, name: str, type_name: str) -> None:
         """Have a topic seen before anything is published on it."""
         if mode == "topics":
             _refuse(mode, name, self._taken)
-        if isinstance(self._connector, SupportsPreconnect):
+        if isinstance(self.inner, SupportsPreconnect):
             try:
-                self._connector.expect(mode, name, type_name)
+                self.inner.expect(mode, name, type_name)
             except ConnectorError as fault:
                 self._leave_out(name, fault)
             else:
@@ -88,24 +83,24 @@ class Front:
         ours: Mapping[Mode, Collection[str]] = {
             "topics": self.topics, "services": self.services, "actions": self.actions,
         }  # fmt: skip
-        for mode, counts in _counted(self._connector).items():
+        for mode, counts in _counted(self.inner).items():
             for name, count in counts.items():
                 if count > 1 and name in ours[mode]:
                     _refuse(mode, name, ours)
 
     def serve(self, service: str, type_name: str, answer: Callable[[Data], Data]) -> Close:
         _refuse("services", service, self._taken)
-        return self._add(self.services, service, type_name, lambda: self._connector.serve(service, type_name, answer))
+        return self._add(self.services, service, type_name, lambda: self.inner.serve(service, type_name, answer))
 
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
         _refuse("actions", action, self._taken)
-        return self._add(self.actions, action, type_name, lambda: self._connector.offer(action, type_name, server))
+        return self._add(self.actions, action, type_name, lambda: self.inner.offer(action, type_name, server))
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         if topic in self.left_out:
             return
         try:
-            self._connector.publish(topic, type_name, message)
+            self.inner.publish(topic, type_name, message)
         except ConnectorError as fault:
             self._leave_out(topic, fault)
             return

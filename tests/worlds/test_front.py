@@ -55,8 +55,8 @@ def staged(
     front = Front(connector, on_result, taken)
     world = open_world("orchard", alleys=1, obstacles=["none"], camera=False)
     connector.start()
-    world.open(front.as_connector())
-    return front, Stage(world, front.as_connector())
+    world.open(front)
+    return front, Stage(world, front)
 
 
 def test_what_the_machine_has_no_types_for_is_left_out_and_the_rest_is_there() -> None:
