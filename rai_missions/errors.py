@@ -18,10 +18,12 @@ __all__ = (
     "Fault",
     "MissionError",
     "UsageError",
+    "escaped",
     "in_words",
     "irregular",
     "pointer",
     "suggestion",
+    "unescaped",
 )
 
 
@@ -84,9 +86,19 @@ def in_words(what: object) -> str:
     return str.__str__(text)
 
 
+def escaped(word: object) -> str:
+    """A step of a JSON pointer (RFC 6901)."""
+    return str(word).replace("~", "~0").replace("/", "~1")
+
+
+def unescaped(step: str) -> str:
+    """What a step of a JSON pointer names."""
+    return step.replace("~1", "/").replace("~0", "~")
+
+
 def pointer(steps: Iterable[str | int]) -> str:
     """A JSON pointer (RFC 6901); a lone surrogate, which no output can show, is written as its escape."""
-    text = "".join("/" + str(step).replace("~", "~0").replace("/", "~1") for step in steps)
+    text = "".join(f"/{escaped(step)}" for step in steps)
     return text.encode("utf-8", "backslashreplace").decode()
 
 

@@ -16,14 +16,14 @@ from pathlib import Path
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, escaped
 
 if TYPE_CHECKING:
     from importlib.metadata import Distribution
 
 __all__ = (
     "EVENT", "HELD", "INTERFACES", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse",
-    "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "escaped", "fields_of", "found", "inside",
+    "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "fields_of", "found", "inside",
     "lacking", "named", "offered", "offers", "rewritten",
 )  # fmt: skip
 
@@ -132,11 +132,6 @@ def _hint(annotation: Any) -> Any:
         word, item = map(_hint, given)
         return None if word is None and item is None else _Worded(word, item)
     return HELD if hasattr(annotation, "model_fields") else None
-
-
-def escaped(word: object) -> str:
-    """A step of a JSON pointer (RFC 6901)."""
-    return str(word).replace("~", "~0").replace("/", "~1")
 
 
 def found(thing: Any, place: str = "") -> Iterator[Reference]:

@@ -138,7 +138,7 @@ class PreparedRun:
     def _begin(self) -> NewRun | Resumption:
         """What the run begins with, or where it stood; a simulated world knows nothing of it."""
         if self._taken is not None:
-            return self._taken.resumption._replace(anew=self.world is not None)
+            return self._taken.resumption._replace(fresh=self.world is not None)
         head = self._header
         return NewRun(head.arguments, self.setting.named, run=head.run, moved_aside=self.moved_aside)
 
@@ -149,7 +149,7 @@ class PreparedRun:
             return ""
         chart = self._taken.resumption.chart
         where = ", ".join(sorted(chart.active)) or "before its start"
-        world = "; the simulated world starts anew, and what was under way in it is begun again" if self.world else ""
+        world = "; the simulated world starts again, and what was under way in it is begun again" if self.world else ""
         cut = self._taken.record.cut
         lost = f"; {cut} bytes at the journal's end, behind its last whole row, count as not written"
         paused = "; it is paused: resume it on the live page (--watch) or through its node (--node)"

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, NamedTuple
 
-from rai_missions.errors import Fault
+from rai_missions.errors import Fault, unescaped
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
 
@@ -64,7 +64,7 @@ def document_order(mission: Mission) -> Callable[[str], tuple[int, ...]]:
         here: Any = mission
         found: list[int] = []
         for word in place.split("/")[1:]:
-            index, here = inside(here).get(word.replace("~1", "/").replace("~0", "~"), (-1, None))
+            index, here = inside(here).get(unescaped(word), (-1, None))
             found.append(index)
         return tuple(found)
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.pointers import guard_parts, pointer
+from rai_missions.errors import unescaped
 from rai_missions.guards import Guard
 from rai_missions.kinds import INTERFACES, Interface
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
@@ -234,5 +235,5 @@ class MissionIndex:
 
 def _below(node: TreeNode, branch: str, scope: Scope) -> Scope:
     """The scope of what is under a branch of a tree's node."""
-    option = node.option_of(branch.replace("~1", "/").replace("~0", "~"))
+    option = node.option_of(unescaped(branch))
     return scope._replace(option=option or scope.option, timed=scope.timed or node.limits)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rai_missions.errors import escaped
 from rai_missions.guards import Guard
 
 __all__ = ("guard_parts", "pointer")
@@ -12,7 +13,7 @@ __all__ = ("guard_parts", "pointer")
 
 def pointer(place: str, *words: object) -> str:
     """A place inside another."""
-    return "/".join([place, *(str(word).replace("~", "~0").replace("/", "~1") for word in words)])
+    return "/".join([place, *map(escaped, words)])
 
 
 def guard_parts(guard: Guard, place: str) -> Iterator[tuple[str, Guard]]:

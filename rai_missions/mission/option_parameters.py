@@ -12,6 +12,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any
 
+from rai_missions.errors import unescaped
 from rai_missions.redaction import clipped, shown
 
 __all__ = ("MOST_PARTS", "misfits", "schema_fault")
@@ -141,7 +142,7 @@ def _at(schema: Any, way: str) -> Any:
     if way != "#" and not way.startswith("#/"):
         raise ValueError(way)
     for word in way.split("/")[1:]:
-        name = word.replace("~1", "/").replace("~0", "~")
+        name = unescaped(word)
         schema = schema[name] if isinstance(schema, Mapping) else schema[int(name)]
     return schema
 

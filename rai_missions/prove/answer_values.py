@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 from typing import Any, TypeGuard
 
+from rai_missions.errors import unescaped
 from rai_missions.keys import Key
 from rai_missions.mission.option_parameters import misfits
 from rai_missions.prove.representatives import OTHER, Values
@@ -123,7 +124,7 @@ def _at(schema: Schema, way: str) -> Schema:
     """The part of a schema that a reference into it names; anything, where it leads nowhere."""
     part: Any = schema
     for word in way.lstrip("#").strip("/").split("/"):
-        part = part.get(word.replace("~1", "/").replace("~0", "~")) if isinstance(part, Mapping) else None
+        part = part.get(unescaped(word)) if isinstance(part, Mapping) else None
     return part if isinstance(part, Mapping) else {}
 
 

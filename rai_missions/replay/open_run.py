@@ -1,23 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads from a journal what a run that was cut short is made of, and refuses what is no longer the same.
 
-Rule: what has changed meanwhile is told, never guessed at.
+Rule: what has changed meanwhile is reported, never guessed.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault
-from rai_missions.guards.guard import Truth
 from rai_missions.journal import Record, opened
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 from rai_missions.replay.migrate import follow
-from rai_missions.replay.rebuild import mission_of, robot_of
+from rai_missions.replay.rebuild import Predicates, mission_of, robot_of
 from rai_missions.replay.resume import Resumption, resumption
 
 __all__ = ("OpenedRun", "open_run")
@@ -37,7 +35,7 @@ class OpenedRun(NamedTuple):
 
 def open_run(
     journal: str | Path, *, mission: Mission | None = None, robot: Robot | None = None,
-    named: Mapping[str, Callable[..., Truth]] | None = None,
+    named: Predicates | None = None,
 ) -> OpenedRun:  # fmt: skip
     """Read a run that was cut short.
 
@@ -57,12 +55,14 @@ def open_run(
         if mission is not None and mission != was:
             sentence = f"the mission has changed since the run began ({was.version} then, {mission.version} now)"
             raise DefinitionError(
-                [Fault("", f"{sentence}; go on with the one that the journal holds, or migrate")], str(journal)
+                [Fault("", f"{sentence}; continue with the one that the journal holds, or migrate")], str(journal)
             )
         before = robot_of(record)
         if robot is not None and before is not None and (changed := _changes(before, robot)):
             sentence = f"the robot profile has changed since the run began: {', '.join(changed)}"
-            raise DefinitionError([Fault("", f"{sentence}; go on with the one that the journal holds")], str(journal))
+            raise DefinitionError(
+                [Fault("", f"{sentence}; continue with the one that the journal holds")], str(journal)
+            )
         resumed = resumption(record, was, named=named)
         follow(record)
         return OpenedRun(record, was, before, resumed)

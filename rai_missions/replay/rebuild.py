@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A chart brought, from a journal's events, to where its run stood.
+"""A chart brought, from a journal's events, to where its run was.
 
 Rule: the chart that is rebuilt is the chart that ran; nothing of a step is taken from the journal but its event.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -24,7 +25,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, parse_profile, terms
 from rai_missions.validation_errors import faults_of
 
-__all__ = ("JournalReplayer", "default_ticker", "mission_of", "robot_of")
+__all__ = ("JournalReplayer", "Predicates", "default_ticker", "mission_of", "robot_of")
 
 Predicates = Mapping[str, Callable[..., Truth]]
 
@@ -35,20 +36,21 @@ class JournalReplayer:
     Args:
         record: The journal.
         mission: The mission of its run.
-        ticker: Who ticks trees; py_trees by default.
-        named: The predicates that guards name, for when the chart has been rebuilt; until then the journal says what
-            they said.
+        ticker: What ticks trees; py_trees by default.
+        named: The predicates that guards name, for when the chart has been rebuilt; until then their values are those
+            of the journal.
     """
 
     def __init__(
         self, record: Record, mission: Mission, ticker: Trees | None = None, named: Predicates | None = None
     ) -> None:
         robot = robot_of(record)
-        self._source = str(record.path)
-        self._recorded = _Recorded(_names(mission), named or {})
+        self._source, self._live = str(record.path), named or {}
+        self._recorded: deque[tuple[str, Truth]] | None = deque()
+        """The values of predicates that the step in hand has looked at; None once the predicates are asked."""
         self.chart = Chart(
             mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
-            named=self._recorded.named,
+            named={name: partial(self._predicate, name) for name in _names(mission)},
         )  # fmt: skip
 
     def again(self, row: StepRow) -> Step:
@@ -57,47 +59,30 @@ class JournalReplayer:
         Raises:
             DefinitionError: The chart can make nothing of it: no run has brought such an event.
         """
+        chart, step = self.chart, row.step
+        self._recorded = deque((place[6:], value) for place, value in step.guards if place.startswith("named:"))
         try:
-            return self._again(row)
+            chart.absorb(row.before, at=row.since, seq=step.seq - 1)
+            if step.event.kind == "command" and step.event.name == "start":
+                return chart.start(step.event.at)
+            return chart.send(step.event)
         except MissionError:
             raise
         except Exception as error:
             sentence = f"no run brings such an event ({type(error).__name__}: {error}); it was altered"
             raise DefinitionError([Fault(f"row {row.row}", sentence)], self._source) from error
 
-    def _again(self, row: StepRow) -> Step:
-        chart, step = self.chart, row.step
-        self._recorded.turn_to(step)
-        chart.absorb(row.before, at=row.since, seq=step.seq - 1)
-        if step.event.kind == "command" and step.event.name == "start":
-            return chart.start(step.event.at)
-        return chart.send(step.event)
-
-    def go_live(self) -> None:
+    def stop_replaying(self) -> None:
         """From now on the predicates themselves are asked."""
-        self._recorded.said = None
+        self._recorded = None
 
-
-class _Recorded:
-    """Predicates of the user's program, as the journal remembers what they said."""
-
-    def __init__(self, names: set[str], live: Predicates) -> None:
-        self.said: deque[tuple[str, Truth]] | None = deque()
-        self._live = live
-        self.named: dict[str, Callable[..., Truth]] = {name: self._asked(name) for name in names}
-
-    def turn_to(self, step: Step) -> None:
-        self.said = deque((place[6:], value) for place, value in step.guards if place.startswith("named:"))
-
-    def _asked(self, name: str) -> Callable[..., Truth]:
-        def say(known: Mapping[str, Any], **arguments: Any) -> Truth:
-            if self.said is None:
-                return self._live[name](known, **arguments)
-            if self.said and self.said[0][0] == name:
-                return self.said.popleft()[1]
-            return None
-
-        return say
+    def _predicate(self, name: str, known: Mapping[str, Any], /, **arguments: Any) -> Truth:
+        """The value of a predicate of the user's program, as the journal has it."""
+        if self._recorded is None:
+            return self._live[name](known, **arguments)
+        if self._recorded and self._recorded[0][0] == name:
+            return self._recorded.popleft()[1]
+        return None
 
 
 def default_ticker(mission: Mission) -> Trees | None:

@@ -44,8 +44,8 @@ def replay(
 
     Args:
         path: The journal.
-        ticker: Who ticks trees; py_trees by default.
-        on_step: Told of each step that was the same.
+        ticker: What ticks trees; py_trees by default.
+        on_step: Receives each step that was the same.
         mission: The mission, where its journal does not hold it: one with behaviours written in Python.
 
     Raises:
@@ -53,13 +53,13 @@ def replay(
         UsageError: There is no such journal.
     """
     with read(path) as record:
-        rebuilding = JournalReplayer(record, mission if mission is not None else mission_of(record), ticker)
-        chart, count = rebuilding.chart, 0
+        replayer = JournalReplayer(record, mission if mission is not None else mission_of(record), ticker)
+        chart, count, found = replayer.chart, 0, ""
         for row in record.entries():
-            got = rebuilding.again(row)
+            got = replayer.again(row)
             if found := difference(row.step, got):
-                return Replay(count, found, chart.outcome, chart.why)
+                break
             count += 1
             if on_step is not None:
                 on_step(got)
-        return Replay(count, "", chart.outcome, chart.why)
+        return Replay(count, found, chart.outcome, chart.why)

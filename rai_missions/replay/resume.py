@@ -1,29 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run that was cut short needs to go on: its chart where it stood, and what it had under way.
+"""What a run that was cut short needs to continue: its chart as it was, and what it had under way.
 
-Rule: a journal whose steps this program would not do in the same way is not gone on with.
+Rule: a run continues only if this program does its steps in the same way.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.guards.guard import Truth
 from rai_missions.journal import Note, Record, StepRow, checked, difference
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import Mission
-from rai_missions.replay.rebuild import JournalReplayer
+from rai_missions.replay.rebuild import JournalReplayer, Predicates
 
 __all__ = ("Resumption", "resumption")
 
 
 class Resumption(NamedTuple):
-    """Where a run stood when its journal ends."""
+    """What a run was when its journal ends."""
 
     chart: Chart
     under: InFlight
@@ -35,47 +33,47 @@ class Resumption(NamedTuple):
     """Questions asked so far."""
     run: str
     """The run's identity."""
-    anew: bool = False
-    """The surroundings know of nothing that was done: a simulated world that starts again."""
+    fresh: bool = False
+    """The surroundings know of nothing that was done: a simulated world that begins again."""
 
     @property
     def at(self) -> float:
-        """The instant on the run's clock from which it goes on."""
+        """The instant on the run's clock from which it continues."""
         return self.chart.at
 
 
 def resumption(
     record: Record, mission: Mission, ticker: Trees | None = None,
-    named: Mapping[str, Callable[..., Truth]] | None = None,
+    named: Predicates | None = None,
 ) -> Resumption:  # fmt: skip
-    """Do the steps of a journal again, to go on after the last.
+    """Do the steps of a journal again, to continue after the last.
 
     Args:
         record: The journal of the run that was cut short; whether its chain holds is looked at on the way.
         mission: The mission of its run.
-        ticker: Who ticks trees; py_trees by default.
+        ticker: What ticks trees; py_trees by default.
         named: The predicates that guards name.
 
     Raises:
         DefinitionError: The journal was altered, or a step comes out differently: program or predicate has changed.
-        UsageError: The run has ended, or goes on in another mission.
+        UsageError: The run has ended, or continues in another mission.
     """
-    rebuilding, under = JournalReplayer(record, mission, ticker, named), InFlight()
-    chart, last, began, decisions = rebuilding.chart, None, 0.0, 0
+    replayer, under = JournalReplayer(record, mission, ticker, named), InFlight()
+    chart, last, began, decisions = replayer.chart, None, 0.0, 0
     for row in checked(record):
         under.follow(row)
         if isinstance(row, Note) and row.successor is not None:
-            beside = record.path.parent / str(row.successor["journal"])
-            raise UsageError(f"the run of {record.path} goes on in another mission: --resume {beside}")
+            successor = record.path.parent / str(row.successor["journal"])
+            raise UsageError(f"the run of {record.path} continues in another mission: --resume {successor}")
         if not isinstance(row, StepRow):
             continue
-        if found := difference(row.step, rebuilding.again(row)):
-            sentence = f"the run cannot go on, because this program does not do what was done: {found}"
+        if found := difference(row.step, replayer.again(row)):
+            sentence = f"the run cannot continue, because this program does not do what was done: {found}"
             raise DefinitionError([Fault(f"row {row.row}", sentence)], str(record.path))
         began = row.since if last is None else began
         last = row.step
         decisions += last.question is not None
     if chart.outcome is not None and not chart.open_goals and not under.unsure:
         raise UsageError(f"the run of {record.path} has ended, {chart.outcome}: {chart.why}; start a new one")
-    rebuilding.go_live()
+    replayer.stop_replaying()
     return Resumption(chart, under, last, began, decisions, record.header.run)

@@ -22,10 +22,10 @@ __all__ = ("ResyncWindow", "resume_effects")
 def resume_effects(resumed: Resumption, performer: EffectExecutor, scribe: BufferedWriter) -> None:
     """Continue with what was under way, and write down what was done again; raises what the journal raises."""
     chart, under = resumed.chart, resumed.under
-    performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.anew)
+    performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.fresh)
     for seq, effects in under.unsure.items():
-        if resumed.anew or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):
-            scribe.settle(seq, "performed" if resumed.anew else "in doubt")
+        if resumed.fresh or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):
+            scribe.settle(seq, "performed" if resumed.fresh else "in doubt")
         elif not any(performer.is_doubtful(each) for each in effects):
             scribe.settle(seq, "repeated")
 

@@ -149,7 +149,7 @@ from rai_missions.engine.state import RunState, copied
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.prove.environment import Environment
 from rai_missions.replay.migrate.activities import carry
-from rai_missions.replay.migrate.configuration import stand
+from rai_missions.replay.migrate.configuration import reached_states
 from rai_missions.replay.migrate.map import Map
 from rai_missions.replay.migrate.names import Naming
 
@@ -165,8 +165,8 @@ assert Chart.restore(mission, {k: v for k, v in saved.items() if k != "mood"}).s
 assert copied(chart.state).mood == "glad"
 
 naming = Naming(mission, mission, Map())
-found, faults = stand(naming, saved, chart.active, chart)
-assert not faults and carry(naming, saved, found, InFlight()).stands["mood"] == "glad"
+found, faults = reached_states(naming, saved, chart.active, chart)
+assert not faults and carry(naming, saved, found, InFlight()).snapshot["mood"] == "glad"
 
 environment = Environment(mission)
 environment.make(environment.begin)

@@ -111,9 +111,9 @@ class Inquest(Coroner):
         """Service → how many of its calls were in doubt when a process took the run up."""
         self._saved: Any = None
         self._rows: list[str] = []
-        self._going_on = False
+        self._continuing = False
         self._asked: frozenset[int] = frozenset()
-        self.heard: frozenset[Any] = frozenset()
+        self.received: frozenset[Any] = frozenset()
         """Which events that have an id are in the journal."""
 
     def wrote(self, runner: Runner) -> None:
@@ -122,11 +122,11 @@ class Inquest(Coroner):
     def found(self, taken: OpenedRun) -> None:
         rows = [digest for *_, digest in taken.record.raw()]
         assert rows[: len(self._rows)] == self._rows, "what was written stays as it is"
-        self._rows, self._going_on = rows, True
-        self.heard = frozenset(step.event.data.get("id") for step in taken.record.steps())
+        self._rows, self._continuing = rows, True
+        self.received = frozenset(step.event.data.get("id") for step in taken.record.steps())
         chart, under = taken.resumption.chart, taken.resumption.under
         if self._saved is not None:
-            assert chart.snapshot() == self._saved, "the run stands where it stood"
+            assert chart.snapshot() == self._saved, "the run is where it was"
         goals = {self.goal_id(each) for each in under.open.values() if isinstance(each, StartGoal)}
         ended = {goal_id for goal_id, _ in self._land.ended}
         self.kills["goal finished and unread"] += bool(goals & ended)
@@ -140,11 +140,11 @@ class Inquest(Coroner):
     def look(self, runner: Runner, step: Step) -> None:
         """A step has been done."""
         if step.event.kind == "command" and step.event.name == "take_up":
-            self._going_on = False
+            self._continuing = False
             for each in self._answerers.values():
                 each.asked.clear()
             self._asked &= runner.view.awaited
-        elif not self._going_on and self._asked:
+        elif not self._continuing and self._asked:
             asked = frozenset[int]().union(*(each.asked for each in self._answerers.values()))
             assert self._asked <= asked, "the question is asked again"
             self._asked = frozenset()
@@ -165,7 +165,7 @@ class Inquest(Coroner):
             "timer pending": bool(chart.snapshot()["_timers"]),
             "in a tree": bool(chart.active & self._trees),
             "in a parallel region": bool(chart.active & self._parallels),
-            "in the resume itself": self._going_on,
+            "in the resume itself": self._continuing,
             "before the start": chart.mode == "ready",
             "paused": chart.mode == "paused",
         }  # fmt: skip
@@ -174,7 +174,7 @@ class Inquest(Coroner):
     def died(self, runner: Runner, fate: Fate) -> None:
         self.deaths += 1
         self.kills.update(self.instants(runner, *fate.doing, is_done=fate.is_done))
-        self._going_on = False
+        self._continuing = False
 
 
 def steps_of(rows: list[Any]) -> list[Step]:

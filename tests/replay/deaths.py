@@ -75,7 +75,7 @@ class Nursery:
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
-        self._folder, self._said = folder, Inbox[dict[str, Any]](PATIENCE_S)
+        self._folder, self._reports = folder, Inbox[dict[str, Any]](PATIENCE_S)
         self._process = subprocess.Popen(
             [sys.executable, "-W", "ignore", "-m", "tests.replay.zygote", str(folder)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=dict(environment),
@@ -87,19 +87,19 @@ class Nursery:
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            self._said(json.loads(line))
+            self._reports(json.loads(line))
 
-    def _tell(self, **wish: Any) -> None:
+    def _order(self, **wish: Any) -> None:
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(wish) + "\n")
         self._process.stdin.flush()
 
     def begin(self, words: Sequence[str], instant: Instant | None = None) -> None:
         """A life."""
-        self._said.wait(lambda reported: bool(reported), "everything is loaded")
-        self._count = len(self._said.all)
-        self._tell(words=list(words), out=str(self.out), instant=instant)
-        self._said.wait(lambda reported: len(reported) > self._count, "a life begins")
+        self._reports.wait(lambda reported: bool(reported), "everything is loaded")
+        self._count = len(self._reports.all)
+        self._order(words=list(words), out=str(self.out), instant=instant)
+        self._reports.wait(lambda reported: len(reported) > self._count, "a life begins")
 
     @property
     def out(self) -> Path:
@@ -107,17 +107,17 @@ class Nursery:
         return self._folder / "out.txt"
 
     def signal(self, number: signal.Signals) -> None:
-        self._tell(signal=int(number))
+        self._order(signal=int(number))
 
     @property
     def status(self) -> int | None:
         """How the life has ended, as `subprocess` has it."""
-        found = self._said.all[self._count + 1 :]
+        found = self._reports.all[self._count + 1 :]
         return int(found[0]["status"]) if found else None
 
     def ends(self) -> int:
         """Wait for its end."""
-        self._said.wait(lambda reported: len(reported) > self._count + 1, "a life ends")
+        self._reports.wait(lambda reported: len(reported) > self._count + 1, "a life ends")
         return int(self.status or 0)
 
     def carry_out(self, plan: Plan, robot_reports: list[Any]) -> int:

@@ -120,16 +120,16 @@ def _check_services(rows: Sequence[Any], done: Counter[str]) -> None:
     """What may not be done twice was done once, unless the mission was notified that no one knows."""
     steps = [row.step for row in rows if isinstance(row, StepRow)]
     published = next(at for at, row in enumerate(rows) if isinstance(row, StepRow) and "both" in row.step.entered)
-    died = any(isinstance(row, Note) and row.text == "taken up again" for row in rows[published:])
+    died = any(isinstance(row, Note) and row.text == "resumed" for row in rows[published:])
     unsure = {("publish", "light")} if died else set()  # what the middleware was given goes with its process
     unsure |= {(step.event.data["what"], step.event.data["name"]) for step in steps if step.event.name == "uncertain"}
     for what, name in (("call", "lamp"), ("publish", "light")):
         assert done[name] <= 1, f"'{name}' was done twice"
-        assert done[name] == 1 or (what, name) in unsure, f"'{name}' was not done, and nobody was told"
+        assert done[name] == 1 or (what, name) in unsure, f"'{name}' was not done, and no row reports it"
     horn = next(each.number for step in steps for each in step.effects if _is_call(each, "horn"))
     since = next(at for at, row in enumerate(rows) if isinstance(row, StepRow) and _calls(row.step, horn))
     until = next(at for at, row in enumerate(rows) if isinstance(row, StepRow) and _answers(row.step, horn))
-    again = sum(isinstance(row, Note) and row.text == "taken up again" for row in rows[since:until])
+    again = sum(isinstance(row, Note) and row.text == "resumed" for row in rows[since:until])
     assert 1 <= done["horn"] <= 1 + again, "what may be done twice is done again by a new process alone"
 
 

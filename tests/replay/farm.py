@@ -45,7 +45,7 @@ FARMER = Robot.model_validate({
     "topics": {
         "light": {"topic": "/lamp_topic", "type": "std_msgs/msg/Bool", "repeat": True},
         "lamp": {"topic": "/once_topic", "type": "std_msgs/msg/Bool"},
-        "say": {"topic": "/said", "type": "std_msgs/msg/String", "repeat": True},
+        "say": {"topic": "/spoken", "type": "std_msgs/msg/String", "repeat": True},
     },
     "events": {name: {"posted": True} for name in ("go", "anomaly", "halt", "poke", "hint")},
     "control": {"agent": "/to_agent", "autonomy": "/to_autonomy", "operator": "/to_operator", "nobody": "/to_nobody"},
@@ -79,8 +79,10 @@ class Farm(Land):
         for holder in ("agent", "autonomy", "operator", "nobody"):
             self.connector.serve(f"/to_{holder}", TRIGGER, lambda _, holder=holder: self._hand_over(holder))
         self.connector.serve("/replan", TRIGGER, lambda _: self._serve("/replan"))
-        for topic, kind in (("/said", "String"), ("/once_topic", "Bool")):
-            self.connector.subscribe(topic, f"std_msgs/msg/{kind}", lambda _, topic=topic: self.heard.update([topic]))
+        for topic, kind in (("/spoken", "String"), ("/once_topic", "Bool")):
+            self.connector.subscribe(
+                topic, f"std_msgs/msg/{kind}", lambda _, topic=topic: self.received.update([topic])
+            )
 
     @property
     def running(self) -> list[str]:

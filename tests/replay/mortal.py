@@ -26,11 +26,11 @@ from rai_missions.runtime.runner import Result, Runner
 
 __all__ = ("ONLOOKER", "Coroner", "Dead", "Fate", "Land", "Wish", "live")
 
-TOLD = ("write", "confirm", "note", "send_goal", "find_goal", "cancel_goal", "call", "publish", "ask", "wait")
+WATCHED = ("write", "confirm", "note", "send_goal", "find_goal", "cancel_goal", "call", "publish", "ask", "wait")
 
 
 MOST_STEPS = 150
-ONLOOKER = "whoever looks on"
+ONLOOKER = "any onlooker"
 """Who ends a run that never rests."""
 
 
@@ -85,7 +85,7 @@ class Mortal:
 
     def __getattr__(self, name: str) -> Any:
         found = getattr(self._what, name)
-        if name not in TOLD:
+        if name not in WATCHED:
             return found
 
         def used(*given: Any, **words: Any) -> Any:
@@ -116,7 +116,7 @@ class Wish(NamedTuple):
 
     at: float
     """When, on the land's clock; not before the wish ahead of it is granted."""
-    say: Callable[[Runner], object]
+    order: Callable[[Runner], object]
     is_granted: Callable[[Runner], bool]
 
 
@@ -167,14 +167,14 @@ class Land:
     def __init__(self, wishes: Sequence[Wish], lasts_s: Mapping[str, float], ends: Mapping[str, str]) -> None:
         self._wishes = list(wishes)
         self._ticks = 0
-        self._said_at = -1.0
+        self._asked_at = -1.0
         self.runner: Runner | None = None
         self.connector = self.connector_type(now=lambda: self.at)
         self.connector.start()
         self.started: list[tuple[str, str]] = []
         self.ended: list[tuple[str, str]] = []
         self.called: Counter[str] = Counter()
-        self.heard: Counter[str] = Counter()
+        self.received: Counter[str] = Counter()
         self._goals: dict[str, tuple[str, float, Callable[[Report], None]]] = {}
         self.unaccepted: dict[str, float] = {}
         """Goal that its server thinks about → until when."""
@@ -188,7 +188,7 @@ class Land:
         for service in ("/horn", "/lamp"):
             self.connector.serve(service, "std_srvs/srv/Trigger", lambda _, name=service: self._serve(name))
         self.connector.subscribe(
-            "/lamp_topic", "std_msgs/msg/Bool", lambda reported: self.heard.update([str(reported.data["data"])])
+            "/lamp_topic", "std_msgs/msg/Bool", lambda reported: self.received.update([str(reported.data["data"])])
         )
 
     @property
@@ -218,14 +218,14 @@ class Land:
             if self._wishes[0].is_granted(self.runner):
                 self._wishes.pop(0)
             else:
-                self._said_at = self.at
-                self._wishes[0].say(self.runner)
+                self._asked_at = self.at
+                self._wishes[0].order(self.runner)
 
     def wish_again(self) -> None:
         """State once more what was reported in this period to a process that has died since, unless it took it in."""
         runner = self.runner
-        if runner is not None and self._said_at == self.at and not self._wishes[0].is_granted(runner):
-            self._wishes[0].say(runner)
+        if runner is not None and self._asked_at == self.at and not self._wishes[0].is_granted(runner):
+            self._wishes[0].order(runner)
 
     def look(self, step: Step) -> None:
         """Stop a run that goes round for ever without that any time passes."""

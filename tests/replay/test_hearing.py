@@ -66,7 +66,7 @@ def asked_and_killed(path: Path, meadow: Meadow, slow: ReplyingAnswerer) -> None
         assert not has_ended(path)
         path.unlink()
         path.with_name(f"{path.name}-wal").unlink(missing_ok=True)
-    raise AssertionError("nobody was asked")
+    raise AssertionError("no one was asked")
 
 
 def ended(path: Path, meadow: Meadow, slow: ReplyingAnswerer) -> Ended:
@@ -137,7 +137,7 @@ def test_what_is_asked_of_a_run_that_waits_to_receive_the_robot_again_is_done_at
         rig.stage.play({5.0: rig.runner.kill})
         assert rig.run().outcome == "aborted"
     taken.record.close()
-    assert done[0] == 0.0, "not once the battery has not been heard for too long"
+    assert done[0] == 0.0, "not once the battery has sent nothing for too long"
 
 
 def test_a_tree_looks_again_at_what_became_another_while_the_run_was_dead() -> None:

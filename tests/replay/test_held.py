@@ -78,7 +78,7 @@ def test_a_run_that_is_killed_while_it_is_held_continues_and_fails_for_nothing(
         holds(path, there, MISSION)
 
 
-def stands(path: Path) -> tuple[str, frozenset[str]]:
+def held_in(path: Path) -> tuple[str, frozenset[str]]:
     """By whom a run that was cut short is held, and which of its states are."""
     taken = open_run(path)
     taken.record.close()
@@ -88,7 +88,7 @@ def stands(path: Path) -> tuple[str, frozenset[str]]:
 def migrated(path: Path, there: Farm, mission: Mission, waits: int, **words: Any) -> Path:
     """A run that was killed in its hold, in another mission."""
     assert live(path, there, MISSION, ROBOT, {}, Fate(waits, what="wait")) is None
-    assert stands(path) == ("operator", {"moving"})
+    assert held_in(path) == ("operator", {"moving"})
     return migrate(path, mission, Map(**words), to=path.with_name("new.journal")).journal
 
 
@@ -100,7 +100,7 @@ def changed(**states: Any) -> Mission:
 def test_a_run_that_is_migrated_while_it_is_held_stays_held_and_continues(tmp_path: Path, waits: int) -> None:
     there, now = farm(), changed(over={"final": "aborted"})
     path = migrated(tmp_path / "run.journal", there, now, waits)
-    assert stands(path) == ("operator", {"moving"})
+    assert held_in(path) == ("operator", {"moving"})
     result = live(path, there, now, ROBOT, {}, Fate())
     assert result is not None and (result.outcome, result.why) == ("aborted", "'over' was reached")
     assert BACK_S + 4.0 <= there.at <= BACK_S + 8.0
@@ -111,7 +111,7 @@ def test_a_held_state_that_is_renamed_by_a_migration_is_held_under_its_new_name(
     there, states = farm(), {("driving" if name == "moving" else name): each for name, each in STATES.items()}
     now = Mission.model_validate({**DOCUMENT, "version": "2.0.0", "states": states, "initial": "driving"})
     path = migrated(tmp_path / "run.journal", there, now, 3, states={"moving": "driving"})
-    assert stands(path) == ("operator", {"driving"})
+    assert held_in(path) == ("operator", {"driving"})
     result = live(path, there, now, ROBOT, {}, Fate())
     assert result is not None and Ended(result.outcome, result.why) == ENDED
     holds(path, there, now)

@@ -37,7 +37,7 @@ MISSION = Mission.model_validate({
     "states": {
         "first": {"action": "move", "timeout_s": 60, "entry": [{"set": "rounds", "add": 1}],
                   "transitions": [{"on": "succeeded", "to": "deciding"}]},
-        "deciding": {"decision": {"question": "On?", "options": {"on": {"about": "go on"}, "stop": {"about": "stop"}},
+        "deciding": {"decision": {"question": "On?", "options": {"on": {"about": "on"}, "stop": {"about": "stop"}},
                                   "ask": ["someone"], "deadline_s": 30, "fallback": "stop"},
                      "transitions": [{"on": "on", "to": "both",
                                       "do": [{"publish": "light", "message": {"data": True}}]},
@@ -116,7 +116,7 @@ def holds(path: Path, there: Land, mission: Mission | None = None) -> None:
     assert replayed.holds, replayed.difference
     goals = [goal_id for _, goal_id in there.started]
     assert len(goals) == len(set(goals)), "no goal was started twice"
-    assert there.running == [], "no goal runs that nobody owns"
+    assert there.running == [], "no goal runs without an owner"
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +178,7 @@ def test_what_may_not_be_done_twice_is_done_once_at_most_and_doubt_is_reported(
         path, there = tmp_path / f"{at}.journal", land()
         ended = lived(path, there, [Fate(at, is_done=is_done)], CALLING)
         assert there.called["/lamp"] <= 1
-        assert ended.outcome != "canceled" or there.called["/lamp"] == 1, "nothing is said to be done that was not"
+        assert ended.outcome != "canceled" or there.called["/lamp"] == 1, "nothing is reported as done that was not"
         outcomes.add(ended.outcome)
         holds(path, there)
     assert outcomes == {"aborted", "canceled"}
@@ -195,7 +195,7 @@ WAITING = Mission.model_validate({
 def test_a_timer_has_the_time_that_was_left(tmp_path_factory: pytest.TempPathFactory, deaths: list[int]) -> None:
     path, there = tmp_path_factory.mktemp("wait") / "run.journal", land()
     lived(path, there, [Fate(at, is_done=True) for at in deaths], WAITING)
-    assert 20 <= there.at <= 20 + 1.5 * len(deaths), "no more is lost than what no row had said yet"
+    assert 20 <= there.at <= 20 + 1.5 * len(deaths), "no more is lost than what no row held yet"
 
 
 def test_a_mission_that_has_changed_meanwhile_is_not_continued_with(tmp_path: Path) -> None:

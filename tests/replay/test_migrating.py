@@ -21,7 +21,7 @@ from rai_missions.replay.open_run import open_run
 from rai_missions.replay.replay import replay
 from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import ROBOT
-from tests.replay.test_migration import ERRAND, died, land, went_on
+from tests.replay.test_migration import ERRAND, continued, died, land
 from tests.rigs.runs import ReplyingAnswerer
 
 INSTANTS = frozenset({"execute", "rename", "unlink", "open", "flock", "close", "mkdir", "connect", "replace"})
@@ -60,7 +60,7 @@ def test_anyone_who_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path)
         if new.exists():
             open_run(new).record.close()
             assert verify(new) == () and replay(new).holds
-            with pytest.raises(UsageError, match="goes on in another mission"):
+            with pytest.raises(UsageError, match="continues in another mission"):
                 open_run(was)
         else:
             open_run(was).record.close()
@@ -77,20 +77,20 @@ def test_one_run_never_continues_in_two_journals(tmp_path: Path) -> None:
     unreported = Path(shutil.copy(path, tmp_path / "untold.journal"))
     new = migrate(path, ERRAND, Map(), to=tmp_path / "new.journal").journal
     shutil.copy(unreported, path)
-    took_up(path)
-    with pytest.raises(UsageError, match=r"went on otherwise after .* was made of it; this journal counts no more"):
+    continued_run(path)
+    with pytest.raises(UsageError, match=r"continued otherwise after .* was made of it; this journal counts no more"):
         open_run(new)
     shutil.copy(unreported, path)
     open_run(new).record.close()
-    with pytest.raises(UsageError, match=r"goes on in another mission: --resume .*new\.journal"):
+    with pytest.raises(UsageError, match=r"continues in another mission: --resume .*new\.journal"):
         open_run(path)
-    with pytest.raises(UsageError, match="goes on in another mission"):
+    with pytest.raises(UsageError, match="continues in another mission"):
         migrate(path, ERRAND, Map(), to=tmp_path / "third.journal")
 
 
 def test_no_journal_is_begun_where_no_one_would_look_whether_its_run_continued_otherwise(tmp_path: Path) -> None:
     path = died(tmp_path / "run.journal", land())
-    with pytest.raises(UsageError, match=r"in another folder than .*run\.journal.*: name a file beside it"):
+    with pytest.raises(UsageError, match=r"in another folder than .*run\.journal.*: name a file next to it"):
         migrate(path, ERRAND, Map(), to=tmp_path / "elsewhere" / "new.journal")
     assert [each.name for each in tmp_path.iterdir()] == ["run.journal"]
     link = tmp_path / "linked"
@@ -132,7 +132,7 @@ def test_a_disk_that_is_full_leaves_the_run_where_it_was(tmp_path: Path, small: 
     assert found == {"new.journal", "run.journal"}
 
 
-def took_up(path: Path) -> None:
+def continued_run(path: Path) -> None:
     """A process has continued with a run, and died."""
     live(path, land(), ERRAND, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(1, what="write"))
 
@@ -145,7 +145,7 @@ def test_a_journal_is_never_overwritten_and_a_folder_may_be_moved(tmp_path: Path
         migrate(path, ERRAND, Map(), to=path)
     migrate(path, ERRAND, Map(), to=tmp_path / "here" / "new.journal")
     (tmp_path / "here").rename(tmp_path / "there")
-    assert went_on(tmp_path / "there" / "new.journal", there, ERRAND).outcome == "canceled"
+    assert continued(tmp_path / "there" / "new.journal", there, ERRAND).outcome == "canceled"
     with pytest.raises(UsageError, match=r"there/new\.journal"):
         open_run(tmp_path / "there" / "run.journal")
 

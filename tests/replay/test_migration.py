@@ -76,7 +76,7 @@ def moved(tmp_path: Path, there: Land, mission: Mission, **words: Any) -> Path:
     return migrate(path, mission, Map(**words), to=tmp_path / "new.journal").journal
 
 
-def went_on(path: Path, there: Land, mission: Mission) -> Ended:
+def continued(path: Path, there: Land, mission: Mission) -> Ended:
     result = live(path, there, mission, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate())
     assert result is not None
     holds(path, there, mission)
@@ -96,7 +96,7 @@ def test_what_is_as_it_was_continues_by_itself(tmp_path: Path) -> None:
     there, now = land(), changed((("states", "over"), {"final": "failed"}))
     path = moved(tmp_path, there, now)
     assert first_notes(path) == ()
-    assert went_on(path, there, now) == ("failed", "'over' was reached")
+    assert continued(path, there, now) == ("failed", "'over' was reached")
     assert [action for action, _ in there.started] == ["move"], "its goal is found again"
     assert there.at == pytest.approx(8, abs=1.5), "its timer has the time that was left"
     assert entered(path).count("moving") == 1, "nothing is entered that was active"
@@ -109,9 +109,9 @@ def test_a_state_that_has_changed_and_is_named_begins_what_it_runs_again(tmp_pat
     there = land()
     now = changed(((*BODY, "moving", "action"), "turn"))
     path = moved(tmp_path, there, now, states={"moving": "moving"})
-    assert "what ran in 'moving' has changed; 'moving' begins anew" in first_notes(path)
+    assert "what ran in 'moving' has changed; 'moving' begins again" in first_notes(path)
     assert "goal 1 of 'move' belongs to nothing any more and is canceled" in first_notes(path)
-    assert went_on(path, there, now).outcome == "canceled"
+    assert continued(path, there, now).outcome == "canceled"
     assert [action for action, _ in there.started] == ["move", "turn"]
     assert [how for _, how in there.ended] == ["canceled", "succeeded"]
     assert there.most_at_once == 1, "what was under way has ended before what is new is started"
@@ -121,8 +121,8 @@ def test_a_row_s_time_continues_where_the_row_is_as_it_was_and_begins_again_wher
     there = land()
     now = changed(((*HEAD, "waiting", "transitions"), [{"after_s": 20, "to": "waited"}]))
     path = moved(tmp_path, there, now, states={"waiting": "waiting"})
-    assert any("/waiting/transitions/0 begins anew" in note for note in first_notes(path))
-    went_on(path, there, now)
+    assert any("/waiting/transitions/0 begins again" in note for note in first_notes(path))
+    continued(path, there, now)
     assert there.at == pytest.approx(3 + 20, abs=1.5)
 
 
@@ -134,7 +134,7 @@ def test_a_region_that_is_new_begins_and_one_that_is_gone_is_left(tmp_path: Path
         "looked": {"final": "succeeded"}}}  # fmt: skip
     now = changed((HEAD[:-1], None), (("states", "work", "parallel", "eyes"), look))
     path = moved(tmp_path, there, now, states={"head": None, "waiting": None})
-    assert went_on(path, there, now).outcome == "canceled"
+    assert continued(path, there, now).outcome == "canceled"
     assert [action for action, _ in there.started] == ["move", "look"]
     with read(path) as record:
         writes = [dict(step.writes) for step in record.steps()]
@@ -176,7 +176,7 @@ def test_a_run_may_continue_in_another_mission_again_and_again(tmp_path: Path) -
         state = DOCUMENT["states"]["work"]["parallel"]["body"]["states"]["moving"]
         now = changed((BODY, {new: state, "moved": {"final": "succeeded"}}), ((*BODY[:-1], "initial"), new))
         path = migrate(path, now, Map(states={old: new}), to=tmp_path / f"{number}.journal").journal
-    assert went_on(path, there, now).outcome == "canceled"
+    assert continued(path, there, now).outcome == "canceled"
     assert [action for action, _ in there.started] == ["move"], "its goal is found again"
 
 
@@ -190,7 +190,7 @@ REFUSED: Mapping[str, tuple[Mission, dict[str, Any], str]] = {
         '"moving"'),
     "a state that is active and is no more": (
         changed((BODY, {"going": {}, "moved": ENDING}), ((*BODY[:-1], "initial"), "going")), {},
-        "/states: 'moving' is active, and the mission now has no state of that name; say what has become of it: "
+        "/states: 'moving' is active, and the mission now has no state of that name; name what has become of it: "
         '"moving": "…", or null if nothing has'),
     "a state that there was not": (
         ERRAND, {"states": {"movin": "moving"}},
@@ -212,34 +212,34 @@ REFUSED: Mapping[str, tuple[Mission, dict[str, Any], str]] = {
     "nowhere": (
         ERRAND, {"states": {"moving": None, "waiting": None}},
         "/states: none of the active states has a place in the mission now; name one for each"),
-    "a list that nobody has begun": (
+    "a list that has not begun": (
         changed((("blackboard", "stops"), {"type": "list", "initial": ["a"]}), (("states", "tour"), {
             "each": "stops", "as": "place", "initial": "at", "states": {"at": {}}})),
         {"states": {"moving": "at", "waiting": None, "work": None, "body": None, "head": None}},
-        "/states: 'tour' goes through a list, and no active state says where in it the run stands; name one that did "
-        "so, or a state outside"),
+        "/states: 'tour' goes through a list, and no active state shows how far in it the run has come; name one "
+        "that did so, or a state outside"),
     "a key that is dropped unnamed": (
         changed((("blackboard", "place"), None)), {},
-        "/keys: the run has a value for 'place', and the mission now has no such key; say what it is called, or drop "
+        "/keys: the run has a value for 'place', and the mission now has no such key; name it, or drop "
         'it: "place": null'),
     "a key of another type": (
         changed((("blackboard", "place"), {"type": "integer"})), {},
         "/keys: the value of 'place' does not fit 'place': 'here' is not of type 'integer'; give another in 'values'"),
     "a value that does not fit": (
         ERRAND, {"values": {"rounds": "two"}}, "/values/rounds: 'two' is not of type 'integer'"),
-    "what the robot says": (
+    "what the robot reports": (
         changed((("blackboard", "battery"), {"type": "number", "source": "robot", "optional": True})),
         {"values": {"battery": 1.0}},
-        "/values/battery: 'battery' is what the robot says; leave it out, it is heard anew"),
-    "what becomes what the robot says": (
+        "/values/battery: 'battery' is what the robot reports; leave it out, it is received again"),
+    "what becomes what the robot reports": (
         changed((("blackboard", "place"), {"type": "string", "source": "robot", "optional": True})), {},
-        "/keys: 'place' is what the robot says, and 'place' was not; drop its value: \"place\": null"),
+        "/keys: 'place' is what the robot reports, and 'place' was not; drop its value: \"place\": null"),
     "an argument without a value": (
         changed((("blackboard", "speed"), {"type": "number", "source": "argument"})), {},
         "/values: the mission now takes an argument 'speed'; give its value here"),
     "an invariant that does not hold": (
         changed((("invariants",), {"few": {"key": "rounds", "<": 1}})), {},
-        "/invariants/few: it is false where the run would go on: rounds < 1; give other values or states"),
+        "/invariants/few: it is false where the run would continue: rounds < 1; give other values or states"),
 }  # fmt: skip
 
 
@@ -256,7 +256,7 @@ def test_what_cannot_be_is_refused_with_what_is_missing_and_changes_nothing(tmp_
     with read(path) as record:
         assert record.seal == seal
     assert [each.name for each in tmp_path.iterdir()] == ["run.journal"]
-    assert went_on(path, there, ERRAND).outcome == "canceled"
+    assert continued(path, there, ERRAND).outcome == "canceled"
 
 
 def test_all_that_is_missing_is_reported_at_once(tmp_path: Path) -> None:
@@ -272,7 +272,7 @@ def test_a_run_that_has_ended_or_not_begun_has_nothing_to_continue_with(tmp_path
     live(path, there, ERRAND, ROBOT, {"someone": ReplyingAnswerer("on")}, Fate(0, what="write"))
     with pytest.raises(UsageError, match="has not begun"):
         migrate(path, ERRAND, Map(), to=tmp_path / "new.journal")
-    went_on(path, there, ERRAND)
+    continued(path, there, ERRAND)
     with pytest.raises(UsageError, match="has ended, canceled"):
         migrate(path, ERRAND, Map(), to=tmp_path / "new.journal")
 

@@ -22,7 +22,7 @@ def graph(tmp_path: Path) -> Iterator[Graph]:
     yield from graph_in(tmp_path, Graph)
 
 
-def go_on(graph: Graph, *words: str) -> Process:
+def resume(graph: Graph, *words: str) -> Process:
     return graph.start("run", "--resume", str(graph.folder / "run.journal"), "--no-operator", *words)
 
 
@@ -51,15 +51,15 @@ def test_two_processes_do_not_continue_with_one_run(graph: Graph) -> None:
     first = graph.start("run", str(mission), "--journal", str(journal), "--verbose")
     first.says("waiting")
     kill(first)
-    second = go_on(graph, "--verbose")
+    second = resume(graph, "--verbose")
     second.says("take_up")
-    third = go_on(graph)
+    third = resume(graph)
     assert third.ends() == 2
     assert f"{journal} is being written by another process; wait for its end" in third.text
     second.signal(signal.SIGINT)
     assert second.ends() == 1
     assert "canceled" in second.text
-    ended = go_on(graph)
+    ended = resume(graph)
     assert ended.ends() == 2
     assert f"the run of {journal} has ended, canceled: canceled by operator (interrupt)" in ended.text
     assert_whole(journal)
@@ -73,7 +73,7 @@ def test_the_simulated_tractor_that_is_killed_continues_in_a_world_that_starts_a
     process = graph.run("--speed", "1", robot=robot)
     process.says("start drive_alleys")
     kill(process)
-    process = go_on(graph)
+    process = resume(graph)
     assert process.ends() == 0, process.text
-    assert "the simulated world starts anew, and what was under way in it is begun again" in process.text
+    assert "the simulated world starts again, and what was under way in it is begun again" in process.text
     assert_whole(graph.folder / "run.journal")

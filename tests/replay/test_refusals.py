@@ -78,7 +78,7 @@ def test_a_mission_that_has_changed_is_reported_by_what_changed_and_what_to_do(
     assert first == "rai-missions run: now.json is not the mission of run.journal:"
     assert any("on → off after 5 s" in line or "after_s" in line or "5 s" in line for line in changed)
     assert not any(line.startswith("now.json") for line in changed)
-    assert remedy.endswith("by a map of what has become of what: --migrate MAP")
+    assert remedy.endswith("with a map of its states and keys: --migrate MAP")
 
 
 def test_a_disk_that_is_full_is_reported_in_a_sentence(killed: Path) -> None:
@@ -87,7 +87,7 @@ def test_a_disk_that_is_full_is_reported_in_a_sentence(killed: Path) -> None:
     assert "run.journal cannot be written: disk I/O error; row 10 is lost" in reported.stderr
     assert "Traceback" not in reported.stderr
     assert verify("run.journal") == ()
-    assert main(["run", "--resume", "run.journal"]) == 1, "once there is room again, it goes on"
+    assert main(["run", "--resume", "run.journal"]) == 1, "once there is room again, it continues"
 
 
 def test_a_disk_without_room_for_the_copy_that_is_read_is_reported_in_a_sentence(killed: Path) -> None:

@@ -157,6 +157,6 @@ def test_the_command_line_migrates_a_run_or_reports_what_is_missing(
     assert f"the run of {journal} resumes in {reported['journal']}, as 'patrol' 2.0.0" in printed.err
     assert replay(reported["journal"]).holds
     assert main([*command, "--migrate", str(map_)]) == 2
-    assert "goes on in another mission" in capsys.readouterr().err
+    assert "continues in another mission" in capsys.readouterr().err
     assert main(["run", str(mission), "--migrate", str(map_)]) == 2
     assert "--migrate MAP goes with --resume JOURNAL" in capsys.readouterr().err

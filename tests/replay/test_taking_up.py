@@ -47,7 +47,7 @@ def test_what_is_done_again_in_a_world_that_starts_again_was_performed(tmp_path:
     path = died(tmp_path / "run.journal", LIT, "go")
     taken = open_run(path)
     with Journal.open(path) as journal:
-        rig = Rig(LIT, journal=journal, begin=taken.resumption._replace(anew=True))
+        rig = Rig(LIT, journal=journal, begin=taken.resumption._replace(fresh=True))
         rig.run()
     taken.record.close()
     with read(path) as record:

@@ -127,7 +127,7 @@ def test_a_disk_that_is_full_when_the_run_continues_ends_it_before_anything_is_d
         return False
 
     assert in_another_process(continues, path.with_name(WAL).stat().st_size)
-    assert lived(path, land(), []).outcome is not None, "once there is room again, it goes on"
+    assert lived(path, land(), []).outcome is not None, "once there is room again, it continues"
     holds(path, land())
 
 
@@ -141,7 +141,7 @@ def test_a_disk_that_fills_up_kills_the_run_and_leaves_a_journal_that_can_be_con
 
     assert in_another_process(is_killed, 100_000)
     assert verify(path) == ()
-    assert lived(path, land(), []).outcome == "failed", "the goals are gone, and the mission hears so"
+    assert lived(path, land(), []).outcome == "failed", "the goals are gone, and the mission learns it"
     holds(path, land())
 
 
@@ -155,6 +155,6 @@ def test_a_journal_that_may_only_be_read_is_not_continued_with(killed: Path, tmp
             Journal.open(path, seal=seal)
         path.chmod(0o644)
     with Journal.open(path, seal=seal) as journal:
-        journal.note("another process went on")
+        journal.note("another process continued")
     with pytest.raises(UsageError, match="another process has continued with the run"):
         Journal.open(path, seal=seal)

@@ -90,7 +90,9 @@ class Yard(Steady):
             runner.post(Event(name + self.suffix, runner.view.now(), {"id": number}))
 
         return Wish(
-            chance.uniform(1, ENDS_AT_S), on_result, lambda _: number in self.reported or number in self.inquest.heard
+            chance.uniform(1, ENDS_AT_S),
+            on_result,
+            lambda _: number in self.reported or number in self.inquest.received,
         )
 
     def look(self, step: Step) -> None:
@@ -196,7 +198,7 @@ def looked_at(path: Path, yard: Yard, inquest: Inquest) -> tuple[Ended, bool]:
     steps = steps_of(rows)
     effects = [(step.seq, each) for step in steps for each in step.effects]
     starts = {inquest.goal_id(each): each for _, each in effects if isinstance(each, StartGoal)}
-    assert {goal_id for _, goal_id in yard.started} <= starts.keys(), "no goal was started that no row tells of"
+    assert {goal_id for _, goal_id in yard.started} <= starts.keys(), "no goal was started that no row reports"
     assert not [each for each in underway(rows).open.values() if isinstance(each, StartGoal)], (
         "each goal's end is known"
     )
@@ -208,13 +210,13 @@ def looked_at(path: Path, yard: Yard, inquest: Inquest) -> tuple[Ended, bool]:
         most = calls[service] + (inquest.repeatable[service] if is_repeatable else 0)
         assert sure[service] <= yard.called[f"/{service}"] <= most, "what was confirmed was done, and done once"
     lamps = sum(isinstance(each, PublishMessage) for _, each in effects)
-    assert yard.heard["/once_topic"] <= lamps
+    assert yard.received["/once_topic"] <= lamps
     doubted = any(step.event.kind == "doubt" and step.event.data.get("what") != "publish" for step in steps)
     last = next(step for step in steps if step.outcome is not None)
     return Ended(last.outcome, last.why), doubted
 
 
-SOMETHING_GOES_ON = frozenset({"action", "call", "tree", "decision", "parallel", "each"})
+SOMETHING_RUNS = frozenset({"action", "call", "tree", "decision", "parallel", "each"})
 
 
 def worth_a_trial(seed: int, most: int) -> list[Mission]:
@@ -239,7 +241,7 @@ def worth_a_trial(seed: int, most: int) -> list[Mission]:
             document.pop("invariants", None)
         mission = Mission.model_validate(document)
         words = Counter(state.word for _, _, state in mission.walk())
-        busy = sum(words[word] for word in SOMETHING_GOES_ON)
+        busy = sum(words[word] for word in SOMETHING_RUNS)
         if busy >= 3 and (words["decision"] or words["parallel"] or words["tree"]):
             found.setdefault(str(sorted(words.items())), mission)
 

@@ -20,7 +20,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-SAYS_S, LOOKS_S = 0.25, 0.01
+PRINTS_S, LOOKS_S = 0.25, 0.01
 NEEDED = ("test_msgs/action/Fibonacci", "std_srvs/srv/Trigger", "std_msgs/msg/Int32", "std_msgs/msg/Bool")
 REHEARSAL = {
     "name": "rehearsal", "initial": "asking",
@@ -140,7 +140,7 @@ def serve() -> None:
                     os.kill(life.pid, wish["signal"])
         if life is None:
             continue
-        if time.monotonic() - typed > SAYS_S:
+        if time.monotonic() - typed > PRINTS_S:
             life.type("on\n")
             typed = time.monotonic()
         if (status := life.status()) is not None:

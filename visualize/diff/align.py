@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from rai_missions.errors import escaped, unescaped
 from rai_missions.mission.mission import Mission
-from rai_missions.mission.renaming import Names, renamed
+from rai_missions.mission.renaming import Names, matched, renamed
 from rai_missions.states import State, Transition
 from visualize.build import parents_of
 from visualize.diff.similarity import ComparedMissions, alike_keys, alike_options, alike_states
@@ -62,13 +63,7 @@ def _called(
     if not (keys or events or states):
         return mission
 
-    def by(names: Mapping[str, str]) -> Any:
-        return lambda given: names.get(given, given)
-
-    def trigger(given: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(map(by(events), given))
-
-    return renamed(mission, Names(by(states), by(keys), by(events), lambda timer: timer, trigger))
+    return renamed(mission, Names.by(states=states, keys=keys, events=events))
 
 
 def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str, str]]) -> dict[str, State]:
@@ -93,10 +88,10 @@ def original_place(place: str, under_new_names: Any, as_written: Any) -> str:
     steps: list[str] = []
     for step in place.split("/")[1:]:
         here, there = under_new_names, as_written
-        name = step.replace("~1", "/").replace("~0", "~")
+        name = unescaped(step)
         if isinstance(here, Mapping) and isinstance(there, Mapping) and name in here:
             was = list(there)[list(here).index(name)]
-            steps.append(was.replace("~", "~0").replace("/", "~1"))
+            steps.append(escaped(was))
             under_new_names, as_written = here[name], there[was]
         elif isinstance(here, list) and name.isdigit() and int(name) < len(here):
             steps.append(step)
@@ -121,10 +116,8 @@ def paired(old: Sequence[Transition], new: Sequence[Transition]) -> list[tuple[i
         lambda one, other: bool(set(one.on) & set(other.on)) and one.to == other.to,
         lambda one, other: one.to == other.to and one.when == other.when,
     ):
-        for here, transition in list(right.items()):
-            match = next((there for there, before in left.items() if same(before, transition)), None)
-            if match is not None:
-                pairs[here] = match
-                del left[match], right[here]
+        for here, there in matched(left, right, same).items():
+            pairs[here] = there
+            del left[there], right[here]
     found: list[tuple[int | None, int | None]] = [(pairs.get(index), index) for index in range(len(new))]
     return found + [(index, None) for index in left]

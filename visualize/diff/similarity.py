@@ -69,21 +69,13 @@ def alike_states(known: ComparedMissions) -> Scores:
 
 def _written(mission: Mission, hidden: frozenset[str]) -> dict[str, Any]:
     """State → what is written in it, without what is inside and without the names that only one mission has."""
-
-    def hide(name: str) -> str:
-        return "?" if name in hidden else name
-
-    names = Names(hide, _same_name, _same_name, _same_name, lambda given: given)
+    names = Names.by(states=dict.fromkeys(hidden, "?"))
     found: dict[str, Any] = {}
     for _, name, state in mission.walk():
         inside = len(state.children())
         own = state.model_copy(update={state.child_place(): {}}) if inside else state
         found[name] = {"kind": state.word, "inside": inside, **_document(renamed(own, names))}
     return found
-
-
-def _same_name(given: str) -> str:
-    return given
 
 
 def _document(state: State) -> dict[str, Any]:

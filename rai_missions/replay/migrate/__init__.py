@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a run that was cut short goes on in a mission that has changed: by an explicit map, or not at all.
+"""How a run that was cut short continues in a mission that has changed: by an explicit map, or not at all.
 
 Imports `engine`, `guards`, `journal`, `mission`, `profile` and `states`, and the modules of the root.
 """

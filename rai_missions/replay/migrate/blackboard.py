@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a run knows in the other mission: each key's value, with its stamp.
 
-Rule: what the robot says is never made up, and nothing that the run has remembered is dropped without being named.
+Rule: what the robot reports is never made up, and what the run has remembered is dropped only by name.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ def board(naming: Naming, known: Mapping[str, Stamped], at: float) -> tuple[dict
             )
         elif new not in naming.map.values:
             carried[new], origins[new] = entry, old
-            faults += _misfits(naming, old, new, entry)
+            faults += _refused(naming, old, new, entry)
     found = {name: Stamped(key.initial, at) for name, key in keys.items() if key.initial is not None} | carried
     for name, value in naming.map.values.items():
         if name in keys:
-            faults += _not_given(name, keys[name], value)
+            faults += _not_to_be(name, keys[name], value)
             found[name] = Stamped(value, at)
     for name, key in keys.items():
         if key.source == "argument" and name not in found:
@@ -50,17 +50,17 @@ def board(naming: Naming, known: Mapping[str, Stamped], at: float) -> tuple[dict
 
 
 def _dropped(naming: Naming, old: str) -> list[Fault]:
-    """What the robot says may go; what the run has remembered must be named."""
+    """What the robot reports may be left out; what the run has remembered must be named."""
     if old in naming.map.keys or naming.was.blackboard[old].source == "robot":
         return []
     sentence = f"the run has a value for '{old}', and the mission now has no such key"
-    return [Fault("/keys", f'{sentence}; say what it is called, or drop it: "{old}": null')]
+    return [Fault("/keys", f'{sentence}; name it, or drop it: "{old}": null')]
 
 
-def _misfits(naming: Naming, old: str, new: str, entry: Stamped) -> list[Fault]:
+def _refused(naming: Naming, old: str, new: str, entry: Stamped) -> list[Fault]:
     was, now = naming.was.blackboard[old], naming.now.blackboard[new]
     if now.source == "robot" and was.source != "robot":
-        sentence = f"'{new}' is what the robot says, and '{old}' was not"
+        sentence = f"'{new}' is what the robot reports, and '{old}' was not"
         return [Fault("/keys", f'{sentence}; drop its value: "{old}": null')]
     if why := fits(now, entry.value):
         remedy = "drop it" if now.source == "robot" else "give another in 'values'"
@@ -68,9 +68,9 @@ def _misfits(naming: Naming, old: str, new: str, entry: Stamped) -> list[Fault]:
     return []
 
 
-def _not_given(name: str, key: Key, value: object) -> list[Fault]:
+def _not_to_be(name: str, key: Key, value: object) -> list[Fault]:
     if key.source == "robot":
-        return [Fault(f"/values/{name}", f"'{name}' is what the robot says; leave it out, it is heard anew")]
+        return [Fault(f"/values/{name}", f"'{name}' is what the robot reports; leave it out, it is received again")]
     if why := fits(key, value):
         return [Fault(f"/values/{name}", why)]
     return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a run stands in the other mission: the states that are active there, and what they were called.
+"""The states of the other mission that are active there, and what they were called.
 
 Rule: a state that is active and has changed, or is no more, must be named by the map; nothing is guessed.
 """
@@ -16,8 +16,7 @@ from rai_missions.states.compound import Each, Parallel
 from rai_missions.states.final import Final
 from rai_missions.states.history import History
 
-__all__ = ("ReachedStates", "stand")
-
+__all__ = ("ReachedStates", "reached_states")
 
 TOP = 2
 """Slashes in the pointer of a state that is in no other."""
@@ -34,10 +33,10 @@ class ReachedStates(NamedTuple):
     """All, outer before inner."""
 
 
-def stand(
+def reached_states(
     naming: Naming, was: Mapping[str, Any], active: frozenset[str], chart: Chart
 ) -> tuple[ReachedStates, list[Fault]]:
-    """Find the states in which a run goes on.
+    """Find the states in which a run continues.
 
     Args:
         naming: What everything is called.
@@ -56,9 +55,9 @@ def stand(
     clash = [Fault("/states", f"{pair} would be active together, and cannot be; name one of them") for pair in rivals]
     origins = {new: old for old in naming.states_then if old in active and (new := naming.state(old)) in found.active}
     order = tuple(name for name in naming.states_now if name in found.active)
-    stands = ReachedStates(tuple(node.name for node in found.atomic), origins, order)
-    faults = [*clash, *_unreached(naming, stands, active), *_inside_lists(naming, stands, active)]
-    return stands, [*faults, *_completed(naming, origins, stands, active)]
+    reached = ReachedStates(tuple(node.name for node in found.atomic), origins, order)
+    faults = [*clash, *_unreached(naming, reached, active), *_inside_lists(naming, reached, active)]
+    return reached, [*faults, *_completed(naming, origins, reached, active)]
 
 
 def _gone(naming: Naming, name: str) -> Iterator[Fault]:
@@ -66,11 +65,11 @@ def _gone(naming: Naming, name: str) -> Iterator[Fault]:
     if name in naming.map.states:
         return
     if name not in naming.states_now:
-        sentence = f"'{name}' is active, and the mission now has no state of that name; say what has become of it"
+        sentence = f"'{name}' is active, and the mission now has no state of that name; name what has become of it"
         yield Fault("/states", f'{sentence}: "{name}": "…", or null if nothing has')
     elif words := naming.changed(name, name):
-        said = ", ".join(f"'{word}'" for word in words if word) or "its kind"
-        sentence = f"'{name}' is active and has changed ({said}); if it still means the same, name it"
+        changed = ", ".join(f"'{word}'" for word in words if word) or "its kind"
+        sentence = f"'{name}' is active and has changed ({changed}); if it still means the same, name it"
         yield Fault("/states", f'{sentence}: "{name}": "{name}"')
 
 
@@ -80,7 +79,7 @@ def _unfit(naming: Naming, old: str, new: str) -> Iterator[Fault]:
     (then, was), (here, now) = naming.states_then[old], naming.states_now[new]
     is_deep = [place.count("/") > TOP for place in (then, here)]
     if isinstance(now, History):
-        yield Fault(place, f"'{new}' is a history, in which no run stands; name the state that it leads to")
+        yield Fault(place, f"'{new}' is a history, which is never active; name the state that it leads to")
     elif isinstance(now, Final) and (not isinstance(was, Final) or was.final != now.final or is_deep[0] != is_deep[1]):
         yield Fault(place, f"'{new}' is a final: a map ends no run; name a state from which a transition leads there")
     elif isinstance(now, Each):
@@ -96,14 +95,14 @@ def _unreached(naming: Naming, found: ReachedStates, was_active: frozenset[str])
 
 
 def _inside_lists(naming: Naming, found: ReachedStates, was_active: frozenset[str]) -> Iterator[Fault]:
-    """A list of which nothing says how far the run has come."""
+    """A list, and how far in it the run has come is not known."""
     for name in found.active:
         state, old = naming.states_now[name][1], found.origins.get(name)
         was = naming.states_then[old][1] if old is not None else None
         if not isinstance(state, Each):
             continue
         if not isinstance(was, Each):
-            sentence = f"'{name}' goes through a list, and no active state says where in it the run stands"
+            sentence = f"'{name}' goes through a list, and no active state shows how far in it the run has come"
             yield Fault("/states", f"{sentence}; name one that did so, or a state outside")
         elif was.children().keys() & was_active and not state.children().keys() & set(found.active):
             sentence = f"'{name}' goes through a list, and nothing inside it would be active"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The map by which a run goes from one mission into another: what has become of states, keys and events.
+"""The map by which a run moves from one mission into another: what has become of states, keys and events.
 
 Rule: it is data. What it does not name keeps its name.
 """
@@ -27,8 +27,8 @@ class Map(MissionModel):
     format: Literal[1] = 1
     about: Text = ""
     states: dict[Name, Name | None] = Field(default_factory=dict)
-    """State then → state now; null: it is left, and nothing takes its place. Anyone who names a state says that it
-    means what the old one meant, though it may be written otherwise."""
+    """State then → state now; null: it is left, and nothing takes its place. A name states
+    that it means what the old one meant, though it may be written otherwise."""
     keys: dict[Name, Name | None] = Field(default_factory=dict)
     """Key then → key now; null: its value is dropped."""
     events: dict[Name, Name | None] = Field(default_factory=dict)
@@ -56,9 +56,9 @@ def load_map(path: str | os.PathLike[str]) -> Map:
 
 def map_schema() -> dict[str, Any]:
     """The JSON Schema of a map."""
-    schema = schema_of(Map, "A map by which a run of rai_missions goes on in a mission that has changed")
+    schema = schema_of(Map, "A map by which a run of rai_missions continues in a mission that has changed")
     schema["properties"]["$schema"] = {"type": "string"}
-    for word in ("states", "keys", "events"):  # models are schemas without null, and here it says that nothing is left
+    for word in ("states", "keys", "events"):  # models are schemas without null, and here it means that nothing is left
         patterns = schema["properties"][word]["patternProperties"]
         schema["properties"][word]["patternProperties"] = {
             pattern: {"anyOf": [name, {"type": "null"}]} for pattern, name in patterns.items()

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes of the journal of a run that was cut short the beginning of another, in the mission as it is now.
 
-Rule: the new journal appears whole or not at all, and nothing is done before the old one says where the run went.
+Rule: the new journal appears whole or not at all, and nothing is done before the old one names it.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +17,6 @@ from rai_missions.engine.snapshot_json import packed
 from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth
 from rai_missions.journal import MIGRATED, Header, Journal, Record, opened, read
 from rai_missions.journal.sqlite import log_of
 from rai_missions.mission.files import dump
@@ -26,15 +24,13 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile, missing, terms
 from rai_missions.replay.migrate.activities import carry
 from rai_missions.replay.migrate.blackboard import board
-from rai_missions.replay.migrate.configuration import stand
+from rai_missions.replay.migrate.configuration import reached_states
 from rai_missions.replay.migrate.map import Map
 from rai_missions.replay.migrate.names import Naming
-from rai_missions.replay.rebuild import default_ticker, mission_of, robot_of
+from rai_missions.replay.rebuild import Predicates, default_ticker, mission_of, robot_of
 from rai_missions.replay.resume import Resumption, resumption
 
 __all__ = ("Migrated", "follow", "migrate")
-
-Predicates = Mapping[str, Callable[..., Truth]]
 
 
 class Migrated(NamedTuple):
@@ -43,39 +39,39 @@ class Migrated(NamedTuple):
     journal: Path
     mission: Mission
     notes: tuple[str, ...]
-    """What begins anew there, is canceled or forgotten."""
+    """What begins again there, is canceled or forgotten."""
 
 
 def migrate(
     journal: str | Path, mission: Mission, map_: Map, *, to: str | Path, robot: Robot | None = None,
     named: Predicates | None = None, source: str = "",
 ) -> Migrated:  # fmt: skip
-    """Have a run that was cut short go on in a mission that has changed; nothing is started by this.
+    """Move a run that was cut short into a mission that has changed; nothing is started by this.
 
     Args:
         journal: Of the run.
         mission: The mission as it is now, in which `check` finds no fault.
         map_: What has become of what.
-        to: The new journal, which must not be there; `take_up` goes on with it.
+        to: The new journal, which must not be there; `run --resume` continues with it.
         robot: The profile as it is now; by default the journal's.
         named: The predicates that guards name.
-        source: Where the map comes from, for what is said of its faults.
+        source: Where the map comes from, for its faults.
 
     Raises:
-        DefinitionError: The map does not say enough, or what is not so.
-        UsageError: The run has ended, has not begun, or goes on elsewhere; or the new journal cannot be where it is to.
+        DefinitionError: The map lacks something, or is wrong.
+        UsageError: The run has ended, has not begun, or continues elsewhere; or the new journal cannot be there.
     """
     if Path(to).parent.resolve() != Path(journal).parent.resolve():  # `follow` looks nowhere else
         sentence = (
             f"{to} is in another folder than {journal}, and a run's journals know each other by their names alone"
         )
-        raise UsageError(f"{sentence}: name a file beside it, and move both together afterwards")
+        raise UsageError(f"{sentence}: name a file next to it, and move both together afterwards")
     with opened(journal) as record:
         was = mission_of(record)
         resumed = resumption(record, was, named=named)
         if resumed.chart.mode == "ready" or resumed.chart.outcome is not None:
-            said = "has not begun" if resumed.chart.mode == "ready" else f"has ended, {resumed.chart.outcome}"
-            raise UsageError(f"the run of {journal} {said}: there is nothing to go on with; start a new one")
+            state = "has not begun" if resumed.chart.mode == "ready" else f"has ended, {resumed.chart.outcome}"
+            raise UsageError(f"the run of {journal} {state}: there is nothing to continue; start a new one")
         profile = robot or robot_of(record)
         naming = Naming(was, mission, map_)
         chart = Chart(
@@ -96,12 +92,12 @@ def migrate(
 
 
 def follow(record: Record) -> None:
-    """Have the journal that a run comes from say where it went, if whoever migrated it died before that.
+    """Name a run's new journal in the one that it comes from, if the process that migrated it died before that.
 
-    It is looked for beside this one only: no journal makes anybody read or write elsewhere.
+    That one is looked for next to this one only: no journal makes a program read or write elsewhere.
 
     Raises:
-        UsageError: That run went on meanwhile, or in another journal: this one counts no more.
+        UsageError: That run continued meanwhile, or in another journal: this one counts no more.
     """
     name = record.header.migrated.get("journal", "")
     origin = record.path.parent / name
@@ -112,14 +108,14 @@ def follow(record: Record) -> None:
         if went and went[-1]["seal"] == _birth(record):
             return
         if went or before.seal != record.header.migrated["seal"]:
-            sentence = f"the run of {origin} went on otherwise after {record.path} was made of it"
+            sentence = f"the run of {origin} continued otherwise after {record.path} was made of it"
             raise UsageError(f"{sentence}; this journal counts no more")
         with Journal.open(origin, seal=before.seal) as old:
             _leave(old, record)
 
 
 def _leave(old: Journal, new: Record) -> None:
-    """Say in a journal where its run has gone."""
+    """Name in a journal the one in which its run continues."""
     data = {"journal": os.path.relpath(new.path, old.path.parent), "seal": _birth(new)}
     old.note(MIGRATED, data)
 
@@ -130,7 +126,7 @@ def _birth(record: Record) -> str:
 
 
 def _other(record: Record, now: Robot, resumed: Resumption) -> list[Fault]:
-    """What stands behind an action whose goal is under way must be what it was."""
+    """An action whose goal is under way must be what it was."""
     was = robot_of(record)
     started = {each.action for each in resumed.under.open.values() if isinstance(each, StartGoal)}
     return [
@@ -140,14 +136,14 @@ def _other(record: Record, now: Robot, resumed: Resumption) -> list[Fault]:
 
 
 def _data(naming: Naming, resumed: Resumption, chart: Chart, source: str) -> dict[str, Any]:
-    """What the step of the migration tells the chart.
+    """The data of the step of the migration.
 
     Raises:
-        DefinitionError: The map does not say enough, or what is not so; every fault at once.
+        DefinitionError: The map lacks something, or is wrong; every fault at once.
     """
     resumed.chart.settle_holds()
     was = resumed.chart.snapshot()
-    found, lost = stand(naming, was, resumed.chart.active, chart)
+    found, lost = reached_states(naming, was, resumed.chart.active, chart)
     known, unknown = board(naming, was["board"], resumed.at)
     if faults := [*naming.faults(), *lost, *unknown]:
         raise DefinitionError(faults, source)
@@ -155,7 +151,7 @@ def _data(naming: Naming, resumed: Resumption, chart: Chart, source: str) -> dic
     if carried.faults:
         raise DefinitionError(carried.faults, source)
     return {
-        "stands": packed({**carried.stands, "board": known}),
+        "stands": packed({**carried.snapshot, "board": known}),
         "begins": [list(each) for each in carried.begins],
         "under_way": packed(carried.under_way),
         "accepted": sorted(resumed.under.accepted),
@@ -164,9 +160,9 @@ def _data(naming: Naming, resumed: Resumption, chart: Chart, source: str) -> dic
 
 
 def _broken(chart: Chart) -> list[Fault]:
-    """The invariants of the other mission that are false where the run stands."""
+    """The invariants of the other mission that are false in the states of the run."""
     return [
-        Fault(f"/invariants/{name}", f"it is false where the run would go on: {words}; give other values or states")
+        Fault(f"/invariants/{name}", f"it is false where the run would continue: {words}; give other values or states")
         for name, words in chart.broken()
     ]  # fmt: skip
 
@@ -201,7 +197,7 @@ def _write(path: Path, header: Header, step: Step) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         for left in (part, log_of(part), log_of(path)):
-            left.unlink(missing_ok=True)  # of somebody who died here, or whose journal was taken away without its log
+            left.unlink(missing_ok=True)  # of a process that died, or of a journal that is gone
         try:
             with Journal.create(part, header) as new:
                 new.write(step, since=step.at)
