@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from pkgutil import iter_modules
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
@@ -233,6 +234,12 @@ def _referring(given: Any, sort: Sort, change: Callable[[Sort, Any], Any]) -> An
         word = _other(given)
         return given if word is None else {word: change("path", given[word])}
     return change(sort, given)
+
+
+def load_kinds(package: str, folders: Iterable[str]) -> None:
+    """Import every module of a package: a file with a kind in it need not be listed anywhere."""
+    for module in iter_modules(folders):
+        import_module(f"{package}.{module.name}")
 
 
 # -- what other packages offer -----------------------------------------------------------------------------------------

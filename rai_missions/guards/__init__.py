@@ -14,8 +14,11 @@ from rai_missions.guards.in_state import In
 from rai_missions.guards.named import Named
 from rai_missions.guards.near import Near
 from rai_missions.guards.possible import Possible
+from rai_missions.kinds import load_kinds
 
 __all__ = (
     "All", "Any_", "Compare", "Elapsed", "Fresh", "Guard", "Held", "In", "Named", "Near", "Not", "Possible", "Site",
     "Test", "Truth", "View",
 )  # fmt: skip
+
+load_kinds(__name__, __path__)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""States: what a mission can be in, one file a kind.
+"""States: what a mission can be in, one file a kind; a file that is laid here is a kind of the format.
 
 Imports `guards` and the modules of the root.
 """
 
+from rai_missions.kinds import load_kinds
 from rai_missions.states.action import Action
 from rai_missions.states.call import Call
 from rai_missions.states.compound import Compound, Each, Parallel
@@ -32,3 +33,5 @@ __all__ = (
     "Transition",
     "Tree",
 )  # fmt: skip
+
+load_kinds(__name__, __path__)
