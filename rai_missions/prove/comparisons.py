@@ -59,6 +59,8 @@ class Comparisons:
         self._odd: set[str] = set()
         for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
             guard.distinguish(self)
+        for _, _, state in mission.walk():
+            state.distinguish(self)
         for effect in writes_in(mission):
             self._learn_write(effect)
         self._learn_raises(mission)

@@ -73,7 +73,7 @@ def long_loops(mission: Mission, terms: RobotFacts) -> tuple[Loop, ...]:
 
 
 def _in(name: str, state: State, read: Collection[str]) -> Iterator[Loop]:
-    for path, node in state.nodes().items():
+    for path, node in state.nodes().items() if state.made() is None else ():
         if isinstance(node, Retry | Repeat) and _rounds(node) > LONG and _is_alike(node.child, read):
             yield Loop(name, path, "failures" if isinstance(node, Retry) else "success", _rounds(node))
 

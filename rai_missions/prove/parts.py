@@ -6,9 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
-from pydantic import BaseModel
-
 from rai_missions.guards.guard import Guard
+from rai_missions.model import MissionModel
 from rai_missions.states.effects import Set
 from rai_missions.states.tree.leaves import SetLeaf
 
@@ -18,8 +17,8 @@ Part = TypeVar("Part")
 
 
 def _inside(value: Any) -> Iterable[Any]:
-    if isinstance(value, BaseModel):
-        return vars(value).values()
+    if isinstance(value, MissionModel):
+        return [part for _, part in value.inside()]
     if isinstance(value, Mapping):
         return value.values()
     return value if isinstance(value, list | tuple) else ()

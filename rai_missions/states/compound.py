@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
+from rai_missions.guards.guard import Distinctions
 from rai_missions.kinds import KeyValue, Refers
 from rai_missions.model import Name, Path, StateNames
 from rai_missions.states.state import State, States
@@ -57,6 +58,9 @@ class Each(State, word="each"):
 
     def writes(self, place: str = "") -> Iterator[KeyValue]:
         yield KeyValue(self.item, f"{place}/as", "each", self.each)
+
+    def distinguish(self, by: Distinctions) -> None:
+        """It compares nothing."""
 
     def title(self) -> str:
         return f"for each {self.item} in {self.each}"

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_a
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from rai_missions.guards.guard import Guard
+from rai_missions.guards.guard import Distinctions, Guard
 from rai_missions.guards.purity import impurity
-from rai_missions.kinds import TRIGGER, Refers
+from rai_missions.kinds import PATH, TRIGGER, Refers, fields_of
 from rai_missions.model import (
     Bool,
     MissionModel,
@@ -180,9 +180,20 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """What it can report about itself, next to the outcomes of children."""
         return frozenset({"timed_out"} if self.timeout_s is not None else ())
 
+    def made(self) -> TreeNode | None:
+        """The behaviour tree that a kind of another package makes of its fields, and that runs; None for none."""
+        return None
+
     def root(self) -> TreeNode | None:
         """The behaviour tree that it runs, written in it or made of its fields; None for none."""
-        return None
+        return self.made()
+
+    def inside(self, place: str = "") -> Iterator[tuple[str, Any]]:
+        """The written things directly inside it, and the tree that it makes of them, which has its own place."""
+        yield from super().inside(place)
+        made = self.made()
+        if made is not None:
+            yield place, made
 
     def nodes(self) -> Mapping[str, TreeNode]:
         """Path → the node of its tree, outer before inner."""
@@ -203,6 +214,12 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """The answers that are outcomes of its own."""
         asked = self.question()
         return asked.options if asked is not None else {}
+
+    def distinguish(self, by: Distinctions) -> None:
+        """Which values of keys make a difference to what it runs; what it does with a key that it names is unknown."""
+        for use in fields_of(type(self)):
+            if use.hint is PATH:
+                by.sample(getattr(self, use.name))
 
     def with_options(self, names: Mapping[str, str]) -> State:
         """The same state with other names for some of its options."""

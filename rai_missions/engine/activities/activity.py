@@ -149,7 +149,7 @@ class Bench(NamedTuple):
 def machine_of(definition: Any, bench: Bench) -> Machine | None:
     """The machine of a state or of a tree's leaf; each kind of the format registers its own. None: it runs nothing.
 
-    A state of another package makes its own, by its method `machine`, or runs the tree that its method `root` makes.
+    A state of another package makes its own, by its method `machine`, or runs the tree that its method `made` gives.
 
     Raises:
         UsageError: The state runs a tree, and the chart was given nothing that ticks trees.
