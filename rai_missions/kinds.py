@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 from types import UnionType
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = (
     "EVENT", "HELD", "INTERFACES", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse",
     "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "fields_of", "found", "inside",
-    "lacking", "named", "offered", "offers", "rewritten",
+    "lacking", "load_kinds", "named", "offered", "offers", "rewritten",
 )  # fmt: skip
 
 Interface = Literal["action", "service", "topic"]
