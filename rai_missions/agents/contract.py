@@ -13,14 +13,14 @@ __all__ = ("check_agent",)
 
 
 def check_agent(make: Callable[[], Agent], *, within_s: float = 5.0) -> None:
-    """Hold an agent to the contract of `Agent`: it runs and stops, as often as it is told, and leaves no thread behind.
+    """Hold an agent to the contract of `Agent`: it runs and stops as often as it is asked to, and leaves no thread.
 
     Args:
         make: Gives a fresh agent, not running.
         within_s: How long `run` and `stop` may take each.
 
     Raises:
-        AssertionError: A promise is broken; the text says which.
+        AssertionError: A promise is broken; the text names it.
     """
     before = set(threading.enumerate())
     agent = make()

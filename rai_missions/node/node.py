@@ -212,8 +212,8 @@ class MissionNode:
         self._closes += serve_lifecycle(connector, name, self._lifecycle)
         self._closes += serve_orders(connector, name, self._commands, self._publisher.reply)
         self._closes.append(connector.subscribe(name.below("status"), STRING, self._publisher.receive))
-        if self._carrier.robots and self._host.follows:
-            self._closes.append(connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", self._host.follow_time))
+        if self._carrier.robots and self._host.published_clock is not None:
+            self._closes.append(self._host.published_clock.follow(connector))
         if self._carrier.typed:
             self._closes += serve_typed_orders(connector, name, self._commands)
             if "actions" in connector.modes and self._is_managed:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
-from rai_missions.connectors.connector import Message
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.files import load
@@ -23,7 +22,7 @@ from rai_missions.node.run_session import RunSession
 from rai_missions.node.transport import Carrier
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
-from rai_missions.runtime.clock import Clock, HeardClock, WallClock
+from rai_missions.runtime.clock import Clock, PublishedClock, WallClock
 from rai_missions.runtime.lifecycle import Status
 
 __all__ = ("RunHost",)
@@ -44,8 +43,10 @@ class RunHost:
         self, setting: RunConfig, *, robot: Robot | None, journals: Callable[[], Path] | None, operator: bool
     ) -> None:
         self.setting, self.robot, self._journals, self._is_operator = setting, robot, journals, operator
-        self._simulated = HeardClock() if robot is not None and robot.connector.get("sim_time") is True else None
-        self._clock: Clock = self._simulated or WallClock()
+        is_simulated = robot is not None and robot.connector.get("sim_time") is True
+        self.published_clock = PublishedClock() if is_simulated else None
+        """The time of a simulation, where the robot lives by it."""
+        self._clock: Clock = self.published_clock or WallClock()
         self._threads: list[threading.Thread] = []
         self.mission: Mission | None = None
         """As it was read last; the setting's until then."""
@@ -84,21 +85,10 @@ class RunHost:
         """Seconds on the clock of the run that is under way."""
         return self._clock.now()
 
-    @property
-    def follows(self) -> bool:
-        """Time is what a simulation reports."""
-        return self._simulated is not None
-
-    def follow_time(self, message: Message) -> None:
-        """The simulation has reported the time."""
-        if self._simulated is not None:
-            clock = message.data["clock"]
-            self._simulated.hear(clock["sec"] + clock["nanosec"] / 1e9)
-
     def joined(self, setting: RunConfig, carrier: Carrier, *, on_step: Callable[[Step], None]) -> RunConfig:
         """A setting whose run the node carries, reports and answers for."""
         if carrier.robots:
-            self._clock = self._simulated or WallClock()
+            self._clock = self.published_clock or WallClock()
             setting = replace(setting, connector=carrier.connector, clock=self._clock)
         setting = replace(setting, arguments={**self.arguments(), **setting.arguments})
         if setting.operator is None and self._is_operator:

@@ -11,9 +11,10 @@ import threading
 import time
 from typing import NamedTuple, Protocol
 
+from rai_missions.connectors.connector import Close, Connector, Message
 from rai_missions.runtime.mailbox import Mailbox
 
-__all__ = ("Clock", "ContinuedClock", "HeardClock", "SimulatedClock", "Steppable", "WallClock")
+__all__ = ("Clock", "ContinuedClock", "PublishedClock", "SimulatedClock", "Steppable", "WallClock")
 
 
 class Clock(Protocol):
@@ -189,35 +190,45 @@ class Pace(NamedTuple):
 
 
 SILENCE_S = 2.0
-"""Nothing heard for so long on the wall: the simulation is gone, or was never there."""
+"""Where no time was received for so long on the wall, the simulation is gone, or was never there."""
 JUMP_S = 60.0
-"""Two times heard one after the other that lie farther apart belong to two simulations."""
+"""Two times received one after the other that lie farther apart belong to two simulations."""
 
 
-class HeardClock:
-    """Time as a simulation tells it, on ROS's `/clock`: seconds since the run began.
+class PublishedClock:
+    """Time as a simulation publishes it, on ROS's `/clock`: seconds since the run began.
 
-    It never goes back and never stands still for good: whoever waits for a robot that is gone must not wait for ever,
+    It never goes back and never stays still for good: a run that waits for a robot that is gone must not wait for ever,
     so a silence is filled with time as on the wall.
 
     Args:
-        silence_s: Seconds on the wall after which time goes on by itself.
+        silence_s: Seconds on the wall after which time passes by itself.
     """
 
     def __init__(self, silence_s: float = SILENCE_S) -> None:
         self._silence_s = silence_s
         self._lock = threading.Lock()
         self._at = 0.0
-        self._told: float | None = None
-        self._told_at = time.monotonic()
+        self._published: float | None = None
+        self._received_at = time.monotonic()
         self._waiting: tuple[float, Mailbox] | None = None
 
-    def hear(self, told: float) -> None:
+    def follow(self, connector: Connector) -> Close:
+        """Live by the time that is published on the robot's graph; what ends it."""
+        return connector.subscribe("/clock", "rosgraph_msgs/msg/Clock", self.receive)
+
+    def receive(self, message: Message) -> None:
+        """The simulation has published a rosgraph_msgs/msg/Clock; from any thread."""
+        stamp = message.data["clock"]
+        self.advance(stamp["sec"] + stamp["nanosec"] / 1e9)
+
+    def advance(self, published: float) -> None:
         """The simulation's time is now so many seconds; from any thread."""
         with self._lock:
-            gone_s = 0.0 if self._told is None else told - self._told
-            lived = self._at + (gone_s if 0.0 < gone_s <= JUMP_S else 0.0)
-            self._at, self._told, self._told_at = max(lived, self._now()), told, time.monotonic()
+            passed_s = 0.0 if self._published is None else published - self._published
+            lived = self._at + (passed_s if 0.0 < passed_s <= JUMP_S else 0.0)
+            self._at, self._published = max(lived, self._now()), published
+            self._received_at = time.monotonic()
             due, mailbox = self._waiting or (math.inf, None)
             if mailbox is None or self._at < due:
                 return
@@ -229,7 +240,7 @@ class HeardClock:
             return self._now()
 
     def _now(self) -> float:
-        return self._at + max(0.0, time.monotonic() - self._told_at - self._silence_s)
+        return self._at + max(0.0, time.monotonic() - self._received_at - self._silence_s)
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         """Return when the mailbox holds something, or when it is told that an instant has come."""
@@ -239,7 +250,7 @@ class HeardClock:
                 if now >= until:
                     break
                 self._waiting = (until, mailbox)
-                silent_in_s = max(0.0, self._told_at + self._silence_s - time.monotonic())
+                silent_in_s = max(0.0, self._received_at + self._silence_s - time.monotonic())
                 least_s = silent_in_s + (until - now if not silent_in_s else 0.0)
             mailbox.wait(None if until == math.inf else max(least_s, 1e-3))
         with self._lock:

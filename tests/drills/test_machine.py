@@ -22,7 +22,7 @@ from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.replay import replay
-from rai_missions.runtime.clock import HeardClock, SimulatedClock
+from rai_missions.runtime.clock import PublishedClock, SimulatedClock
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.runner import Runner
 from tests.drills.surroundings import AnyAnswers
@@ -96,13 +96,13 @@ WAITING: dict[str, Any] = {
 @pytest.mark.parametrize("seed", range(20))
 def test_a_simulations_clock_that_leaps_never_moves_a_run_back_and_never_by_more_than_was_reported(seed: int) -> None:
     """Steps, resets to zero, repeats and leaps by years; the run's own time only ever grows, a minute at most."""
-    random, clock, reported = Random(seed), HeardClock(silence_s=1e9), 0.0
-    clock.hear(reported)
+    random, clock, reported = Random(seed), PublishedClock(silence_s=1e9), 0.0
+    clock.advance(reported)
     before = clock.now()
     for _ in range(500):
         step = random.choice([0.1, 0.1, 0.1, 0.0, -0.05, -reported, 1e9, -1e9, 59.0, 61.0])
         reported += step
-        clock.hear(reported)
+        clock.advance(reported)
         gone = clock.now() - before
         assert gone == pytest.approx(step if 0 <= step <= 60 else 0.0, abs=1e-5)
         before += gone
@@ -111,7 +111,7 @@ def test_a_simulations_clock_that_leaps_never_moves_a_run_back_and_never_by_more
 @pytest.mark.parametrize("seed", range(10))
 def test_a_mission_whose_simulation_is_reset_again_and_again_still_ends_in_its_own_time(seed: int) -> None:
     """The timeout of 20 s is 20 s lived, whatever the numbers on the clock."""
-    random, clock, steps = Random(seed), HeardClock(silence_s=1e9), [0]
+    random, clock, steps = Random(seed), PublishedClock(silence_s=1e9), [0]
     lived = [0.0]
     rig = Rig(WAITING, clock=clock)
     done = threading.Event()
@@ -121,7 +121,7 @@ def test_a_mission_whose_simulation_is_reset_again_and_again_still_ends_in_its_o
         while not done.is_set():
             reported = random.choice([reported + 0.5] * 8 + [0.0, reported - 7.0, reported + 1e6])
             rig.publish("/battery", percentage=0.9)
-            clock.hear(reported)
+            clock.advance(reported)
             lived[0], steps[0] = clock.now(), steps[0] + 1
             time.sleep(0)
 

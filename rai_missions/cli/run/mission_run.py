@@ -87,7 +87,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[Prepared
             robot = prepared.robot.name if prepared.robot is not None else ""
             lines.begin(
                 robot, ", ".join(sorted(prepared.answerers)), str(config.journal), model=options.model,
-                resumption=prepared.goes_on, moved_aside=prepared.moved_aside or "",
+                resumption=prepared.resumption_notice, moved_aside=prepared.moved_aside or "",
             )  # fmt: skip
             lines.watch(prepared.runner.view)
         stack.enter_context(interruptible_run(prepared.runner))

@@ -17,7 +17,7 @@ from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.runtime.clock import HeardClock, WallClock
+from rai_missions.runtime.clock import PublishedClock, WallClock
 from rai_missions.runtime.runner import Runner
 
 Open = Callable[..., Any]
@@ -107,13 +107,13 @@ def test_a_pose_counts_from_its_stamp(
 
 def test_in_simulated_time_an_age_is_of_simulated_time(open_ros: Open) -> None:
     """The simulation has run for 500 s as the run begins, and goes four times as fast as the wall."""
-    clock, began = HeardClock(), time.monotonic()
+    clock, began = PublishedClock(), time.monotonic()
     robot = open_ros()
     ours = open_ros(now=clock.now, sim_time=True)
     ours.subscribe(
         "/clock",
         CLOCK,
-        lambda reported: clock.hear(reported.data["clock"]["sec"] + reported.data["clock"]["nanosec"] / 1e9),
+        lambda reported: clock.advance(reported.data["clock"]["sec"] + reported.data["clock"]["nanosec"] / 1e9),
     )
 
     def simulated() -> float:

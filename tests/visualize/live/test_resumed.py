@@ -46,7 +46,7 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_co
 
     def run() -> None:
         with prepare(watch.config) as prepared:
-            assert ("it is paused" in prepared.goes_on) is is_paused
+            assert ("it is paused" in prepared.resumption_notice) is is_paused
             ended.append(watch.run(prepared, lambda runner: runner.run()))
 
     thread = threading.Thread(target=run)

@@ -1,0 +1,343 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a `RunConfig` to a `Runner`: reads, checks and opens what a run is made of, in one order.
+
+Rule: what is opened enters one `ExitStack` at once, which closes it in the opposite order, whatever happens in between.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rai_missions.agents.run_config import RunConfig
+from rai_missions.check import check, faults_of
+from rai_missions.connectors.connector import Connector, SupportsRawMessages
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.connectors.registry import CONNECTORS, connector_offer
+from rai_missions.embodiment import Identity
+from rai_missions.engine.decision import Answerer
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.journal import Header, Journal, make_way, versions
+from rai_missions.kinds import Offer
+from rai_missions.mission.files import dump, load
+from rai_missions.mission.mission import Mission
+from rai_missions.model import suggestion
+from rai_missions.profile import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
+from rai_missions.recording import Recording, observers, recorded
+from rai_missions.redaction import Redaction, logger
+from rai_missions.replay.open_run import OpenedRun, open_run
+from rai_missions.runtime.arguments import accepted
+from rai_missions.runtime.clock import Clock, ContinuedClock, PublishedClock, SimulatedClock, WallClock
+from rai_missions.runtime.run_options import NewRun, RunObserver
+from rai_missions.runtime.runner import Runner
+from rai_missions.worlds.world import World, open_world, world_offer
+
+if TYPE_CHECKING:
+    from langchain_core.language_models import BaseChatModel
+
+__all__ = ("PreparedRun", "prepare")
+
+log = logger(__name__)
+
+
+class Closing(ExitStack):
+    """What is open, and closed in the opposite order; what cannot be closed is logged and keeps nothing else open."""
+
+    def closes(self, close: Callable[[], object]) -> None:
+        """Have something closed at the end."""
+
+        def quietly() -> None:
+            try:
+                close()
+            except Exception:
+                log.exception("something of the run could not be closed")
+
+        self.callback(quietly)
+
+
+class RunPlan(NamedTuple):
+    """What a run is made of, read and checked; nothing of it is open but the journal of a run that continues."""
+
+    config: RunConfig
+    mission: Mission
+    robot: Robot | None
+    identity: Path | None
+    """The folder of the robot's identity."""
+    resumed: OpenedRun | None
+
+    def refuse(self, faults: Iterable[Fault], *named: object) -> None:
+        """Raise the faults of a file, if there are any.
+
+        Args:
+            faults: Every one.
+            named: What may be named by a path; the first that is, is where they are to be mended.
+        """
+        if found := tuple(faults):
+            paths = (each for each in (*named, self.config.resume) if isinstance(each, str | Path))
+            raise DefinitionError(found, str(next(paths, "")))
+
+    def continued(self, clock: Clock) -> Clock:
+        """A clock on which a run that continues has the time that it had left."""
+        return clock if self.resumed is None else ContinuedClock(clock, self.resumed.resumption.at)
+
+
+class Surroundings(NamedTuple):
+    """The world, how it is reached, and whose time counts."""
+
+    world: World | None
+    connector: Connector | None
+    clock: Clock
+    packages: Mapping[str, str] = {}
+    """Other packages that they come from, and their versions."""
+
+
+@dataclass(frozen=True)
+class PreparedRun:
+    """A run that is ready to begin, and what must be closed after it. A context manager."""
+
+    plan: RunPlan
+    runner: Runner
+    world: World | None
+    answerers: Mapping[str, Answerer]
+    recording: Recording | None
+    journal: Journal | None
+    moved_aside: str | None
+    """Where the journal is now that had this one's name."""
+    closing: Closing
+
+    @property
+    def mission(self) -> Mission:
+        return self.plan.mission
+
+    @property
+    def robot(self) -> Robot | None:
+        return self.plan.robot
+
+    @property
+    def resumption_notice(self) -> str:
+        """From where a run continues, for people; empty for one that begins."""
+        if self.plan.resumed is None:
+            return ""
+        chart, cut = self.plan.resumed.resumption.chart, self.plan.resumed.record.cut
+        where = ", ".join(sorted(chart.active)) or "before its start"
+        notice = f"the run continues at {chart.at:.2f} s in: {where}"
+        if chart.mode == "paused":
+            notice += "; it is paused: resume it on the live page (--watch) or through its node (--node)"
+        if self.world is not None:
+            notice += "; the simulated world starts again, and what was under way in it is begun again"
+        if cut:
+            notice += f"; {cut} bytes at the journal's end, after its last whole row, count as not written"
+        return notice
+
+    def close(self) -> None:
+        """Close everything; doing so twice changes nothing."""
+        self.closing.close()
+
+    def __enter__(self) -> PreparedRun:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def prepare(config: RunConfig) -> PreparedRun:
+    """Read, check and connect everything; nothing moves yet.
+
+    Raises:
+        DefinitionError: The mission or the profile is at fault, every fault at once.
+        UsageError: Something named is not there.
+    """
+    with Closing() as closing:
+        plan = _read(config, closing)
+        world, connector, clock, packages = _open_surroundings(plan, closing)
+        header = _header(plan, packages)
+        answerers = _open_answerers(plan, connector, clock, closing)
+        recording = _open_recording(plan, connector, clock, header, closing)
+        journal, moved_aside = _open_journal(plan, header, recording, closing)
+        runner = Runner(
+            plan.mission, robot=plan.robot, connector=recorded(connector, recording), clock=clock,
+            answerers=answerers, journal=journal,
+            begin=NewRun(header.arguments, config.named, run=header.run, moved_aside=moved_aside)
+            if plan.resumed is None else plan.resumed.resumption._replace(fresh=world is not None),
+            observer=observers(recording, RunObserver(config.on_step, config.on_status)),
+        )  # fmt: skip
+        return PreparedRun(plan, runner, world, answerers, recording, journal, moved_aside, closing.pop_all())
+
+
+def _read(config: RunConfig, closing: Closing) -> RunPlan:
+    mission = load(config.mission) if isinstance(config.mission, str | Path) else config.mission
+    robot = load_profile(config.robot) if isinstance(config.robot, str | Path) else config.robot
+    identity = (
+        identity_folder(robot, config.robot) if robot is not None and isinstance(config.robot, str | Path) else None
+    )
+    resumed = None
+    if config.resume is not None:
+        resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named)
+        closing.closes(resumed.record.close)
+        mission, robot = resumed.mission, robot or resumed.robot
+    if mission is None:
+        raise UsageError("no mission was named, and no run to resume")
+    plan = RunPlan(config, mission, robot, identity, resumed)
+    plan.refuse(faults_of(check(mission)), config.mission)
+    if resumed is None:
+        accepted(mission, config.arguments)
+    plan.refuse(missing(mission, robot) if robot is not None else (), config.robot)
+    return plan
+
+
+def _open_surroundings(plan: RunPlan, closing: Closing) -> Surroundings:
+    config = plan.config
+    if config.connector is not None or plan.robot is None:
+        return Surroundings(None, config.connector, plan.continued(config.clock or WallClock()))
+    options = dict(plan.robot.connector)
+    kind, world = str(options.pop("kind")), options.pop("world", None)
+    if (offer := connector_offer(kind)) is not None:
+        return _open_connector(plan, plan.robot, offer, options, closing)
+    if kind != "local":
+        raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
+    if world is None:
+        clock = plan.continued(config.clock or WallClock())
+        return Surroundings(None, LocalConnector(now=clock.now), clock)
+    return _open_world(plan, str(world), options, closing)
+
+
+def _open_connector(
+    plan: RunPlan, robot: Robot, offer: Offer, options: Mapping[str, Any], closing: Closing
+) -> Surroundings:
+    """A robot that is reached by a middleware."""
+    given = plan.config.clock
+    published = PublishedClock() if given is None and options.get("sim_time") is True else None
+    clock, package = plan.continued(published or given or WallClock()), offer.load()
+    connector: Connector = package.open_connector(options, now=clock.now)
+    if hasattr(package, "why_absent"):
+        absent = lacking(plan.mission, robot, package.why_absent)
+        plan.refuse((*absent, *misnamed(plan.mission, robot, package.fields_of)), plan.config.robot)
+    if published is not None:
+        connector.start()
+        closing.closes(connector.stop)
+        published.follow(connector)
+    return Surroundings(None, connector, clock, _packages(offer))
+
+
+def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Closing) -> Surroundings:
+    """A simulated world."""
+    config = plan.config
+    if config.seed is not None:
+        options["seed"] = config.seed
+    if plan.resumed is not None:  # its clock continues, and all else in it begins again
+        options["start_s"] = plan.resumed.resumption.at
+    world = open_world(name, **options)
+    closing.closes(world.close)
+    connector = LocalConnector(now=lambda: world.at)
+    world.open(connector)
+    return Surroundings(
+        world, connector, config.clock or SimulatedClock(world, config.speed), _packages(world_offer(name))
+    )
+
+
+def _packages(offer: Offer | None) -> Mapping[str, str]:
+    return {offer.package: offer.version} if offer is not None and offer.version else {}
+
+
+def _header(plan: RunPlan, packages: Mapping[str, str]) -> Header:
+    """What is needed to run it all again, where it is written down."""
+    if plan.resumed is not None:
+        return plan.resumed.record.header
+    profile = dump_profile(plan.robot) if plan.robot is not None else ""
+    header = Header("", profile, dict(plan.config.arguments), versions={**packages, **plan.mission.packages()})
+    if plan.config.journal_path is None:
+        return header
+    if not plan.mission.behaviours():  # one with behaviours in Python has no JSON; a replay needs its file
+        header = header._replace(mission=dump(plan.mission))
+    return header._replace(run=uuid.uuid4().hex[:12])
+
+
+def _open_answerers(
+    plan: RunPlan, connector: Connector | None, clock: Clock, closing: Closing
+) -> Mapping[str, Answerer]:
+    """Who answers, by the names in `ask`."""
+    config, found = plan.config, dict(plan.config.answerers)
+    if config.model is not None:
+        found["agent"] = _open_model(plan, config.model, connector, clock, closing)
+    if config.operator is not None:
+        found["operator"] = config.operator
+    if plan.robot is not None and plan.robot.rules:
+        from rai_missions.answerers.rules import RulesAnswerer
+
+        rules = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in plan.robot.rules.items()}
+        found["rules"] = RulesAnswerer(rules, keys=plan.mission.blackboard)
+    return found
+
+
+def _open_model(
+    plan: RunPlan, model: BaseChatModel | str, connector: Connector | None, clock: Clock, closing: Closing
+) -> Answerer:
+    """A model; one that is named opens in a process of its own while the run begins."""
+    from rai_missions.answerers.model.agent import DecisionAgent
+    from rai_missions.answerers.model.process.model import ModelProcess
+    from rai_missions.answerers.model.providers import check_model
+    from rai_missions.answerers.model.tools import open_toolbox
+
+    identity = Identity.read(plan.identity) if plan.identity is not None else None
+    toolbox = open_toolbox(plan.mission, plan.robot, connector, clock.now)
+    if toolbox is not None:
+        closing.closes(toolbox.close)
+    memory_gib = plan.config.model_memory_gib
+    if isinstance(model, str):
+        check_model(model, memory_gib=memory_gib)
+    chat = ModelProcess(model, memory_gib=memory_gib) if isinstance(model, str) else model
+    agent = DecisionAgent(chat, identity, toolbox.read_only if toolbox is not None else ())
+    closing.closes(agent.stop)
+    agent.run()
+    return agent
+
+
+def _open_recording(
+    plan: RunPlan, connector: Connector | None, clock: Clock, header: Header, closing: Closing
+) -> Recording | None:
+    """Closed after the journal, whose last rows it still takes, and before the world, whose pictures it renders."""
+    path, resumed = plan.config.record, plan.resumed
+    if path is None:
+        return None
+    about = {
+        "robot": plan.robot.name if plan.robot is not None else "", "run": header.run,
+        "versions": versions() | dict(header.versions),
+    }  # fmt: skip
+    of_ros = isinstance(connector, SupportsRawMessages)  # its messages are kept as they are, with their definitions
+    recording = Recording.create(
+        path,
+        mission=plan.mission,
+        about=about,
+        now=clock.now,
+        clean=Redaction().known,
+        profile="ros2" if of_ros else "",
+    )
+    closing.closes(lambda: recording.close(resumed.record.path if resumed is not None else plan.config.journal_path))
+    for raw in resumed.record.raw() if resumed is not None else ():
+        recording.row(raw, ())
+    return recording
+
+
+def _open_journal(
+    plan: RunPlan, header: Header, recording: Recording | None, closing: Closing
+) -> tuple[Journal | None, str | None]:
+    """The journal, and where one is now that had its name."""
+    witness = recording.row if recording is not None else None
+    moved = plan.config.moved_aside
+    if plan.resumed is not None:
+        record = plan.resumed.record
+        journal = Journal.open(record.path, witness=witness, seal=record.seal)
+    elif (path := plan.config.journal_path) is None:
+        return None, str(moved) if moved is not None else None
+    else:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if (earlier := make_way(path)) is not None:
+            moved = earlier
+            log.info("the journal that was at %s is now at %s", path, moved)
+        journal = Journal.create(path, header, witness=witness)
+    closing.closes(journal.close)
+    return journal, str(moved) if moved is not None else None

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that a run is made of, as a person names it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.connectors.connector import Connector
+from rai_missions.engine import Named
+from rai_missions.engine.decision import Answerer
+from rai_missions.engine.step import Step
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.runtime.clock import Clock
+from rai_missions.runtime.lifecycle import Status
+
+if TYPE_CHECKING:
+    from langchain_core.language_models import BaseChatModel
+
+__all__ = ("RunConfig",)
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """Everything that a run is made of, as a person names it."""
+
+    mission: Mission | str | Path | None
+    """Left out where `resume` names a run."""
+    robot: Robot | str | Path | None = None
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    model: BaseChatModel | str | None = None
+    """Who answers as `agent`: `provider:name` or `local`, asked in a process of its own, or a langchain chat model.
+
+    A model given as an object is asked on a thread of this process: one that hangs in native code, holds the
+    interpreter's lock or crashes takes the run along.
+    """
+    model_memory_gib: float = 2.0
+    """How much memory the process of a model that is named may be resident in."""
+    operator: Answerer | None = None
+    """Who answers as `operator`."""
+    answerers: Mapping[str, Answerer] = field(default_factory=dict)
+    """Others who answer, by the name that `ask` calls them."""
+    journal: str | Path | None = None
+    moved_aside: str | Path | None = None
+    """Where the journal is now that had this one's name; one that still has it is moved when the run is made."""
+    record: str | Path | None = None
+    """Where an MCAP file of the run goes; its journal is written next to it where `journal` names none."""
+    resume: str | Path | None = None
+    """The journal of a run that was cut short, which continues there. Its arguments are in it."""
+    named: Named | None = None
+    speed: float = math.inf
+    """Simulated seconds to one of the wall."""
+    seed: int | None = None
+    """The simulated world's, instead of the profile's."""
+    connector: Connector | None = None
+    """Used instead of the profile's."""
+    clock: Clock | None = None
+    on_step: Callable[[Step], None] | None = None
+    on_status: Callable[[Status], None] | None = None
+
+    @property
+    def journal_path(self) -> Path | None:
+        """Where the journal goes: a run that is recorded is journaled, since the recording holds the journal's rows."""
+        if self.journal is not None:
+            return Path(self.journal)
+        return Path(self.record).with_suffix(".journal") if self.record is not None else None
