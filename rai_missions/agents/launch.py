@@ -85,7 +85,7 @@ class RunPlan(NamedTuple):
         return clock if self.resumed is None else ContinuedClock(clock, self.resumed.resumption.at)
 
 
-class Surroundings(NamedTuple):
+class RunEnvironment(NamedTuple):
     """The world, how it is reached, and whose time counts."""
 
     world: World | None
@@ -153,7 +153,7 @@ def prepare(config: RunConfig) -> PreparedRun:
     """
     with Closing() as closing:
         plan = _read(config, closing)
-        world, connector, clock, packages = _open_surroundings(plan, closing)
+        world, connector, clock, packages = _open_environment(plan, closing)
         header = _header(plan, packages)
         answerers = _open_answerers(plan, connector, clock, closing)
         recording = _open_recording(plan, connector, clock, header, closing)
@@ -189,10 +189,10 @@ def _read(config: RunConfig, closing: Closing) -> RunPlan:
     return plan
 
 
-def _open_surroundings(plan: RunPlan, closing: Closing) -> Surroundings:
+def _open_environment(plan: RunPlan, closing: Closing) -> RunEnvironment:
     config = plan.config
     if config.connector is not None or plan.robot is None:
-        return Surroundings(None, config.connector, plan.continued(config.clock or WallClock()))
+        return RunEnvironment(None, config.connector, plan.continued(config.clock or WallClock()))
     options = dict(plan.robot.connector)
     kind, world = str(options.pop("kind")), options.pop("world", None)
     if (offer := connector_offer(kind)) is not None:
@@ -201,13 +201,13 @@ def _open_surroundings(plan: RunPlan, closing: Closing) -> Surroundings:
         raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
     if world is None:
         clock = plan.continued(config.clock or WallClock())
-        return Surroundings(None, LocalConnector(now=clock.now), clock)
+        return RunEnvironment(None, LocalConnector(now=clock.now), clock)
     return _open_world(plan, str(world), options, closing)
 
 
 def _open_connector(
     plan: RunPlan, robot: Robot, offer: Offer, options: Mapping[str, Any], closing: Closing
-) -> Surroundings:
+) -> RunEnvironment:
     """A robot that is reached by a middleware."""
     given = plan.config.clock
     published = PublishedClock() if given is None and options.get("sim_time") is True else None
@@ -220,10 +220,10 @@ def _open_connector(
         connector.start()
         closing.closes(connector.stop)
         published.follow(connector)
-    return Surroundings(None, connector, clock, _packages(offer))
+    return RunEnvironment(None, connector, clock, _packages(offer))
 
 
-def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Closing) -> Surroundings:
+def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Closing) -> RunEnvironment:
     """A simulated world."""
     config = plan.config
     if config.seed is not None:
@@ -234,7 +234,7 @@ def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Clos
     closing.closes(world.close)
     connector = LocalConnector(now=lambda: world.at)
     world.open(connector)
-    return Surroundings(
+    return RunEnvironment(
         world, connector, config.clock or SimulatedClock(world, config.speed), _packages(world_offer(name))
     )
 

@@ -6,7 +6,7 @@ watches its memory and ends everything that descends from it. `life` is the engi
 the model that is asked, whichever process it lives in now. `frames` and `words` are what goes over the pipes: the
 engine believes nothing of what comes back.
 
-Imports the modules of the root only.
+Imports `connectors`, and the modules of the root.
 """
 
 from __future__ import annotations
