@@ -11,9 +11,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from visualize import style
 from visualize.model import Choice, Picture, PictureEdge, PictureNode, Twig
-from visualize.style import INK, LOOKS, MARKS, MUTED, Look, clean, width, wrapped
+from visualize.style import INK, LOOKS, MARKS, MUTED, clean, look_of, width, wrapped
 
 __all__ = (
     "anywhere_table",
@@ -67,11 +66,6 @@ def table(rows: Iterable[str], more: str = 'border="0" cellborder="0" cellspacin
     return f"<<table {more}>{''.join(rows) or '<tr><td></td></tr>'}</table>>"
 
 
-def look_of(node: PictureNode) -> Look:
-    """How a state looks."""
-    return style.look_of(node.kind, node.outcome)
-
-
 def marked(mark: str, text: str) -> str:
     return f"{mark} {text}" if mark else text
 
@@ -105,15 +99,19 @@ def _below(node: PictureNode, staying: Sequence[PictureEdge], limit: float = LIN
         yield small("the run ended here", bold=True, color=INK, limit=limit)
 
 
+def _head(node: PictureNode, word: str, staying: Sequence[PictureEdge]) -> str:
+    """What is on every state that is drawn as a box: its name, what it runs and all that holds for it."""
+    rows = [_name(node), text(node.title or word, 10)]
+    return table([*rows, *(small(line) for line in (node.about, *node.lines)), *_below(node, staying)])
+
+
 def state_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
     """The label of a state that holds no others."""
     if node.kind == "history":
         return table(
             [text("H*" if node.outcome == "deep" else "H", 12, bold=True), small(marked(node.mark, node.name))]
         )
-    rows = [_name(node), text(node.title or look_of(node).word, 10)]
-    rows += [small(line) for line in ((node.about, *node.lines) if node.about else node.lines)]
-    return table([*rows, *_below(node, staying)])
+    return _head(node, look_of(node).word, staying)
 
 
 def _choice(choice: Choice, *, limit: float) -> str:
@@ -162,9 +160,7 @@ def _field(choice: Choice, fallback: str, limit: float) -> str:
 def cluster_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
     """The title of a state that holds others, or a tree."""
     word = "region" if node.region else {"states": "", "parallel": "all at once"}.get(node.kind, look_of(node).word)
-    rows = [_name(node), text(node.title or word, 10)]
-    rows += [small(line) for line in ((node.about, *node.lines) if node.about else node.lines)]
-    return table([*rows, *_below(node, staying)])
+    return _head(node, word, staying)
 
 
 def tree_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bold: bool = False) -> str:
@@ -257,13 +253,10 @@ def anywhere_table(rows: Sequence[tuple[str, PictureEdge]]) -> str:
 
 def title_table(picture: Picture) -> str:
     """The picture's head: what mission, how the run went, what must never be false, and how to read the rest."""
-    version = f"{picture.compared} → {picture.version}" if picture.compared else picture.version
-    rows = [text(f"{picture.name} {version}", 16, bold=True, limit=640), text(picture.about, 11, limit=640)]
+    rows = [text(picture.title, 16, bold=True, limit=640), text(picture.about, 11, limit=640)]
     if picture.steps:
-        summary = f"a run of {picture.steps} steps, its path in bold" + (
-            f": {picture.outcome}" if picture.outcome else ""
-        )
-        rows.append(text(summary + (f", {picture.why}" if picture.why else ""), 11, bold=True, limit=640))
+        run = ": ".join(filter(None, (f"a run of {picture.steps} steps, its path in bold", picture.ended)))
+        rows.append(text(run, 11, bold=True, limit=640))
     rows += [small(note, limit=640, color=INK, bold=True) for note in picture.notes[:NOTES]]
     if len(picture.notes) > NOTES:
         rows.append(small(f"and {len(picture.notes) - NOTES} more", color=INK, bold=True))

@@ -8,14 +8,13 @@ behaviour tree is one node: Graphviz keeps no order among the nodes of a cluster
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from visualize.dot_labels import (
     anywhere_table,
     cluster_table,
     decision_table,
     edge_table,
-    look_of,
     state_table,
     tab_table,
     title_table,
@@ -23,7 +22,7 @@ from visualize.dot_labels import (
     tree_table,
 )
 from visualize.model import Initial, Path, Picture, PictureEdge, PictureNode
-from visualize.style import FONT, INK, MARKS, MUTED, clean
+from visualize.style import FONT, INK, MARKS, MUTED, clean, look_of
 
 __all__ = ("dot_text", "quoted")
 
@@ -43,14 +42,12 @@ def quoted(given: str) -> str:
 
 def attributes(**given: str | float | None) -> str:
     """`[a=…, b=…]`; a label in angle brackets is as it is."""
-    parts = []
-    for name, value in given.items():
-        if value is None or value == "":
-            continue
-        raw = isinstance(value, str) and value.startswith("<<table")
-        parts.append(
-            f"{name.rstrip('_')}={value if raw else quoted(value if isinstance(value, str) else f'{value:g}')}"
-        )
+    texts = {
+        name: value if isinstance(value, str) else f"{value:g}"
+        for name, value in given.items()
+        if value not in (None, "")
+    }
+    parts = (f"{name}={text if text.startswith('<<table') else quoted(text)}" for name, text in texts.items())
     return f"[{', '.join(parts)}]"
 
 
@@ -63,23 +60,16 @@ class _Sheet:
     """A picture with its states found by their parents, and the ends of its edges."""
 
     def __init__(self, picture: Picture) -> None:
-        self.picture = picture
-        self.nodes: Mapping[str, PictureNode] = {node.name: node for node in picture.nodes}
-        self.children: dict[str, list[PictureNode]] = defaultdict(list)
+        self.picture, self.children, self.begins = picture, picture.children, picture.begins
         self.staying: dict[str, list[PictureEdge]] = defaultdict(list)
-        self.initials: dict[str, list[Initial]] = defaultdict(list)
-        for node in picture.nodes:
-            self.children[node.parent].append(node)
         for edge in picture.edges:
             if edge.source and not edge.target:
                 self.staying[edge.source].append(edge)
-        for initial in picture.initials:
-            self.initials[initial.parent].append(initial)
         self.tabs = {edge.source for edge in picture.edges if self._from_tab(edge)}
         """The holders with transitions to something inside themselves: those leave from a tab, not from the border."""
         self.own = {(edge.mark, edge.place): edge for edge in picture.edges if not edge.source}
         """The mission's own transitions, each once however many targets it has."""
-        self.ports = {transition: f"r{index}" for index, transition in enumerate(self.own)}
+        self.ports = {key: f"r{index}" for index, key in enumerate(self.own)}
         self.depth = _depths(picture)
 
     def lines(self, dpi: int | None) -> Iterator[str]:
@@ -100,12 +90,8 @@ class _Sheet:
             ports = [(self.ports[transition], edge) for transition, edge in self.own.items()]
             own = attributes(shape="plain", label=anywhere_table(ports), tooltip="the mission's own transitions")
             yield f"  {quoted(ANYWHERE)} {own};"
-        for parent, initials in self.initials.items():
-            for initial in initials:
-                yield f"  {self._begin(parent, initial)};"
-        for edge in self.picture.edges:
-            if edge.target:
-                yield f"  {self._edge(edge)};"
+        yield from (f"  {self._begin(initial)};" for initials in self.begins.values() for initial in initials)
+        yield from (f"  {self._edge(edge)};" for edge in self.picture.edges if edge.target)
         yield "}"
 
     def _states(self, parent: str, indent: str) -> Iterator[str]:
@@ -122,17 +108,17 @@ class _Sheet:
             label=cluster_table(node, self.staying[node.name]), labeljust="l", labelloc="t", margin=10,
             fillcolor=look.fill, style=f"rounded,filled,{line}" if line else "rounded,filled",
             color=MARKS[node.mark][0] if node.mark else look.pen,
-            penwidth=self._pen(node.entered, node.mark, 1.2), id=node.place, tooltip=_tip(node),
+            penwidth=_pen(node.entered, node.mark, 1.2), id=node.place, tooltip=_tip(node),
         )  # fmt: skip
         yield f"{indent}subgraph {quoted('cluster_' + node.name)} {{"
         yield f"{indent}  graph {given};"
-        if self.initials[node.name] or (node.kind == "parallel" and not self.children[node.name]):
+        if self.begins[node.name] or (node.kind == "parallel" and not self.children[node.name]):
             yield f"{indent}  {quoted(node.name + '#begin')} {attributes(shape='point', width=0.11, color=INK)};"
         if node.name in self.tabs:
             tab = attributes(shape="box", style="rounded", label=tab_table(node), height=0.2)
             yield f"{indent}  {quoted(node.name + '#tab')} {tab};"
         for child in self.children[node.name]:
-            if child.kind == "history" and self.initials[node.name]:
+            if child.kind == "history" and self.begins[node.name]:
                 yield f"{indent}  {quoted(node.name + '#begin')} -> {quoted(child.name)} {attributes(style='invis')};"
         yield from self._states(node.name, f"{indent}  ")
         yield f"{indent}}}"
@@ -146,31 +132,30 @@ class _Sheet:
         style = "filled,rounded" if look.rounded and look.shape == "box" else "filled"
         return attributes(
             shape=look.shape, style=f"{style},{MARKS[node.mark][1]}" if node.mark else style, fillcolor=look.fill,
-            color=MARKS[node.mark][0] if node.mark else look.pen, penwidth=self._pen(node.entered, node.mark, 1.4),
+            color=MARKS[node.mark][0] if node.mark else look.pen, penwidth=_pen(node.entered, node.mark, 1.4),
             peripheries=2 if node.kind == "final" else None, label=state_table(node, staying), id=node.place,
             tooltip=_tip(node), margin="0.02" if node.kind in ("history", "final") else None,
         )  # fmt: skip
 
-    def _begin(self, parent: str, initial: Initial) -> str:
-        source = f"{parent}#begin" if parent else START
-        tip = f"{parent or self.picture.name} begins with {initial.target}"
+    def _begin(self, initial: Initial) -> str:
+        source = f"{initial.parent}#begin" if initial.parent else START
+        tip = f"{initial.parent or self.picture.name} begins with {initial.target}"
         given = attributes(
             lhead=self._border(initial.target), weight=3, tooltip=tip, color=INK,
-            penwidth=self._pen(initial.taken, "", 1.0), arrowhead="vee",
+            penwidth=_pen(initial.taken, "", 1.0), arrowhead="vee",
         )  # fmt: skip
         return f"{quoted(source)} -> {quoted(self._inlet(initial.target))} {given}"
 
     def _edge(self, edge: PictureEdge) -> str:
         tail, ltail = self._tail(edge)
-        inside = self._within(edge.source, edge.target)
         bold = edge.taken.times > 0
         pen, style, _ = MARKS[edge.mark] if edge.mark else (INK if bold else "", "", "")
         given = attributes(
             label=edge_table(edge, short=not edge.source), ltail=ltail,
-            lhead=None if inside else self._border(edge.target), color=pen, style=style,
-            penwidth=self._pen(edge.taken, edge.mark, 1.0),
+            lhead=None if self._nested(edge) else self._border(edge.target), color=pen, style=style,
+            penwidth=_pen(edge.taken, edge.mark, 1.0),
             arrowsize=1.0 if bold else None, tooltip=_edge_tip(edge), id=f"{edge.place}>{edge.target}",
-            constraint="false" if self._recalls(edge.target) else None,
+            constraint="false" if self._is_history(edge.target) else None,
         )  # fmt: skip
         return f"{tail} -> {quoted(self._inlet(edge.target))} {given}"
 
@@ -180,66 +165,53 @@ class _Sheet:
             return f"{quoted(ANYWHERE)}:{self.ports[edge.mark, edge.place]}", None
         if self._from_tab(edge):
             return quoted(f"{edge.source}#tab"), None
-        node = self.nodes[edge.source]
         if edge.option:
             return f"{quoted(edge.source)}:{quoted(edge.option)}", None
         back = self.depth.get(edge.target, 0) <= self.depth.get(edge.source, 0)
-        return quoted(self._inlet(edge.source) if back else self._outlet(node)), self._border(edge.source)
+        return quoted(self._inlet(edge.source) if back else self._outlet(edge.source)), self._border(edge.source)
+
+    def _holds(self, name: str) -> bool:
+        """Whether a state holds others, and so is a cluster."""
+        return name in self.picture.by_name and self.picture.by_name[name].kind in HOLDERS
+
+    def _is_history(self, name: str) -> bool:
+        """A way back: it is where its siblings begin, however late it is taken."""
+        return name in self.picture.by_name and self.picture.by_name[name].kind == "history"
 
     def _from_tab(self, edge: PictureEdge) -> bool:
-        node = self.nodes.get(edge.source)
-        return (
-            node is not None and bool(edge.target) and node.kind in HOLDERS and self._within(edge.source, edge.target)
-        )
+        return bool(edge.target) and self._holds(edge.source) and self._nested(edge)
 
-    def _recalls(self, name: str) -> bool:
-        """Whether it is a way back: it is where its siblings begin, however late it is taken."""
-        return name in self.nodes and self.nodes[name].kind == "history"
-
-    def _within(self, outer: str, name: str) -> bool:
-        """Whether a state is another, or is inside it, or the other way round for its own ancestors."""
-        return self._inside(name, outer) or self._inside(outer, name)
-
-    def _inside(self, name: str, outer: str) -> bool:
-        while name:
-            if name == outer:
-                return True
-            name = self.nodes[name].parent if name in self.nodes else ""
-        return False
+    def _nested(self, edge: PictureEdge) -> bool:
+        """Whether one end of an edge is the other, or is inside it."""
+        return self.picture.within(edge.target, edge.source) or self.picture.within(edge.source, edge.target)
 
     def _border(self, name: str) -> str | None:
-        node = self.nodes.get(name)
-        return f"cluster_{name}" if node is not None and node.kind in HOLDERS else None
+        return f"cluster_{name}" if self._holds(name) else None
 
     def _inlet(self, name: str) -> str:
         """The node by which an edge reaches a state: of a holder the first thing inside."""
-        node = self.nodes.get(name)
-        if node is None or node.kind not in HOLDERS:
+        if not self._holds(name):
             return name
-        return f"{name}#begin" if self.initials[name] else self._inlet(self.children[name][0].name)
+        return f"{name}#begin" if self.begins[name] else self._inlet(self.children[name][0].name)
 
-    def _outlet(self, node: PictureNode) -> str:
+    def _outlet(self, name: str) -> str:
         """The node by which an edge leaves a state: of a holder the last thing inside."""
-        if node.kind not in HOLDERS:
-            return node.name
-        inner = [child for child in self.children[node.name] if child.kind not in ("history", "final")]
-        return self._outlet(inner[-1]) if inner else self._inlet(node.name)
+        inner = [child.name for child in self.children[name] if child.kind not in ("history", "final")]
+        return self._outlet(inner[-1]) if self._holds(name) and inner else self._inlet(name)
 
-    def _pen(self, path: Path, mark: str, plain: float) -> float:
-        return 3.4 if path.times else 2.2 if mark else plain
+
+def _pen(path: Path, mark: str, plain: float) -> float:
+    """How wide a line is."""
+    return 3.4 if path.times else 2.2 if mark else plain
 
 
 def _depths(picture: Picture) -> dict[str, int]:
     """How many transitions away from the start each state is, so that transitions which lead back can be reported."""
     onward: dict[str, list[str]] = defaultdict(list)
-    for initial in picture.initials:
-        onward[initial.parent].append(initial.target)
-    for node in picture.nodes:
-        if node.region or node.kind == "history":
-            onward[node.parent].append(node.name)
-    for edge in picture.edges:
-        if edge.source:
-            onward[edge.source].append(edge.target)
+    pairs = [(initial.parent, initial.target) for initial in picture.initials]
+    pairs += [(node.parent, node.name) for node in picture.nodes if node.region or node.kind == "history"]
+    for source, target in [*pairs, *((edge.source, edge.target) for edge in picture.edges if edge.source)]:
+        onward[source].append(target)
     depths, wave = {"": 0}, [""]
     for here in wave:
         for name in onward[here]:
@@ -250,12 +222,10 @@ def _depths(picture: Picture) -> dict[str, int]:
 
 
 def _tip(node: PictureNode) -> str:
-    return "\n".join(
-        line for line in (f"{node.name}: {node.title or look_of(node).word}", node.about, *node.lines) if line
-    )
+    return "\n".join(filter(None, (f"{node.name}: {node.title or look_of(node).word}", node.about, *node.lines)))
 
 
 def _edge_tip(edge: PictureEdge) -> str:
-    return f"{edge.source or 'every state'} → {edge.target}: {transition_text(edge)}" + (
-        f"\n{edge.about}" if edge.about else ""
+    return "\n".join(
+        filter(None, (f"{edge.source or 'every state'} → {edge.target}: {transition_text(edge)}", edge.about))
     )

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 from visualize.dot_labels import transition_text
 from visualize.model import Picture, PictureEdge, PictureNode
@@ -63,28 +62,24 @@ def _too_long(text: str) -> str:
 
 
 def _lines(picture: Picture) -> Iterator[str]:
-    outline = _outline(picture)
-    ids, children, _ = outline
+    ids = {node.name: f"s{number}" for number, node in enumerate(picture.nodes, start=1)}
     yield "stateDiagram-v2"
     yield f"    accTitle: {escaped(f'{picture.name} {picture.version}')}"
     if picture.about.strip():
         yield f"    accDescr: {escaped(picture.about)}"
     yield from _classes(picture)
-    yield from _states("", "    ", outline)
-    own = [edge for edge in picture.edges if not edge.source]
-    if own:
+    yield from _states("", "    ", picture, ids)
+    if any(not edge.source for edge in picture.edges):
         yield f'    state "from every state" as {ANYWHERE}'
-    for edges in _arrows(picture):
-        yield f"    {_arrow(edges, ids)}"
+    yield from (f"    {_arrow(edges, ids)}" for edges in _arrows(picture))
     for node in picture.nodes:
-        if not children[node.name]:
-            yield f"    class {ids[node.name]} {_class(node)}"
-        if node.entered.times and not children[node.name]:
-            yield f"    class {ids[node.name]} taken"
+        if not picture.children[node.name]:
+            looks = (_class(node), "taken") if node.entered.times else (_class(node),)
+            yield from (f"    class {ids[node.name]} {look}" for look in looks)
 
 
 def _classes(picture: Picture) -> Iterator[str]:
-    looks = {_class(node): look_of(node.kind, node.outcome) for node in picture.nodes}
+    looks = {_class(node): look_of(node) for node in picture.nodes}
     for name, look in looks.items():
         line = ",stroke-dasharray:6 3" if name == "decision" else ""
         yield f"    classDef {name} fill:{look.fill},stroke:{look.pen},stroke-width:1.5px,color:#1A1A1A{line}"
@@ -98,37 +93,17 @@ def _class(node: PictureNode) -> str:
     )
 
 
-class _Outline(NamedTuple):
-    """The states by their parents."""
-
-    ids: dict[str, str]
-    children: dict[str, list[PictureNode]]
-    initials: dict[str, list[str]]
-
-
-def _outline(picture: Picture) -> _Outline:
-    children: dict[str, list[PictureNode]] = defaultdict(list)
-    initials: dict[str, list[str]] = defaultdict(list)
-    for node in picture.nodes:
-        children[node.parent].append(node)
-    for initial in picture.initials:
-        initials[initial.parent].append(initial.target)
-    ids = {node.name: f"s{number}" for number, node in enumerate(picture.nodes, start=1)}
-    return _Outline(ids, children, initials)
-
-
-def _states(parent: str, indent: str, outline: _Outline) -> Iterator[str]:
-    ids, children, initials = outline
-    for target in initials[parent]:
-        if target in ids:  # a mission that no check has passed may name any
-            yield f"{indent}[*] --> {ids[target]}"
-    for index, node in enumerate(children[parent]):
+def _states(parent: str, indent: str, picture: Picture, ids: Mapping[str, str]) -> Iterator[str]:
+    for initial in picture.begins[parent]:
+        if initial.target in ids:  # a mission that no check has passed may name any
+            yield f"{indent}[*] --> {ids[initial.target]}"
+    for index, node in enumerate(picture.children[parent]):
         if index and node.region:
             yield f"{indent}--"
-        holder = bool(children[node.name])
+        holder = bool(picture.children[node.name])
         yield f'{indent}state "{_description(node, holder)}" as {ids[node.name]}' + (" {" if holder else "")
         if holder:
-            yield from _states(node.name, f"{indent}    ", outline)
+            yield from _states(node.name, f"{indent}    ", picture, ids)
             yield f"{indent}}}"
 
 
@@ -161,14 +136,14 @@ def _arrows(picture: Picture) -> Iterator[list[PictureEdge]]:
 
 def _arrow(edges: list[PictureEdge], ids: dict[str, str]) -> str:
     source, target = ids.get(edges[0].source, ANYWHERE), edges[0].target
-    text = "<br/>".join(escaped(part) for edge in edges for line in _phrase(edge) for part in wrapped(line, 10, LIMIT))
+    text = "<br/>".join(
+        escaped(part)
+        for edge in edges
+        for line in (transition_text(edge) + ("" if edge.target else " (stays)"), edge.taken.words())
+        if line
+        for part in wrapped(line, 10, LIMIT)
+    )
     return f"{source} --> {ids.get(target, source)}: {text}"
-
-
-def _phrase(edge: PictureEdge) -> Iterator[str]:
-    yield transition_text(edge) + ("" if edge.target else " (stays)")
-    if edge.taken.times:
-        yield edge.taken.words()
 
 
 def escaped(given: str) -> str:

@@ -6,6 +6,10 @@ Rule: nothing here knows a format; every writer (DOT, Mermaid, table) reads thes
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 __all__ = ("Choice", "Initial", "Mark", "Path", "Picture", "PictureEdge", "PictureNode", "Twig")
@@ -141,7 +145,8 @@ class Initial(NamedTuple):
     taken: Path = Path()
 
 
-class Picture(NamedTuple):
+@dataclass(frozen=True)
+class Picture:
     """A mission as it is drawn, with the path that a run took."""
 
     name: str
@@ -169,7 +174,41 @@ class Picture(NamedTuple):
         Raises:
             KeyError: There is none.
         """
+        return self.by_name[name]
+
+    @cached_property
+    def by_name(self) -> Mapping[str, PictureNode]:
+        """The nodes by their names."""
+        return {node.name: node for node in self.nodes}
+
+    @cached_property
+    def children(self) -> Mapping[str, list[PictureNode]]:
+        """State → those directly inside it; the mission's are under the empty name."""
+        found = defaultdict(list)
         for node in self.nodes:
-            if node.name == name:
-                return node
-        raise KeyError(name)
+            found[node.parent].append(node)
+        return found
+
+    @cached_property
+    def begins(self) -> Mapping[str, list[Initial]]:
+        """State → where it begins; the mission is under the empty name."""
+        found = defaultdict(list)
+        for initial in self.initials:
+            found[initial.parent].append(initial)
+        return found
+
+    def within(self, name: str, outer: str) -> bool:
+        """Whether a state is another, or is inside it."""
+        while name and name != outer:
+            name = self.by_name[name].parent if name in self.by_name else ""
+        return bool(name)
+
+    @property
+    def title(self) -> str:
+        """Its name and version; of two missions, both versions."""
+        return f"{self.name} {f'{self.compared} → ' if self.compared else ''}{self.version}"
+
+    @property
+    def ended(self) -> str:
+        """How the run ended; empty where it has not, and for a picture without one."""
+        return ", ".join(filter(None, (self.outcome, self.why)))

@@ -12,6 +12,8 @@ import unicodedata
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from visualize.model import PictureNode
+
 __all__ = (
     "FONT",
     "FONTS",
@@ -69,9 +71,9 @@ OUTCOMES: Mapping[str, Look] = {
 }
 
 
-def look_of(kind: str, outcome: str) -> Look:
-    """How a state of a kind looks, a final by its outcome; one of another package's kind as one that waits."""
-    return OUTCOMES[outcome] if kind == "final" else LOOKS.get(kind, LOOKS[""])
+def look_of(node: PictureNode) -> Look:
+    """How a state looks, a final by its outcome; one of another package's kind as one that waits."""
+    return OUTCOMES[node.outcome] if node.kind == "final" else LOOKS.get(node.kind, LOOKS[""])
 
 
 MARKS: Mapping[str, tuple[str, str, str]] = {

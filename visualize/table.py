@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 
 from visualize.model import Picture, PictureEdge
 from visualize.style import clean
@@ -21,18 +22,16 @@ def table(picture: Picture) -> str:
 
 
 def _lines(picture: Picture) -> Iterator[str]:
-    version = f"{picture.compared} → {picture.version}" if picture.compared else picture.version
-    yield f"# {escaped(f'{picture.name} {version}')}"
+    yield f"# {escaped(picture.title)}"
     if picture.about:
         yield from ("", escaped(picture.about))
     if picture.steps:
-        outcome = f": {picture.outcome}" if picture.outcome else ""
-        why = f", {picture.why}" if picture.why else ""
-        yield from ("", f"A run of {picture.steps} steps{escaped(outcome + why)}.")
+        run = ": ".join(filter(None, (f"A run of {picture.steps} steps", picture.ended)))
+        yield from ("", f"{escaped(run)}.")
     if picture.notes:
         yield from ("", *(f"- {escaped(note)}" for note in picture.notes))
     yield from ("", _line(*_head(picture)), _line(*("---" for _ in _head(picture))))
-    for _, edges in sorted(_transitions(picture).items()):
+    for edges in _transitions(picture).values():
         yield _line(*_cells(picture, edges))
     decisions = [node for node in picture.nodes if node.choices]
     if decisions:
@@ -47,12 +46,10 @@ def _lines(picture: Picture) -> Iterator[str]:
         yield f"- {escaped(name)}: {escaped(guard)}"
 
 
-def _transitions(picture: Picture) -> dict[int, list[PictureEdge]]:
-    numbers: dict[tuple[str, str], int] = {}
-    found: dict[int, list[PictureEdge]] = {}
+def _transitions(picture: Picture) -> Mapping[tuple[str, str], list[PictureEdge]]:
+    found: dict[tuple[str, str], list[PictureEdge]] = defaultdict(list)
     for edge in picture.edges:
-        number = numbers.setdefault((edge.mark, edge.place), len(numbers))
-        found.setdefault(number, []).append(edge)
+        found[edge.mark, edge.place].append(edge)
     return found
 
 

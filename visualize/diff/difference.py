@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -73,7 +73,7 @@ class Difference:
     def picture(self) -> Picture:
         """Both in one: what was added, removed and changed is marked."""
         both = merged(picture(self.old), picture(self.new), self)
-        return both._replace(notes=tuple(f"for review: {change}" for change in self.safety))
+        return replace(both, notes=tuple(f"for review: {change}" for change in self.safety))
 
 
 def difference(old: Mission, new: Mission) -> Difference:

@@ -8,6 +8,7 @@ that its host would refuse is cut, and states it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from visualize.diff.as_text import by_topic, counted, headline
 from visualize.diff.change import Change
@@ -75,7 +76,7 @@ def _folded(title: str, body: str) -> str:
 def _picture(given: Difference, room: int) -> str:
     if not given.changes:
         return ""
-    picture = given.picture._replace(notes=())
+    picture = replace(given.picture, notes=())
     text = mermaid(picture) if len(picture.edges) <= EDGES else ""
     if not text or len(text) > min(PICTURE_LONGEST, room - 400):
         return "The picture of both is too large for a comment; `rai-missions diff … -o diff.html` shows it."

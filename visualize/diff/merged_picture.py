@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Protocol
 
 from rai_missions.mission.mission import Mission
@@ -37,7 +38,7 @@ def merged(old: Picture, new: Picture, compared: Compared) -> Picture:
     initials = list(new.initials)
     initials += [initial for initial in old.initials if initial.parent in gone]
     edges = tuple(_edges(old, new, compared))
-    return new._replace(nodes=tuple(nodes), edges=edges, initials=tuple(initials), compared=compared.versions[0])
+    return replace(new, nodes=tuple(nodes), edges=edges, initials=tuple(initials), compared=compared.versions[0])
 
 
 def _node(old: PictureNode | None, new: PictureNode, was: str) -> PictureNode:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 from rai_missions.plain_data import plain
 from visualize.build import picture
@@ -59,9 +60,9 @@ def _chart(given: Difference) -> Json:
     both = given.picture
     kept = tuple(edge for edge in both.edges if edge.mark != "-")
     gone = tuple(edge for edge in both.edges if edge.mark == "-")
-    data = chart_data(both._replace(edges=kept, notes=()), given.new, given.old)
+    data = chart_data(replace(both, edges=kept, notes=()), given.new, given.old)
     transitions = {"": given.old.transitions} | {name: state.transitions for _, name, state in given.old.walk()}
-    old = chart_data(both._replace(nodes=(), edges=gone, initials=()), given.old)["transitions"]
+    old = chart_data(replace(both, nodes=(), edges=gone, initials=()), given.old)["transitions"]
     for edge, transition in zip(gone, old, strict=True):
         written = transitions[edge.source][int(edge.place.rpartition("/")[2])].written()
         data["transitions"].append(
