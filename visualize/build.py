@@ -115,7 +115,7 @@ def _node(
         outcome=state.final if isinstance(state, Final) else state.history if isinstance(state, History) else "",
         choices=choices(asked, f"{place}/decision") if asked else (),
         fallback=(asked.fallback or "") if asked else "",
-        twigs=twigs(state, place),
+        twigs=tuple(twigs(state, place)),
         entered=Path(tuple(run.states.get(name, ()))),
         ended_here=name in ended,
     )

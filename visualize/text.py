@@ -6,7 +6,7 @@ Rule: nothing that changes what the robot does is left out; how the words are la
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.states import Default, State
@@ -59,19 +59,17 @@ def choices(asked: DecisionSpec, place: str) -> tuple[Choice, ...]:
     )
 
 
-def twigs(state: State, place: str) -> tuple[Twig, ...]:
+def twigs(state: State, place: str) -> Iterator[Twig]:
     """The nodes of a state's tree, outer before inner."""
     above: dict[str, tuple[str, str, int]] = {}
-    found = []
     for path, node in state.nodes().items():
         branches = tuple(node.branches())
         for number, (pointer, _) in enumerate(branches, 1):
             branch = pointer.partition("/")[2] if pointer.startswith("then/") else ""
             ordered = number if len(branches) > 1 and not branch else 0
-            above[f"{path}/{pointer}" if path else pointer] = (path, branch, ordered)
+            above[f"{path}/{pointer}".lstrip("/")] = (path, branch, ordered)
         parent, branch, number = above.get(path, (None, "", 0))
         asked, here = node.question(), place + state.within(f"#{path}")
         offered = choices(asked, f"{here}/decision") if asked else ()
         words = f"{node.name}: {node.words()}" if node.name else node.words()
-        found.append(Twig(path, parent, node.word, words, branch, offered, number))
-    return tuple(found)
+        yield Twig(path, parent, node.word, words, branch, offered, number)
