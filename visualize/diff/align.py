@@ -7,16 +7,15 @@ Rule: what is taken for a rename is compared all the same, so a wrong guess hide
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rai_missions.errors import escaped, unescaped
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, matched, renamed
 from rai_missions.states import State, Transition
 from visualize.build import parents_of
 from visualize.diff.similarity import ComparedMissions, alike_keys, alike_options, alike_states
 
-__all__ = ("Renamed", "aligned", "original_place", "paired")
+__all__ = ("Renamed", "aligned", "paired")
 
 
 class Renamed(NamedTuple):
@@ -75,31 +74,6 @@ def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str
         elif state.children():
             found[name] = state.model_copy(update={state.child_place(): _with_options(state.children(), options)})
     return found
-
-
-def original_place(place: str, under_new_names: Any, as_written: Any) -> str:
-    """A JSON pointer into the renamed mission as one into the mission that was given.
-
-    Args:
-        place: The pointer.
-        under_new_names: The renamed mission's document.
-        as_written: The given one's; a rename keeps the order of what an object holds.
-    """
-    steps: list[str] = []
-    for step in place.split("/")[1:]:
-        here, there = under_new_names, as_written
-        name = unescaped(step)
-        if isinstance(here, Mapping) and isinstance(there, Mapping) and name in here:
-            was = list(there)[list(here).index(name)]
-            steps.append(escaped(was))
-            under_new_names, as_written = here[name], there[was]
-        elif isinstance(here, list) and name.isdigit() and int(name) < len(here):
-            steps.append(step)
-            under_new_names, as_written = here[int(name)], there[int(name)]
-        else:
-            steps.append(step)
-            under_new_names, as_written = None, None
-    return "".join(f"/{step}" for step in steps)
 
 
 def paired(old: Sequence[Transition], new: Sequence[Transition]) -> list[tuple[int | None, int | None]]:

@@ -4,26 +4,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
-from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from visualize.build import picture
-from visualize.diff.align import Renamed, aligned, original_place
+from visualize.diff.align import Renamed, aligned
 from visualize.diff.as_text import lines
 from visualize.diff.change import Change, weight
 from visualize.diff.compare import changes
 from visualize.diff.fields import severity_if
 from visualize.diff.merged_picture import merged
-from visualize.diff.originals import Originals
+from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.model import Picture
 from visualize.text import child_pointer
 
 __all__ = ("Difference", "difference")
-
-Json = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -38,8 +34,8 @@ class Difference:
     changes: tuple[Change, ...]
     """What is for a reviewer to judge first, by what it is about, else in the order of the new mission."""
     versions: tuple[str, str] = ("", "")
-    documents: tuple[Json, Json] | None = None
-    """The old mission as it is written, under the new names and under its own, where they differ."""
+    originals: Originals = field(default=AS_THEY_ARE, compare=False)
+    """Of the old mission, what its things and places were before they took the new names."""
 
     @property
     def renamed(self) -> tuple[tuple[str, str], ...]:
@@ -65,10 +61,6 @@ class Difference:
         """As a reader at a terminal wants it."""
         return lines(self)
 
-    def written_place(self, place: str) -> str:
-        """A JSON pointer into `old` as one into the mission as it was given, with its own names."""
-        return original_place(place, *self.documents) if self.documents else place
-
     @cached_property
     def picture(self) -> Picture:
         """Both in one: what was added, removed and changed is marked."""
@@ -84,9 +76,9 @@ def difference(old: Mission, new: Mission) -> Difference:
         new: As it is now.
     """
     before, names = aligned(old, new)
-    documents = _documents(before, old)
-    found = [*_renames(names, old, new), *_as_written(changes(before, new, Originals(before, old)), documents)]
-    return Difference(before, new, names, tuple(sorted(found, key=weight)), (old.version, new.version), documents)
+    own = Originals(before, old)
+    found = [*_renames(names, old, new), *(_as_written(each, own) for each in changes(before, new, own))]
+    return Difference(before, new, names, tuple(sorted(found, key=weight)), (old.version, new.version), own)
 
 
 def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[Change]:
@@ -124,17 +116,6 @@ def _known_outside(each: Renamed, old: Mission, new: Mission) -> str:
     return ""
 
 
-def _documents(renamed: Mission, old: Mission) -> tuple[Json, Json] | None:
-    try:
-        return None if renamed is old else (renamed.written(), old.written())
-    except UsageError:  # a behaviour in Python, which JSON cannot hold
-        return None
-
-
-def _as_written(found: Iterable[Change], documents: tuple[Json, Json] | None) -> Iterator[Change]:
-    """Changes whose old places are those of the mission as it was given."""
-    for change in found:
-        if change.old_place is None or documents is None:
-            yield change
-        else:
-            yield change._replace(old_place=original_place(change.old_place, *documents))
+def _as_written(change: Change, own: Originals) -> Change:
+    """A change whose old place is that of the mission as it was given."""
+    return change if change.old_place is None else change._replace(old_place=own.place(change.old_place))

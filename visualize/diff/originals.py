@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
+from visualize.text import child_pointer
 
 __all__ = ("AS_THEY_ARE", "Originals")
 
@@ -18,28 +19,34 @@ Anything = TypeVar("Anything")
 
 
 class Originals:
-    """From things of a renamed mission to those of the one that was given; what is unknown is its own."""
+    """From things and places of a renamed mission to those of the one that was given; what is unknown is its own."""
 
     def __init__(self, renamed: Mission | None = None, given: Mission | None = None) -> None:
         self._found: dict[int, Any] = {}
         self._kept = renamed  # as long as it lives no other object has the identity of one of its parts
         self._states: dict[str, str] = {}
+        self._places: dict[str, str] = {"": ""}
         if renamed is not None and given is not None and renamed is not given:
             self._pair(renamed, given)
             names = zip(renamed.walk(), given.walk(), strict=True)
             self._states = {now: was for (_, now, _), (_, was, _) in names}
 
-    def _pair(self, renamed: Any, given: Any) -> None:
+    def _pair(self, renamed: Any, given: Any, now: str = "", was: str = "") -> None:
+        """Walk two values side by side, and note the places of what they hold."""
+        self._places[now] = was
         if isinstance(renamed, MissionModel):
             self._found[id(renamed)] = given
-            for name in renamed.model_fields_set:
-                self._pair(getattr(renamed, name), getattr(given, name))
+            fields = type(renamed).model_fields
+            words = ((name, fields[name].alias or name) for name in renamed.model_fields_set)
+            inside = [(getattr(renamed, name), getattr(given, name), word, word) for name, word in words]
         elif isinstance(renamed, Mapping):
-            for one, other in zip(renamed.values(), given.values(), strict=True):
-                self._pair(one, other)
+            inside = list(zip(renamed.values(), given.values(), renamed, given, strict=True))
         elif isinstance(renamed, tuple):
-            for one, other in zip(renamed, given, strict=True):
-                self._pair(one, other)
+            inside = [(*pair, str(index), str(index)) for index, pair in enumerate(zip(renamed, given, strict=True))]
+        else:
+            return
+        for one, other, here, there in inside:
+            self._pair(one, other, child_pointer(now, here), child_pointer(was, there))
 
     def of(self, item: Anything) -> Anything:
         """A written thing, or a tuple of them, as it was given."""
@@ -51,6 +58,14 @@ class Originals:
     def state(self, name: str) -> str:
         """A state's own name."""
         return self._states.get(name, name)
+
+    def place(self, pointer: str) -> str:
+        """A JSON pointer into the renamed mission as one into the given one; a field may be left out in both."""
+        known, rest = pointer, ""
+        while known not in self._places:
+            known, _, step = known.rpartition("/")
+            rest = f"/{step}{rest}"
+        return self._places[known] + rest
 
 
 AS_THEY_ARE = Originals()

@@ -66,7 +66,7 @@ def _chart(given: Difference) -> Json:
     for edge, transition in zip(gone, old, strict=True):
         written = transitions[edge.source][int(edge.place.rpartition("/")[2])].written()
         data["transitions"].append(
-            {**transition, "place": GONE + given.written_place(edge.place), "definition": plain(written)}
+            {**transition, "place": GONE + given.originals.place(edge.place), "definition": plain(written)}
         )
     return data
 

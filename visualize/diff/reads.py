@@ -8,15 +8,15 @@ receives, or has the robot do something. A sentence that is reported or logged d
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from rai_missions.kinds import INTERFACES
 from rai_missions.mission.mission import Mission
-from rai_missions.model import MissionModel
 from rai_missions.states import Transition
 from rai_missions.states.effects import Effect, Raise
 from rai_missions.states.state import ANY_EVENT
+from visualize.parts import parts
 
 __all__ = ("Uses", "otherwise", "uses")
 
@@ -60,24 +60,12 @@ def uses(*missions: Mission) -> Uses:
     keys, received = set[str](), set[str]()
     timers: dict[str, frozenset[str]] = {}
     for mission in missions:
-        for item in _all(mission):
-            keys.update(_read(item))
-            if isinstance(item, Transition):
-                received.update(item.on)
-            if isinstance(item, Raise) and item.id is not None:
-                timers[item.id] = timers.get(item.id, frozenset()) | {item.event}
+        for thing in (mission, *(state for _, _, state in mission.walk())):
+            for _, item in parts(thing):
+                paths = (name for refers, name, _ in item.references() if refers.sort == "path")
+                keys.update(name.partition(".")[0] for name in paths)
+                if isinstance(item, Transition):
+                    received.update(item.on)
+                if isinstance(item, Raise) and item.id is not None:
+                    timers[item.id] = timers.get(item.id, frozenset()) | {item.event}
     return Uses(frozenset(keys), frozenset(received), timers)
-
-
-def _all(thing: MissionModel) -> Iterator[MissionModel]:
-    """Every written thing in one, itself included."""
-    yield thing
-    for _, inner in thing.inside():
-        yield from _all(inner)
-
-
-def _read(item: MissionModel) -> Iterator[str]:
-    """The keys that a thing reads itself."""
-    for refers, name, _ in item.references():
-        if refers.sort == "path":
-            yield name.partition(".")[0]

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of a written mission, for those that list or compare them.
+
+Rule: a state is what is written in it, without the states inside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rai_missions.model import MissionModel
+from rai_missions.states import State
+
+__all__ = ("document_of", "own_part", "parts")
+
+
+def parts(thing: MissionModel, place: str = "") -> Iterator[tuple[str, MissionModel]]:
+    """A written thing and all that is written inside it, but for states, each with its JSON pointer."""
+    yield place, thing
+    for here, inner in thing.inside(place):
+        if not isinstance(inner, State):
+            yield from parts(inner, here)
+
+
+def own_part(state: State) -> State:
+    """A state without the states inside it."""
+    return state.model_copy(update={state.child_place(): {}}) if state.children() else state
+
+
+def document_of(state: State) -> dict[str, Any]:
+    """A state as JSON has it; for a behaviour of the user's program, which JSON cannot hold, its name."""
+    own = own_part(state)
+    if not (program := own.program()):
+        return own.written()
+    words = own.model_dump(mode="json", by_alias=True, exclude_defaults=True, exclude={"tree"})  # type: ignore[call-arg]
+    return {"behaviour": program, **words}
