@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.connectors.connector import Data, Report
+from rai_missions.worlds.goal_server import End, GoalServer, Later, RunningGoal
 from rai_missions.worlds.house.layout import PLACES, NamedPose
 from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.rosbot import FASTEST_MPS, RobotPose
@@ -22,14 +22,10 @@ __all__ = ("DOCK", "NAVIGATE", "DockRobot", "NavigateToPose", "Server")
 
 NAVIGATE = "/navigate_to_pose", "nav2_msgs/action/NavigateToPose"
 DOCK = "/dock_robot", "nav2_msgs/action/DockRobot"
-FEEDBACK_S = 0.5
 NOT_STAGED, NOT_CHARGED = 903, 906
 """FAILED_TO_STAGE and FAILED_TO_CHARGE of nav2_msgs/action/DockRobot."""
 CHARGE_S = 3.0
 """How long the charger may take to notice the robot."""
-
-Later = Callable[[Callable[[], None]], None]
-Status = Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
 
 
 class NavigationRequest(NamedTuple):
@@ -40,41 +36,27 @@ class NavigationRequest(NamedTuple):
     """Its heading is meant too."""
 
 
-@dataclass
-class RunningNavigation:
-    """The goal being pursued."""
-
-    goal_id: str
-    report: Callable[[Report], None]
-    begun: float
-    number: int
-    is_unwanted: bool = False
-    next_feedback: float = 0.0
-    arrived_at: float | None = None
-
-
-class Server:
+class Server(GoalServer):
     """What both actions share: an `ActionServer` over the navigation.
 
     Args:
         navigator: Who drives.
         later: Reports go out through it.
+        at: Simulated seconds at the start.
     """
 
-    def __init__(self, navigator: Navigator, later: Later) -> None:
-        self.navigator, self._later = navigator, later
-        self.running: RunningNavigation | None = None
-        self.at = 0.0
+    def __init__(self, navigator: Navigator, later: Later, at: float) -> None:
+        super().__init__(later, at)
+        self.navigator = navigator
 
     def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
-        wanted = self.wanted(goal)
+        wanted, running = self.wanted(goal), RunningGoal(goal_id, report, self.at)
         if isinstance(wanted, str):
-            self._later(lambda: report(Report(goal_id, "rejected", {}, wanted)))
+            self._reject(running, wanted)
             return
         self._replace()
-        number = self.navigator.begin(wanted.place, turns=wanted.turns, at=self.at)
-        self.running = RunningNavigation(goal_id, report, self.at, number)
-        self._report(self.running, "accepted")
+        running.number = self.navigator.begin(wanted.place, turns=wanted.turns, at=self.at)
+        self._begin(running)
 
     def cancel(self, goal_id: str) -> None:
         running = self.running
@@ -92,23 +74,22 @@ class Server:
             self._replace()
         elif running.is_unwanted:
             if abs(pose.speed) < 0.05 and abs(pose.turn) < 0.2:
-                self._end(running, "canceled", "canceled", 0)
+                self._conclude(running, "canceled", "canceled", 0)
         elif self.navigator.outcome == "failed":
-            self._end(running, "failed", self.navigator.why, self.navigator.error)
+            self._conclude(running, "failed", self.navigator.why, self.navigator.error)
         elif self.navigator.outcome == "arrived":
             running.arrived_at = at if running.arrived_at is None else running.arrived_at
             status, why, error = self.arrived(at - running.arrived_at, charging=charging)
             if status:
-                self._end(running, status, why, error)
-        elif at >= running.next_feedback:
-            running.next_feedback = at + FEEDBACK_S
-            self._report(running, "feedback", self.feedback(pose, at - running.begun))
+                self._conclude(running, status, why, error)
+        else:
+            self._feed_back(running, lambda taken_s: self.feedback(pose, taken_s))
 
     def wanted(self, goal: Data) -> NavigationRequest | str:
         """What a goal asks for, or why it is rejected."""
         raise NotImplementedError
 
-    def arrived(self, since_s: float, *, charging: bool) -> tuple[Status | Literal[""], str, int]:
+    def arrived(self, since_s: float, *, charging: bool) -> tuple[End | Literal[""], str, int]:
         """How a goal ends whose robot has arrived, why, and the error's number; empty while that is open."""
         return "succeeded", "", 0
 
@@ -120,14 +101,10 @@ class Server:
 
     def _replace(self) -> None:
         if self.running is not None:
-            self._end(self.running, "failed", "a newer goal replaced this one", 0)
+            self._conclude(self.running, "failed", "a newer goal replaced this one", 0)
 
-    def _end(self, running: RunningNavigation, status: Status, why: str, error: int) -> None:
-        self.running = None
-        self._report(running, status, self.result(error, why), why)
-
-    def _report(self, running: RunningNavigation, status: Status, data: Data | None = None, why: str = "") -> None:
-        self._later(lambda: running.report(Report(running.goal_id, status, data or {}, why)))
+    def _conclude(self, running: RunningGoal, end: End, why: str, error: int) -> None:
+        self._end(running, end, self.result(error, why), why)
 
 
 class NavigateToPose(Server):
@@ -165,7 +142,7 @@ class DockRobot(Server):
             return "docks are known by 'dock_id' here; there is: dock"
         return NavigationRequest(PLACES["dock"]) if dock == "dock" else f"there is no dock '{dock}'; there is: dock"
 
-    def arrived(self, since_s: float, *, charging: bool) -> tuple[Status | Literal[""], str, int]:
+    def arrived(self, since_s: float, *, charging: bool) -> tuple[End | Literal[""], str, int]:
         if charging:
             return "succeeded", "", 0
         return ("failed", "the charger does not notice the robot", NOT_CHARGED) if since_s > CHARGE_S else ("", "", 0)

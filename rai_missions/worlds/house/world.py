@@ -7,19 +7,16 @@ merely believes.
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import mujoco
-import numpy as np
 
-from rai_missions.connectors.connector import Close, Connector, Message
+from rai_missions.connectors.connector import Connector, Message
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
-from rai_missions.worlds.camera import Camera
 from rai_missions.worlds.house import interface, scene
 from rai_missions.worlds.house.actions import DOCK, NAVIGATE, DockRobot, NavigateToPose
 from rai_missions.worlds.house.doors import Blocked, Doors
@@ -27,7 +24,8 @@ from rai_missions.worlds.house.layout import DOORS, PLACES
 from rai_missions.worlds.house.lidar import Lidar
 from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.rosbot import RobotPose, Rosbot
-from rai_missions.worlds.publish_queue import Guarded, Outbox
+from rai_missions.worlds.publish_queue import Outbox
+from rai_missions.worlds.simulation import Simulation
 
 __all__ = ("House",)
 
@@ -39,7 +37,7 @@ COMMAND_S = 0.5
 """So long a velocity command holds."""
 
 
-class House:
+class House(Simulation):
     """A `World`: a robot of the size of a ROSbot XL in a house of five rooms.
 
     Args:
@@ -50,8 +48,6 @@ class House:
         camera: Without it there are no pictures, and no OpenGL is needed.
         start_s: What its clock shows at the start.
     """
-
-    period_s = 0.05
 
     def __init__(
         self,
@@ -65,31 +61,18 @@ class House:
     ) -> None:
         if recoveries < 0:
             raise UsageError(f"recoveries: {recoveries} is no number of attempts; give 0 or more")
-        self.model = scene.build()
-        self.data = mujoco.MjData(self.model)
+        energy = Battery.of(battery, capacity_wh=20.0, rest_w=15.0, volts=(9.0, 12.6))
+        outbox = Outbox("", interface.TOPICS)
+        super().__init__(scene.build(), outbox, energy, camera=camera, start_s=start_s, timestep_s=scene.TIMESTEP_S)
         self.rosbot = Rosbot(self.model, self.data)
         self.doors = Doors(self.model, self.data, blocked)
-        self.battery = Battery.of(battery, capacity_wh=20.0, rest_w=15.0, volts=(9.0, 12.6))
         self.navigator = Navigator(recoveries)
-        self.camera = Camera(self.model) if camera else None
         self._lidar = Lidar(self.model, self.data, seed)
-        self._outbox = Outbox("", interface.TOPICS)
         self._servers = {
-            NAVIGATE: NavigateToPose(self.navigator, self._outbox.add),
-            DOCK: DockRobot(self.navigator, self._outbox.add),
+            NAVIGATE: NavigateToPose(self.navigator, outbox.add, start_s),
+            DOCK: DockRobot(self.navigator, outbox.add, start_s),
         }
         self._command, self._command_until = (0.0, 0.0), -math.inf
-        self._closes: list[Close] = []
-        self._steps, self._start_s = 0, start_s
-        for server in self._servers.values():
-            server.at = start_s
-        self.substeps = round(self.period_s / scene.TIMESTEP_S)
-        mujoco.mj_forward(self.model, self.data)
-
-    @property
-    def at(self) -> float:
-        """What its clock shows, simulated seconds."""
-        return round(self._start_s + self._steps * self.period_s, 9)
 
     @property
     def pose(self) -> RobotPose:
@@ -103,13 +86,9 @@ class House:
 
     def open(self, connector: Connector) -> None:
         """Put the robot's topics and actions, and a service for each door, on a connector."""
-        if self.camera is not None:
-            self.camera.check()
-        self._outbox.open(connector, without=() if self.camera is not None else (interface.CAMERA,))
-        for (name, type_name), server in self._servers.items():
-            self._closes.append(connector.offer(name, type_name, Guarded(server, self._outbox)))
-        for door in DOORS:
-            self._closes.append(connector.serve(f"/house/{door}", "std_srvs/srv/SetBool", self._door(door)))
+        actions = [(*name, server) for name, server in self._servers.items()]
+        services = {(f"/house/{door}", "std_srvs/srv/SetBool"): self._door(door) for door in DOORS}
+        self._open(connector, pictures=(interface.CAMERA,), actions=actions, services=services)
         self._closes.append(connector.subscribe(*interface.CMD_VEL, self._on_command))
 
     def step(self) -> None:
@@ -126,18 +105,6 @@ class House:
             for server in self._servers.values():  # after the facts that their results rest on
                 server.step(self.at, self.pose, charging=self.is_charging)
         self._outbox.send()
-
-    def close(self) -> None:
-        for close in self._closes:
-            close()
-        self._closes.clear()
-        if self.camera is not None:
-            self.camera.close()
-
-    def fingerprint(self) -> str:
-        """SHA-256 of the physical state: two runs that agree to the bit have the same."""
-        state = np.concatenate([self.data.qpos, self.data.qvel, self.data.mocap_pos.ravel()])
-        return hashlib.sha256(state.tobytes()).hexdigest()
 
     def _scan(self) -> None:
         ranges = self._lidar.scan()
@@ -159,15 +126,13 @@ class House:
 
     def _publish(self) -> None:
         at, pose = self.at, self.pose
-        if self._steps % FAST == 1:
+        if self._is_due(FAST):
             self._outbox.publish("amcl_pose", interface.located(pose, at))
             self._outbox.publish("odom", interface.odometry(pose, PLACES["dock"], at))
-        if self._steps % SLOW == 1:
-            percentage, voltage = self.battery.percentage, self.battery.voltage
-            self._outbox.publish("battery", messages.battery_state(percentage, voltage, at, charging=self.is_charging))
-        if self.camera is not None and self._steps % MEDIUM == 1:
-            picture = self.camera.picture(self.camera.moment(self.data), f"/{interface.CAMERA}@{at:.3f}")
-            self._outbox.publish(interface.CAMERA, messages.image(picture, at))
+        if self._is_due(SLOW):
+            self._publish_battery(charging=self.is_charging)
+        if self.camera is not None and self._is_due(MEDIUM):
+            self._publish_picture(self.camera, interface.CAMERA, f"/{interface.CAMERA}")
 
     def _on_command(self, message: Message) -> None:
         twist = message.data
@@ -179,8 +144,7 @@ class House:
 
     def _door(self, door: str) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
         def answer(request: Mapping[str, Any]) -> dict[str, Any]:
-            with self._outbox.lock:
-                self.doors.set(door, bool(request.get("data")))
+            self.doors.set(door, bool(request.get("data")))
             return messages.trigger(True, f"{door} is to be {'blocked' if request.get('data') else 'free'}")
 
         return answer

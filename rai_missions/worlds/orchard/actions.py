@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Literal
 
 from rai_missions.connectors.connector import Data, Report
+from rai_missions.worlds.goal_server import End, GoalServer, Later, RunningGoal
 from rai_missions.worlds.messages import pose_stamped, stamp
 from rai_missions.worlds.orchard.autonomy import Autonomy
 from rai_missions.worlds.orchard.crossing_judge import Judge
@@ -20,47 +20,31 @@ from rai_missions.worlds.orchard.tractor import TractorPose
 
 __all__ = ("Cross", "NavigateToPose")
 
-Status = Literal["accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost"]
-Later = Callable[[Callable[[], None]], None]
-"""Does something once the world's step is over and its lock is free."""
 ARRIVED_M = 1.0
 
 
-@dataclass
-class RunningGoal:
-    """The goal being pursued."""
-
-    goal_id: str
-    report: Callable[[Report], None]
-    begun: float
-    place: tuple[float, float] = (0.0, 0.0)
-    is_unwanted: bool = False
-    next_feedback: float = 0.0
-
-
-class OneGoal:
+class OneGoal(GoalServer):
     """What both actions share: one goal at a time, an end that waits for the tractor to stop.
 
     Args:
         autonomy: Who drives.
         later: Reports go out through it.
+        at: Simulated seconds at the start.
     """
 
     name = ""
 
-    def __init__(self, autonomy: Autonomy, later: Later) -> None:
-        self.autonomy, self._later = autonomy, later
-        self.running: RunningGoal | None = None
-        self.at = 0.0
+    def __init__(self, autonomy: Autonomy, later: Later, at: float) -> None:
+        super().__init__(later, at)
+        self.autonomy = autonomy
 
     def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
         running = RunningGoal(goal_id, report, self.at)
         why = f"{self.name} pursues another goal" if self.running else self.begin(goal, running)
         if why:
-            self._later(lambda: report(Report(goal_id, "rejected", {}, why)))
-            return
-        self.running = running
-        self.report(running, "accepted")
+            self._reject(running, why)
+        else:
+            self._begin(running)
 
     def cancel(self, goal_id: str) -> None:
         if self.running is not None and self.running.goal_id == goal_id:
@@ -72,24 +56,19 @@ class OneGoal:
         self.at, running = at, self.running
         if running is None:
             return
-        status, why = self.end(running, pose)
+        end, why = self.end(running, pose)
         if running.is_unwanted:
-            status, why = ("canceled", "canceled") if abs(pose.speed) < 0.05 else ("", "")
-        if status:
-            self.running = None
-            self.report(running, status, self.result(at - running.begun, status), why)  # type: ignore[arg-type]
-        elif at >= running.next_feedback and not running.is_unwanted:
-            running.next_feedback = at + 0.5
-            self.report(running, "feedback", self.feedback(pose, at - running.begun))
-
-    def report(self, running: RunningGoal, status: Status, data: Data | None = None, why: str = "") -> None:
-        self._later(lambda: running.report(Report(running.goal_id, status, data or {}, why)))
+            end, why = ("canceled", "canceled") if abs(pose.speed) < 0.05 else ("", "")
+        if end:
+            self._end(running, end, self.result(at - running.begun, end), why)
+        elif not running.is_unwanted:
+            self._feed_back(running, lambda taken_s: self.feedback(pose, taken_s))
 
     def begin(self, goal: Data, running: RunningGoal) -> str:
         """Set out; why not, if not."""
         raise NotImplementedError
 
-    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[str, str]:
+    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[End | Literal[""], str]:
         """How the goal has ended and why, or empty."""
         raise NotImplementedError
 
@@ -108,8 +87,8 @@ class NavigateToPose(OneGoal):
 
     name = "/navigate_to_pose"
 
-    def __init__(self, autonomy: Autonomy, later: Later, lattice: Lattice) -> None:
-        super().__init__(autonomy, later)
+    def __init__(self, autonomy: Autonomy, later: Later, at: float, lattice: Lattice) -> None:
+        super().__init__(autonomy, later, at)
         self._lattice = lattice
 
     def begin(self, goal: Data, running: RunningGoal) -> str:
@@ -128,7 +107,7 @@ class NavigateToPose(OneGoal):
             return f"({x:.2f}, {y:.2f}) is not on a headland; the nearest place that is: ({near})"
         return "" if self.autonomy.go_to(place) else "no way leads there"
 
-    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[str, str]:
+    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[End | Literal[""], str]:
         if self.autonomy.is_homing:
             return "", ""
         if math.dist((pose.x, pose.y), running.place) <= ARRIVED_M:
@@ -152,8 +131,8 @@ class Cross(OneGoal):
 
     name = "/cross"
 
-    def __init__(self, autonomy: Autonomy, later: Later, judge: Judge) -> None:
-        super().__init__(autonomy, later)
+    def __init__(self, autonomy: Autonomy, later: Later, at: float, judge: Judge) -> None:
+        super().__init__(autonomy, later, at)
         self._judge = judge
         self._start = (0.0, 0.0)
 
@@ -169,7 +148,7 @@ class Cross(OneGoal):
         self._start = self.autonomy.pose[:2]
         return "" if self.autonomy.proceed(over=True) else "the tractor does not drive on"
 
-    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[str, str]:
+    def end(self, running: RunningGoal, pose: TractorPose) -> tuple[End | Literal[""], str]:
         crossing = self._judge.crossing
         if crossing is None or crossing.outcome == "passed":
             return "succeeded", ""

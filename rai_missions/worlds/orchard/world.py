@@ -7,18 +7,16 @@ autonomy merely believes.
 
 from __future__ import annotations
 
-import hashlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from rai_missions.connectors.connector import Close, Connector
+from rai_missions.connectors.connector import Connector
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
-from rai_missions.worlds.camera import Camera
 from rai_missions.worlds.orchard import interface, scene
 from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
 from rai_missions.worlds.orchard.alley_counter import AlleyCounter
@@ -30,7 +28,8 @@ from rai_missions.worlds.orchard.obstacles import Walker, place
 from rai_missions.worlds.orchard.planner import Lattice
 from rai_missions.worlds.orchard.range_sensor import Beams
 from rai_missions.worlds.orchard.tractor import Tractor, TractorPose
-from rai_missions.worlds.publish_queue import Guarded, Outbox
+from rai_missions.worlds.publish_queue import Outbox
+from rai_missions.worlds.simulation import Simulation
 
 __all__ = ("Orchard",)
 
@@ -45,7 +44,7 @@ FAST, SLOW = 4, 20
 """Periods between two messages: 5 Hz and 1 Hz."""
 
 
-class Orchard:
+class Orchard(Simulation):
     """A `World`: the simulated orchard with one tractor.
 
     Args:
@@ -62,8 +61,6 @@ class Orchard:
         robot: The name that topics and services begin with.
         start_s: What its clock shows at the start.
     """
-
-    period_s = 0.05
 
     def __init__(
         self,
@@ -82,35 +79,25 @@ class Orchard:
     ) -> None:
         self.layout = Layout(alleys, length_m)
         self.obstacles = place(seed, self.layout, obstacles)
-        self.model = scene.build(self.layout, self.obstacles, shadows=shadows)
-        self.data = mujoco.MjData(self.model)
+        super().__init__(
+            scene.build(self.layout, self.obstacles, shadows=shadows), Outbox(f"/{robot}", interface.TOPICS),
+            Battery.of(battery), camera=camera, start_s=start_s, timestep_s=scene.TIMESTEP_S,
+        )  # fmt: skip
         self.tractor = Tractor(self.model, self.data)
         self.judge = Judge(self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles))
-        self.counter, self.battery = AlleyCounter(self.layout), Battery.of(battery)
+        self.counter = AlleyCounter(self.layout)
         lattice = Lattice(self.layout)
         self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over)
-        self.camera = Camera(self.model) if camera else None
         self._bodies = [self.model.body(f"obstacle_{n}").id for n in range(len(self.obstacles))]
         self._detector = (
             Detector(self.camera, self._bodies, self.obstacles, Errors.of(detector), seed) if self.camera else None
         )
         self._beams = Beams(self.model, self.data)
         self._walkers = {n: Walker(o, self.layout) for n, o in enumerate(self.obstacles) if o.living}
-        self._steps, self._start_s = 0, start_s
         self._range_m: float | None = None
         self._saw_at, self._bumps = -math.inf, 0
-        self._outbox = Outbox(f"/{robot}", interface.TOPICS)
-        self._home = NavigateToPose(self.autonomy, self._outbox.add, lattice)
-        self._cross = Cross(self.autonomy, self._outbox.add, self.judge)
-        self._home.at = self._cross.at = start_s
-        self._closes: list[Close] = []
-        self.substeps = round(self.period_s / scene.TIMESTEP_S)
-        mujoco.mj_forward(self.model, self.data)
-
-    @property
-    def at(self) -> float:
-        """What its clock shows, simulated seconds."""
-        return round(self._start_s + self._steps * self.period_s, 9)
+        self._home = NavigateToPose(self.autonomy, self._outbox.add, start_s, lattice)
+        self._cross = Cross(self.autonomy, self._outbox.add, start_s, self.judge)
 
     @property
     def pose(self) -> TractorPose:
@@ -123,9 +110,6 @@ class Orchard:
 
     def open(self, connector: Connector) -> None:
         """Put the tractor's topics, services and actions on a connector."""
-        if self.camera is not None:
-            self.camera.check()
-        self._outbox.open(connector, without=SEEN if self.camera is None else ())
         services = {
             "continue": self._continue,
             "current_state": self._current_state,
@@ -135,15 +119,13 @@ class Orchard:
             "replan": self._replan,
             "stop": self._stop,
         }
-        for name, answer in services.items():
-            self._closes.append(connector.serve(self._outbox.name(name), messages.TRIGGER, self._locked(answer)))
         # The same two for anyone who has the types of Nav2.
         actions = (
             ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
             (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
         )
-        for action, type_name, server in actions:
-            self._closes.append(connector.offer(action, type_name, Guarded(server, self._outbox)))
+        triggers = {(self._outbox.name(name), messages.TRIGGER): answer for name, answer in services.items()}
+        self._open(connector, pictures=SEEN, actions=actions, services=triggers)
 
     def step(self) -> None:
         """Go one period on: drive, let physics happen, look, and publish what happened."""
@@ -157,18 +139,6 @@ class Orchard:
             for action in (self._home, self._cross):  # after the facts that their results rest on
                 action.step(self.at, self.pose)
         self._outbox.send()
-
-    def close(self) -> None:
-        for close in self._closes:
-            close()
-        self._closes.clear()
-        if self.camera is not None:
-            self.camera.close()
-
-    def fingerprint(self) -> str:
-        """SHA-256 of the physical state: two runs that agree to the bit have the same."""
-        state = np.concatenate([self.data.qpos, self.data.qvel, self.data.mocap_pos.ravel()])
-        return hashlib.sha256(state.tobytes()).hexdigest()
 
     def _drive(self) -> None:
         pose = self.pose
@@ -219,11 +189,11 @@ class Orchard:
 
     def _publish(self) -> None:
         at, pose = self.at, self.pose
-        if self._steps % FAST == 1:
+        if self._is_due(FAST):
             self._outbox.publish("pose", messages.pose_stamped(*pose[:3], at))
             self._look(pose)
-        if self._steps % SLOW == 1:
-            self._outbox.publish("battery", messages.battery_state(self.battery.percentage, self.battery.voltage, at))
+        if self._is_due(SLOW):
+            self._publish_battery()
         crossing = self.judge.crossing
         facts: dict[str, Any] = {
             "state": self.autonomy.word,
@@ -234,16 +204,14 @@ class Orchard:
         if crossing is not None:
             facts["passed"] = crossing.outcome == "passed"
         for name, fact in facts.items():
-            self._outbox.put(name, fact, {"data": fact}, anyway=self._steps % SLOW == 1)
+            self._outbox.put(name, fact, {"data": fact}, anyway=self._is_due(SLOW))
         if crossing is not None:
             self._outbox.put("crossing", (crossing.start, crossing.outcome), messages.text(crossing.facts()))
 
     def _look(self, pose: TractorPose) -> None:
         if self.camera is None or self._detector is None:
             return
-        moment = self.camera.moment(self.data)
-        picture = self.camera.picture(moment, f"{self._outbox.name('camera')}@{self.at:.3f}")
-        self._outbox.publish("camera_image_color", messages.image(picture, self.at))
+        moment = self._publish_picture(self.camera, "camera_image_color", self._outbox.name("camera"))
         if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
             fact = self._detector.look(moment, self.places, pose)
             if fact is not None:
@@ -253,42 +221,35 @@ class Orchard:
     def _hand_over(self, distance_m: float) -> None:
         self.judge.begin(self.pose, distance_m)
 
-    def _continue(self) -> dict[str, Any]:
+    def _continue(self, _request: Any) -> dict[str, Any]:
         """As upstream: what it sees in its way it drives over. What it does not see, it did not mean to drive over."""
         done = self.autonomy.proceed(over=self.camera is None or self.at - self._saw_at < SEEN_S)
         return messages.trigger(done, "The vehicle continues the mission" if done else "There is nothing to continue")
 
-    def _replan(self) -> dict[str, Any]:
+    def _replan(self, _request: Any) -> dict[str, Any]:
         done = self.autonomy.replan()
         if done:
             self.judge.leave()
         return messages.trigger(done, "The current mission was aborted" if done else "The vehicle is in no alley")
 
-    def _stop(self) -> dict[str, Any]:
+    def _stop(self, _request: Any) -> dict[str, Any]:
         self.autonomy.stop()
         return messages.trigger(True, "The vehicle was stopped")
 
-    def _drive_over(self) -> dict[str, Any]:
+    def _drive_over(self, _request: Any) -> dict[str, Any]:
         why = self._cross.set_out()
         return messages.trigger(not why, why or "The vehicle drives over what is in its way")
 
-    def _go_home(self) -> dict[str, Any]:
+    def _go_home(self, _request: Any) -> dict[str, Any]:
         why = self._home.set_out(*self.layout.home[:2])
         return messages.trigger(not why, why or "The vehicle drives home")
 
-    def _current_state(self) -> dict[str, Any]:
+    def _current_state(self, _request: Any) -> dict[str, Any]:
         return messages.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
 
-    def _flash(self) -> dict[str, Any]:
+    def _flash(self, _request: Any) -> dict[str, Any]:
         pose = self.pose
         for walker in self._walkers.values():
             if math.dist((walker.x, walker.y), pose[:2]) < AUDIBLE_M:
                 walker.signal(pose.x)
         return messages.trigger(True, "Flashing triggered.")
-
-    def _locked(self, answer: Callable[[], dict[str, Any]]) -> Callable[[Any], dict[str, Any]]:
-        def answered(_request: Any) -> dict[str, Any]:
-            with self._outbox.lock:
-                return answer()
-
-        return answered

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the action servers of our worlds share: one goal at a time, whose reports leave when a step is over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from rai_missions.connectors.connector import Data, Report
+
+__all__ = ("End", "GoalServer", "Later", "RunningGoal")
+
+FEEDBACK_S = 0.5
+End = Literal["succeeded", "failed", "canceled"]
+Status = Literal["accepted", "rejected", "feedback", End]
+Later = Callable[[Callable[[], None]], None]
+"""Does something once the world's step is over and its lock is free."""
+
+
+@dataclass
+class RunningGoal:
+    """The goal being pursued."""
+
+    goal_id: str
+    on_report: Callable[[Report], None]
+    begun: float
+    number: int = 0
+    """Of the navigation's goals."""
+    place: tuple[float, float] = (0.0, 0.0)
+    is_unwanted: bool = False
+    next_feedback: float = 0.0
+    arrived_at: float | None = None
+
+
+class GoalServer:
+    """The reports about one goal at a time.
+
+    Args:
+        later: Reports go out through it.
+        at: Simulated seconds at the start.
+    """
+
+    def __init__(self, later: Later, at: float) -> None:
+        self._later, self.at = later, at
+        self.running: RunningGoal | None = None
+
+    def _begin(self, running: RunningGoal) -> None:
+        self.running = running
+        self._report(running, "accepted")
+
+    def _reject(self, running: RunningGoal, why: str) -> None:
+        self._report(running, "rejected", why=why)
+
+    def _end(self, running: RunningGoal, end: End, result: Data, why: str) -> None:
+        self.running = None
+        self._report(running, end, result, why)
+
+    def _feed_back(self, running: RunningGoal, feedback: Callable[[float], dict[str, Any]]) -> None:
+        """Report feedback, if it is time; it is made of how long the goal has been pursued."""
+        if self.at >= running.next_feedback:
+            running.next_feedback = self.at + FEEDBACK_S
+            self._report(running, "feedback", feedback(self.at - running.begun))
+
+    def _report(self, running: RunningGoal, status: Status, data: Data | None = None, why: str = "") -> None:
+        self._later(lambda: running.on_report(Report(running.goal_id, status, data or {}, why)))

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What our worlds share: a compiled model stepped in simulated time, a camera, and what is open on a connector."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from rai_missions.connectors.connector import ActionServer, Close, Connector
+from rai_missions.worlds import messages
+from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.camera import Camera
+from rai_missions.worlds.publish_queue import Guarded, Outbox
+
+__all__ = ("Simulation",)
+
+
+class Simulation:
+    """The physics, the clock and the connections of a `World`.
+
+    Args:
+        model: Compiled.
+        outbox: Where messages wait until a step is over.
+        battery: The robot's.
+        camera: Whether there is one.
+        start_s: What the clock shows at the start.
+        timestep_s: Of the physics.
+    """
+
+    period_s = 0.05
+
+    def __init__(
+        self, model: Any, outbox: Outbox, battery: Battery, *, camera: bool, start_s: float, timestep_s: float
+    ) -> None:
+        self.model, self.data, self.battery = model, mujoco.MjData(model), battery
+        self.camera = Camera(model) if camera else None
+        self.substeps = round(self.period_s / timestep_s)
+        self._outbox = outbox
+        self._steps, self._start_s = 0, start_s
+        self._closes: list[Close] = []
+        mujoco.mj_forward(model, self.data)
+
+    @property
+    def at(self) -> float:
+        """What its clock shows, simulated seconds."""
+        return round(self._start_s + self._steps * self.period_s, 9)
+
+    def close(self) -> None:
+        for close in self._closes:
+            close()
+        self._closes.clear()
+        if self.camera is not None:
+            self.camera.close()
+
+    def fingerprint(self) -> str:
+        """SHA-256 of the physical state: two runs that agree to the bit have the same."""
+        state = np.concatenate([self.data.qpos, self.data.qvel, self.data.mocap_pos.ravel()])
+        return hashlib.sha256(state.tobytes()).hexdigest()
+
+    def _open(
+        self, connector: Connector, *, pictures: Collection[str],
+        actions: Iterable[tuple[str, str, ActionServer]],
+        services: Mapping[tuple[str, str], Callable[[Mapping[str, Any]], dict[str, Any]]],
+    ) -> None:  # fmt: skip
+        """Put everything on a connector.
+
+        Args:
+            connector: Where to.
+            pictures: Topics that need a camera.
+            actions: Name, type and server of each.
+            services: Name and type → what answers, while no step is made.
+        """
+        if self.camera is not None:
+            self.camera.check()
+        self._outbox.open(connector, without=() if self.camera is not None else pictures)
+        for (name, type_name), answer in services.items():
+            self._closes.append(connector.serve(name, type_name, self._locked(answer)))
+        for name, type_name, server in actions:
+            self._closes.append(connector.offer(name, type_name, Guarded(server, self._outbox)))
+
+    def _locked(self, answer: Callable[[Mapping[str, Any]], dict[str, Any]]) -> Callable[[Any], dict[str, Any]]:
+        def answered(request: Mapping[str, Any]) -> dict[str, Any]:
+            with self._outbox.lock:
+                return answer(request)
+
+        return answered
+
+    def _is_due(self, periods: int) -> bool:
+        """Whether what is published once in so many periods is due after this one."""
+        return self._steps % periods == 1
+
+    def _publish_battery(self, *, charging: bool = False) -> None:
+        percentage, voltage = self.battery.percentage, self.battery.voltage
+        self._outbox.publish("battery", messages.battery_state(percentage, voltage, self.at, charging=charging))
+
+    def _publish_picture(self, camera: Camera, topic: str, ref: str) -> Any:
+        """Publish what the camera sees now, rendered when someone looks; gives the moment."""
+        moment = camera.moment(self.data)
+        picture = camera.picture(moment, f"{ref}@{self.at:.3f}")
+        self._outbox.publish(topic, messages.image(picture, self.at))
+        return moment
