@@ -26,7 +26,7 @@ from rai_missions.kinds import Offer
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
-from rai_missions.profile import Robot, dump_profile, identity_folder, lacking, load_profile, misnamed, missing
+from rai_missions.profile import Robot, dump_profile, identity_folder, lacking, load_profile, missing, unknown_fields
 from rai_missions.recording import Recording, observers, recorded
 from rai_missions.redaction import Redaction, logger
 from rai_missions.replay.open_run import OpenedRun, open_run
@@ -215,7 +215,7 @@ def _open_connector(
     connector: Connector = package.open_connector(options, now=clock.now)
     if hasattr(package, "why_absent"):
         absent = lacking(plan.mission, robot, package.why_absent)
-        plan.refuse((*absent, *misnamed(plan.mission, robot, package.fields_of)), plan.config.robot)
+        plan.refuse((*absent, *unknown_fields(plan.mission, robot, package.fields_of)), plan.config.robot)
     if published is not None:
         connector.start()
         closing.closes(connector.stop)

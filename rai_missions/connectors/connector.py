@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 __all__ = (
+    "ENDS",
     "ActionServer",
     "Close",
     "Connector",
@@ -88,6 +89,10 @@ class Report(NamedTuple):
     why: str = ""
     may_run: bool = True
     """Of a lost goal: whether it may be executing; it may not where its server is there and knows nothing of it."""
+
+
+ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
+"""The statuses of a report that end a goal."""
 
 
 class ActionServer(Protocol):

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar, get_args
 
-from rai_missions.connectors.connector import Connector, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import ENDS, Connector, Data, Message, Mode, Reply, Report
 from rai_missions.errors import UsageError
 
 __all__ = ("Inbox", "PatientServer", "check_connector")
@@ -20,7 +20,6 @@ T = TypeVar("T")
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
 MODES: tuple[Mode, ...] = get_args(Mode)
 PATIENCE_S = 30.0
-ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 
 
 class Inbox(Generic[T]):

@@ -10,13 +10,12 @@ import threading
 from collections import deque
 from collections.abc import Callable
 
-from rai_missions.connectors.connector import ActionServer, Data, Report
+from rai_missions.connectors.connector import ENDS, ActionServer, Data, Report
 from rai_missions.redaction import logger
 
 __all__ = ("LocalGoal", "SerialQueue")
 
 log = logger(__name__)
-ENDS = frozenset({"rejected", "succeeded", "failed", "canceled", "lost"})
 
 
 class SerialQueue:

@@ -8,13 +8,29 @@ from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, missing
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.profile.files import dump_profile, identity_folder, load_profile, parse_profile
-from rai_missions.profile.message_fields import misnamed, unread, unsaid
+from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
 from rai_missions.profile.sources import EventSource, Source
 
 __all__ = (
-    "ActionEntry", "EventSource", "Robot", "Rule", "ServiceEntry", "Source", "TopicEntry", "actions_of", "dump_profile",
-    "identity_folder", "lacking", "load_profile", "misnamed", "missing", "parse_profile", "plain", "terms",
-    "unread", "unsaid",
+    "ActionEntry",
+    "EventSource",
+    "Robot",
+    "Rule",
+    "ServiceEntry",
+    "Source",
+    "TopicEntry",
+    "absent_field",
+    "actions_of",
+    "dump_profile",
+    "identity_folder",
+    "lacking",
+    "load_profile",
+    "missing",
+    "parse_profile",
+    "plain",
+    "terms",
+    "unknown_fields",
+    "why_unreadable",
 )  # fmt: skip

@@ -20,7 +20,7 @@ from rai_missions.profile.profile import Robot
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.redaction import cut_repr
 
-__all__ = ("FieldsOf", "misnamed", "unread", "unsaid")
+__all__ = ("FieldsOf", "absent_field", "unknown_fields", "why_unreadable")
 
 MANY = 20
 """The fields of one message."""
@@ -31,7 +31,7 @@ FieldsOf = Callable[[str, Kind], Mapping[str, Any] | None]
 service its reply's. None where the type is not here."""
 
 
-def misnamed(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tuple[Fault, ...]:
+def unknown_fields(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tuple[Fault, ...]:
     """The fields that a profile names and its types have not.
 
     Args:
@@ -48,7 +48,7 @@ def misnamed(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tupl
     return tuple(faults)
 
 
-def unsaid(source: Source | EventSource, message: Mapping[str, Any]) -> str:
+def absent_field(source: Source | EventSource, message: Mapping[str, Any]) -> str:
     """What a source names and a message has no place for, in a sentence; empty if there is nothing."""
     for _, path in _paths(source):
         if why := _lack(message, path):
@@ -56,13 +56,13 @@ def unsaid(source: Source | EventSource, message: Mapping[str, Any]) -> str:
     return ""
 
 
-def unread(source: Source, message: Mapping[str, Any]) -> str:
+def why_unreadable(source: Source, message: Mapping[str, Any]) -> str:
     """Why a message that a source receives has no value, with what is there: `pose.position.x is nan`."""
     found = _not_finite(at_path(message, source.path), source.path)
     strange = [f"{place or 'it'} is {cut_repr(number, 40)}" for place, number in found]
     if strange:
         return ", ".join(strange[:MANY]) + (", …" if len(strange) > MANY else "")
-    return unsaid(source, message) or (f"it leaves '{source.path}' open" if source.path else "it is empty")
+    return absent_field(source, message) or (f"it leaves '{source.path}' open" if source.path else "it is empty")
 
 
 def _not_finite(there: Any, place: str, depth: int = 0) -> Iterator[tuple[str, float]]:

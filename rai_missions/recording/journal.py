@@ -15,7 +15,7 @@ from typing import NamedTuple
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.recording.recording import ENDING, check_name
 
-__all__ = ("Replayed", "is_mcap", "journal_of")
+__all__ = ("MAGIC", "Replayed", "is_mcap", "journal_of")
 
 MAGIC = b"\x89MCAP0\r\n"
 """How a file begins; the MCAP specification."""

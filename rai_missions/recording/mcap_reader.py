@@ -21,6 +21,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal import Blob, Raw, copied
 from rai_missions.recording.encoder import JOURNAL_TOPIC
+from rai_missions.recording.journal import MAGIC
 from rai_missions.recording.recording import FORMAT
 from rai_missions.redaction import cut_repr
 
@@ -28,8 +29,6 @@ __all__ = ("restore",)
 
 HEAD = struct.Struct("<BQ")
 """How each record begins: what it is, and how many bytes follow."""
-MAGIC = b"\x89MCAP0\r\n"
-"""How a file begins."""
 MOST_BYTES = 256 << 20
 """No record that a recording writes is longer."""
 MOST_ROWS_BYTES, ROWS_RATIO = 1 << 30, 100

@@ -16,7 +16,7 @@ from rai_missions.connectors.connector import Close, Connector, Message, Reply
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.keys import Key, fits
-from rai_missions.profile import EventSource, Robot, Source, unread, unsaid
+from rai_missions.profile import EventSource, Robot, Source, absent_field, why_unreadable
 from rai_missions.redaction import cut_repr, logger
 from rai_missions.runtime.readings import Readings, SourceState, in_words
 from rai_missions.runtime.scheduler import Scheduler
@@ -148,7 +148,7 @@ class RobotListener:
                 self._puzzle(key, error)
                 return
             if value is None:
-                readings.misread(unread(source, message.data))
+                readings.misread(why_unreadable(source, message.data))
                 self._miss(key, source, message.data)
                 return
             stamp = _stamp(message, now)
@@ -203,7 +203,7 @@ class RobotListener:
 
     def _miss(self, name: str, source: Source | EventSource, message: Mapping[str, Any]) -> None:
         """What was sought is not in a message: it has no place there, which is told once, or was left open."""
-        if name not in self._puzzled and (why := unsaid(source, message)):
+        if name not in self._puzzled and (why := absent_field(source, message)):
             self._puzzled.add(name)
             log.warning("'%s': %s", name, why)
 

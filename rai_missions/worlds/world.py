@@ -115,13 +115,15 @@ def _check_sorts(name: str, world: Any, options: Mapping[str, Any]) -> None:
         UsageError: One has not; all such are reported at once.
     """
     takes = get_type_hints(world.__init__)
-    wrong = [f"{option} takes {why}" for option, value in options.items() if (why := _misfit(takes.get(option), value))]
+    wrong = [
+        f"{option} takes {why}" for option, value in options.items() if (why := _mismatch(takes.get(option), value))
+    ]
     if wrong:
         options_text = ", ".join(f"{option}={json.dumps(value, default=repr)}" for option, value in options.items())
         raise UsageError(f"the world {name!r} cannot be opened with {options_text}: {', '.join(wrong)}")
 
 
-def _misfit(taken: Any, value: Any) -> str:
+def _mismatch(taken: Any, value: Any) -> str:
     """What an option takes, if that is not a value of this type; else empty."""
     sorts = [get_origin(each) or each for each in get_args(taken) or (taken,)]
     if len(sorts) == 1 and sorts[0] in SORTS:

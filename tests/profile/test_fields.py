@@ -15,7 +15,7 @@ import pytest
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
 from rai_missions.mission.files import load
-from rai_missions.profile import Robot, load_profile, misnamed
+from rai_missions.profile import Robot, load_profile, unknown_fields
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.observers import RobotListener
@@ -33,7 +33,7 @@ TYPES: Mapping[str, Mapping[str, Any]] = {
 
 def faults(**words: Any) -> list[str]:
     robot = Robot.model_validate({"name": "r", "connector": {"kind": "ros2"}, **words})
-    return [str(each) for each in misnamed(None, robot, lambda name, _: TYPES.get(name))]
+    return [str(each) for each in unknown_fields(None, robot, lambda name, _: TYPES.get(name))]
 
 
 def battery(field: str, **words: Any) -> dict[str, Any]:
@@ -97,8 +97,8 @@ def test_the_shipped_profiles_name_what_their_types_have(profile: Path) -> None:
     from rai_missions.connectors.ros2 import fields_of
 
     robot = load_profile(profile)
-    assert misnamed(load(profile.parent / "mission.json"), robot, fields_of) == ()
-    assert misnamed(None, robot, fields_of) == ()
+    assert unknown_fields(load(profile.parent / "mission.json"), robot, fields_of) == ()
+    assert unknown_fields(None, robot, fields_of) == ()
 
 
 def test_a_run_over_ros_is_refused_before_its_start_for_a_field_that_is_not_there(

@@ -25,7 +25,7 @@ def valid(profile: Any) -> bool:
 
 def test_the_schema_that_is_shipped_is_the_models_own() -> None:
     made = json.dumps(robot_schema(), indent=2, ensure_ascii=False) + "\n"
-    assert SHIPPED.read_text(encoding="utf-8") == made, f"{SHIPPED.name} is not what the models say; write it again"
+    assert SHIPPED.read_text(encoding="utf-8") == made, f"{SHIPPED.name} is not what the models give; write it again"
 
 
 def test_the_schema_is_a_schema() -> None:

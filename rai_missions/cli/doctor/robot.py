@@ -14,7 +14,7 @@ from rai_missions.cli.doctor.finding import MachineFinding, Tried, tried
 from rai_missions.connectors.connector import Mode
 from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.errors import suggestion
-from rai_missions.profile import Robot, misnamed
+from rai_missions.profile import Robot, unknown_fields
 from rai_missions.profile.message_types import Kind, listened, typed
 from rai_missions.worlds.world import WORLDS, world_offer
 
@@ -144,7 +144,7 @@ def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
         yield MachineFinding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
         return
     there = dict(zip(asked, found.value, strict=True))
-    for fault in misnamed(None, robot, lambda name, kind: there[name, kind]):
+    for fault in unknown_fields(None, robot, lambda name, kind: there[name, kind]):
         yield MachineFinding("missing", fault.place.lstrip("/"), fault.sentence)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from rclpy.action import ActionServer as RclpyServer
 from rclpy.action import CancelResponse, GoalResponse
 
-from rai_missions.connectors.connector import ActionServer, Report
+from rai_missions.connectors.connector import ENDS, ActionServer, Report
 from rai_missions.connectors.ros2.messages import goal_id_from_bytes, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.services import MANY
@@ -24,7 +24,6 @@ __all__ = ("Served",)
 
 log = logger(__name__)
 
-ENDS = frozenset({"succeeded", "failed", "canceled", "lost"})
 KEPT_S = 10
 """How long a result is kept for anyone who asks late; every status message lists the goals that are kept."""
 
@@ -125,7 +124,7 @@ class Served:
             self._answer(goal, GoalResponse.ACCEPT)
         if goal.handle is not None and report.status == "feedback":
             goal.handle.publish_feedback(to_message(self._class.Feedback, report.data, self._action))
-        elif report.status in ENDS or report.status == "rejected":
+        elif report.status in ENDS:
             goal.is_over = True
             self._finish(goal, report)
 

@@ -26,6 +26,7 @@ from rai_missions.errors import ConnectorError, UsageError
 __all__ = ("Ros2Connector",)
 
 MODES: Mapping[Kind, Mode] = {"msg": "topics", "srv": "services", "action": "actions"}
+KINDS: Mapping[Mode, Kind] = {mode: kind for kind, mode in MODES.items()}
 HIDDEN = "/_"
 """Is in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
 OF_ROS = ("use_sim_time", "start_type_description_service")
@@ -143,12 +144,8 @@ class Ros2Connector:
         A reply to a client that its server has only just met is dropped by the middleware, without a word.
         """
         session = self._session
-        if session is not None and mode == "topics":
-            session.expect_topic(name, self._type("msg", name, type_name))
-        elif session is not None and mode == "services":
-            session.expect_service(name, self._type("srv", name, type_name))
-        elif session is not None and mode == "actions":
-            session.expect_action(name, self._type("action", name, type_name))
+        if session is not None:
+            session.expect(mode, name, self._type(KINDS[mode], name, type_name))
 
     def call(
         self,
@@ -159,44 +156,43 @@ class Ros2Connector:
         on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
     ) -> None:
-        session = self._session
-        if session is None:
-            on_reply(Reply("unavailable", {}, f"no server offers {service}: the connector is not started"))
-            return
-        try:
+        def begin(session: Session) -> None:
             cls = self._type("srv", service, type_name)
-            message = to_message(cls.Request, request, service)
-        except ConnectorError as fault:
-            on_reply(Reply("failed", {}, str(fault)))
-            return
-        session.call(service, cls, message, on_reply, timeout_s)
+            session.call(service, cls, to_message(cls.Request, request, service), on_reply, timeout_s)
+
+        why, is_open = self._attempt(service, begin)
+        if why:
+            on_reply(Reply("failed" if is_open else "unavailable", {}, why))
 
     def send_goal(
         self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
-        session = self._session
-        if session is None:
-            on_report(Report(goal_id, "rejected", {}, f"no server offers {action}: the connector is not started"))
-            return
-        try:
+        def begin(session: Session) -> None:
             cls = self._type("action", action, type_name)
-            message = to_message(cls.Goal, goal, action)
-        except ConnectorError as fault:
-            on_report(Report(goal_id, "rejected", {}, str(fault)))
-            return
-        session.send_goal(action, cls, message, goal_id, on_report)
+            session.send_goal(action, cls, to_message(cls.Goal, goal, action), goal_id, on_report)
+
+        why, _ = self._attempt(action, begin)
+        if why:
+            on_report(Report(goal_id, "rejected", {}, why))
 
     def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+        why, _ = self._attempt(
+            action,
+            lambda session: session.find_goal(action, self._type("action", action, type_name), goal_id, on_report),
+        )
+        if why:
+            on_report(Report(goal_id, "lost", {}, why))
+
+    def _attempt(self, name: str, begin: Callable[[Session], None]) -> tuple[str, bool]:
+        """Begin something with a server; why that cannot be, and whether the connector is open."""
         session = self._session
         if session is None:
-            on_report(Report(goal_id, "lost", {}, f"no server offers {action}: the connector is not started"))
-            return
+            return f"no server offers {name}: the connector is not started", False
         try:
-            cls = self._type("action", action, type_name)
+            begin(session)
         except ConnectorError as fault:
-            on_report(Report(goal_id, "lost", {}, str(fault)))
-            return
-        session.find_goal(action, cls, goal_id, on_report)
+            return str(fault), True
+        return "", True
 
     def survey(self, action: str, type_name: str, *, within_s: float, on_result: Callable[[str], None]) -> None:
         """Find out whether more than one server answers for an action, each by a reply to a request of no effect."""

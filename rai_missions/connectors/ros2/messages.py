@@ -18,7 +18,7 @@ from typing import Any
 from rai_missions.connectors.connector import Data
 from rai_missions.connectors.ros2.images import PICTURES, check_picture, message_of_picture
 from rai_missions.connectors.ros2.names import find_type
-from rai_missions.connectors.ros2.types import BYTES, CODES, INTEGERS, FieldType, field_type
+from rai_missions.connectors.ros2.types import BYTES, CODES, INTEGERS, NO_FIELD, FieldType, field_type
 from rai_missions.errors import ConnectorError, suggestion
 from rai_missions.image import Image
 from rai_missions.redaction import cut, shown
@@ -37,8 +37,6 @@ TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 GREATEST = {"float": 3.4028234663852886e38, "double": sys.float_info.max}
 GREATEST_SET = 3.402823466e38
 """What rclpy takes for the greatest float; as a float it is the greatest one."""
-NO_FIELD = "structure_needs_at_least_one_member"
-"""What ROS gives a message that has no fields."""
 HEX = frozenset("0123456789abcdef")
 READABLE = frozenset(string.ascii_letters + string.digits + "-_./:")
 

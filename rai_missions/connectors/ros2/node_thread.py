@@ -35,7 +35,7 @@ __all__ = ("Runtime", "Work", "guarded")
 log = logger(__name__)
 
 T = TypeVar("T")
-Work = Callable[[], None]
+Work = Callable[[], object]
 LOOK_S = 0.02
 """How often someone who is awaited is looked for."""
 IDLE_S = 1.0
@@ -148,7 +148,7 @@ class Runtime:
         heapq.heappush(self._deadlines, (time.monotonic() + delay_s, next(self._numbers), entry))
         return entry.clear
 
-    def when(self, is_so: Callable[[], bool], within_s: float, then: Callable[[bool], None]) -> None:
+    def when(self, is_so: Callable[[], bool], within_s: float, then: Callable[[bool], object]) -> None:
         """Wait until something is so, and state whether it came; only on this thread."""
         until = time.monotonic() + within_s
 

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from rai_missions.connectors.connector import ActionServer, Close, Data, Message, RawMessage, Reply, Report
+from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, RawMessage, Reply, Report
 from rai_missions.connectors.ros2.action_client import ClientGoal
 from rai_missions.connectors.ros2.action_server import Served
 from rai_missions.connectors.ros2.config import Options
@@ -59,10 +59,7 @@ class Session:
         self.runtime = Runtime(options, lambda: self._give_up("ROS was shut down"))
         self._subscriptions = Subscriptions(self.runtime, options.quality, self._date)
         if options.node:
-            self.runtime.post(self._look_later)
-
-    def _look_later(self) -> None:
-        self.runtime.later(NAMESAKE_S, self._look_for_namesakes)
+            self.runtime.post(lambda: self.runtime.later(NAMESAKE_S, self._look_for_namesakes))
 
     def _look_for_namesakes(self) -> None:
         """Two nodes of one name both work, but tools and parameters reach either of them at random."""
@@ -85,11 +82,10 @@ class Session:
     def publish(self, topic: str, cls: Any, message: Any) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish(message))
 
-    def expect_topic(self, topic: str, cls: Any) -> None:
-        def make() -> None:
-            self._publication(topic, cls)
-
-        self.runtime.post(make)
+    def expect(self, mode: Mode, name: str, cls: Any) -> None:
+        """Make what will be used, so that the other side has found it by then."""
+        make = {"topics": self._publication, "services": self._client, "actions": self._goal_client}[mode]
+        self.runtime.post(lambda: make(name, cls))
 
     def publish_later(self, topic: str, cls: Any, make: Callable[[], Any]) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish_later(make))
@@ -118,12 +114,6 @@ class Session:
         if not self.runtime.post(lambda: self._client(service, cls).call(request, once, timeout_s)):
             once(Reply("unavailable", {}, "ROS was shut down"))
 
-    def expect_service(self, service: str, cls: Any) -> None:
-        def make() -> None:
-            self._client(service, cls)
-
-        self.runtime.post(make)
-
     def _client(self, service: str, cls: Any) -> Client:
         if service not in self._clients:
             self._clients[service] = Client(self.runtime, service, cls, self._options.discovery_s, self._date)
@@ -150,12 +140,6 @@ class Session:
 
     def offer(self, action: str, cls: Any, server: ActionServer) -> Close:
         return self._keep(action, lambda: Served(self.runtime, action, cls, server))
-
-    def expect_action(self, action: str, cls: Any) -> None:
-        def make() -> None:
-            self._goal_client(action, cls)
-
-        self.runtime.post(make)
 
     def _goal_client(self, action: str, cls: Any) -> GoalClient:
         if action not in self._goal_clients:

@@ -136,7 +136,7 @@ class _Reader:
             return
         if not self._entities:
             self._opened_ns, self._count = time.time_ns(), 0
-        events = SubscriptionEventCallbacks(incompatible_qos=self._misfits, use_default_callbacks=False)
+        events = SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch, use_default_callbacks=False)
         receive = self._mixed.receive_reliably if reliability == "reliable" else self._mixed.receive
         self._entities[reliability] = self._runtime.node.create_subscription(
             self._class, self._topic, receive, profile(self._quality, reliability),
@@ -177,7 +177,7 @@ class _Reader:
         if waits:
             self._runtime.later(waits[0], look)
 
-    def _misfits(self, found: Any) -> None:
+    def _on_mismatch(self, found: Any) -> None:
         """A publisher offers less than is asked for, and would never be received."""
         if self._is_fitted:
             return

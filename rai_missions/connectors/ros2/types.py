@@ -12,7 +12,7 @@ from rai_missions.connectors.ros2.names import EXAMPLE, Kind, find_type
 from rai_missions.errors import ConnectorError
 from rai_missions.redaction import cut_repr
 
-__all__ = ("BYTES", "CODES", "INTEGERS", "FieldType", "describe_type", "field_type")
+__all__ = ("BYTES", "CODES", "INTEGERS", "NO_FIELD", "FieldType", "describe_type", "field_type")
 
 INTEGERS = {
     **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
@@ -34,6 +34,7 @@ PARTS: dict[Kind, dict[str, str]] = {
 }
 DEEPEST = 4
 NO_FIELD = "structure_needs_at_least_one_member"
+"""What ROS gives a message that has no fields."""
 
 
 @dataclass(frozen=True)
