@@ -7,16 +7,18 @@ Rule: an event is raw. It holds what was received, never what it means; what it 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
-__all__ = ("KINDS", "Event", "Tick", "is_operator", "is_taken")
+__all__ = ("KINDS", "Event", "EventKind", "Tick", "is_operator", "is_taken")
 
 NOTHING: Mapping[str, Any] = {}
-KINDS = (
+EventKind = Literal[
     "event", "tick", "write", "accepted", "feedback", "result", "proposal", "control", "behaviour", "command",
-    "doubt", "refused", "lost", "contested", "stray", "over",
-)  # fmt: skip
+    "doubt", "refused", "lost", "contested", "stray", "over", "outcome",
+]  # fmt: skip
 """The kinds of events; the table of `Event.kind` has what each means."""
+KINDS: tuple[EventKind, ...] = tuple(kind for kind in get_args(EventKind) if kind != "outcome")
+"""Those that can come from outside."""
 
 
 class Event(NamedTuple):
@@ -28,7 +30,7 @@ class Event(NamedTuple):
     """Seconds on the run's clock."""
     data: Mapping[str, Any] = NOTHING
     """The payload; `event.<field>` in the guards of the transition that it fires."""
-    kind: str = "event"
+    kind: EventKind = "event"
     """The kind, on which the meaning of `name` and `number` depends:
 
     | kind         | name                                              | number            |
@@ -49,6 +51,7 @@ class Event(NamedTuple):
     | `behaviour`  | `behaviour`; its end is in `data["status"]`   | number of start   |
     | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`, `migrate` | –                 |
     | `doubt`      | `uncertain`: whether it was done (`data["name"]`) is unknown | – |
+    | `outcome`    | an outcome of a state that waits for the hand-back; never from outside | – |
 
     `take_up`: another process continues with the run. The first reading of each fact that was known is in
     `data["heard"]`, and the instant from which on effects are carried out again in `data["present"]`.

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.pointers import pointer
@@ -83,7 +83,7 @@ def deaf_transitions(survey: MissionIndex) -> Found:
             yield f"{transition.place}/on", _vain(transition, source, vain, possible)
 
 
-def _vain(transition: TransitionRef, source: StateRef | None, vain: list[str], possible: frozenset[str]) -> str:
+def _vain(transition: TransitionRef, source: StateRef | None, vain: Sequence[str], possible: frozenset[str]) -> str:
     whose = source or transition.owner
     who = f"'{whose.name}'" if whose is not None else "no state of the mission"
     verb = "never reports" if whose is not None else "reports"

@@ -26,7 +26,7 @@ from rai_missions.engine.program import Named
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.snapshot import Snapshot
 from rai_missions.engine.state import StepDraft
-from rai_missions.engine.step import Cause, Step
+from rai_missions.engine.step import Cause, Effect, Move, Step
 from rai_missions.engine.stepping import begin_run, close, compiled, fresh, make_step
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.timing import look_ahead
@@ -142,20 +142,18 @@ class Chart:
             return make_step(self.program, state, event)
         if at > state.at:
             state.at = at
-        else:
-            at = state.at
         config = state.config
         plan = config.plans.get(name)
         if plan is None:
             plan = config.plan(name, declared=name in self.program.declared)
         if not plan:
             is_declared = name in self.program.declared
-            return self._quiet(event, at, ()) if is_declared else make_step(self.program, state, event)
+            return self._short(event, (), ()) if is_declared else make_step(self.program, state, event)
         state.event = data
         looked: list[tuple[str, Truth]] = []
         transitions = enabled(state, plan, looked)
         if not transitions:
-            return self._quiet(event, at, tuple(looked))
+            return self._short(event, (), tuple(looked))
         leap = config.leaps.get((tuple(transitions), name))
         if leap is None or not leap.plain or not leap.shifts.isdisjoint(state.listening):
             return make_step(self.program, state, event)
@@ -163,12 +161,7 @@ class Chart:
         state.active = leap.config.active
         if leap.acts:
             return self._acted(event, leap, looked)
-        state.seq = seq = state.seq + 1
-        wake = None if state.wake == math.inf else state.wake
-        return _new(Step, (
-            seq, at, event, leap.moves, tuple(looked), (), None, wake, (), "", (), (), "running", state.holder, (), "",
-            False,
-        ))  # fmt: skip
+        return self._short(event, leap.moves, tuple(looked))
 
     def _acted(self, event: Event, leap: CompiledStep, looked: list[tuple[str, Truth]]) -> Step:
         """The end of a step on the short way that does something."""
@@ -181,25 +174,24 @@ class Chart:
             draft.looked += looked
             complete(program, state, None)
             return close(program, state, event)
-        state.seq += 1
-        step: Step = _new(Step, (
-            state.seq, state.at, event, leap.moves, tuple(looked), tuple(written), None,
-            None if state.wake == math.inf else state.wake, tuple(draft.effects), "",
-            with_verdicts(draft.notes)[0] if draft.notes else (),
-            (), "running", state.holder, (), "", False,
-        ))  # fmt: skip
+        notes = with_verdicts(draft.notes)[0] if draft.notes else ()
+        step = self._short(event, leap.moves, tuple(looked), tuple(written), tuple(draft.effects), notes)
         written.clear()
         if draft.effects or draft.notes or draft.news:
             state.draft = StepDraft()
         return step
 
-    def _quiet(self, event: Event, at: float, looked: tuple[tuple[str, Truth], ...]) -> Step:
-        """A step in which no transition fired."""
+    def _short(
+        self, event: Event, moves: tuple[Move, ...], looked: tuple[tuple[str, Truth], ...],
+        written: tuple[tuple[str, Any], ...] = (), effects: tuple[Effect, ...] = (), notes: tuple[str, ...] = (),
+    ) -> Step:  # fmt: skip
+        """The value of a step on the short way; without moves no transition fired."""
         state = self.state
-        state.seq += 1
-        wake = None if state.wake == math.inf else state.wake
+        state.seq = seq = state.seq + 1
+        wake = state.wake
         return _new(Step, (
-            state.seq, at, event, (), looked, (), None, wake, (), "", (), (), "running", state.holder, (), "", False,
+            seq, state.at, event, moves, looked, written, None, None if wake == math.inf else wake, effects, "", notes,
+            (), "running", state.holder, (), "", False,
         ))  # fmt: skip
 
     def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:
@@ -299,7 +291,7 @@ class Chart:
     @property
     def wake_at(self) -> float | None:
         """The earliest instant at which time alone can change something."""
-        return None if self.state.wake == math.inf else self.state.wake
+        return self.state.wake_at
 
     @property
     def unheard(self) -> tuple[str, ...]:

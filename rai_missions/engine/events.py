@@ -18,7 +18,7 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
 from rai_missions.engine.running import poll
 from rai_missions.engine.state import RunState, Trigger, refuse
-from rai_missions.event import KINDS, Event
+from rai_missions.event import KINDS, Event, EventKind
 from rai_missions.keys import Stamped, fits, stale_at
 from rai_missions.model import suggestion
 
@@ -129,13 +129,13 @@ def _write(program: Program, state: RunState, event: Event) -> None:
         complete(program, state, None)
 
 
-ALWAYS: Mapping[str, Receiver] = {
+ALWAYS: Mapping[EventKind, Receiver] = {
     "tick": _pass, "feedback": _pass, "command": receive_command, "accepted": receive_report, "result": receive_report,
     **dict.fromkeys(WATCHED, watch_goal),
 }  # fmt: skip
 """Kind → its receiver, after the end of the mission too."""
-UNTIL_END: Mapping[str, Receiver] = {"write": _write, "control": receive_control}
-UNTIL_FINAL: Mapping[str, Receiver] = {
+UNTIL_END: Mapping[EventKind, Receiver] = {"write": _write, "control": receive_control}
+UNTIL_FINAL: Mapping[EventKind, Receiver] = {
     "event": _receive_event, "doubt": _receive_event, "proposal": _receive_answer, "behaviour": _receive_answer,
 }  # fmt: skip
 """The same, unless the mission is ending already."""

@@ -18,13 +18,11 @@ from rai_missions.event import Event
 from rai_missions.states.state import Holder
 
 __all__ = (
-    "OUTCOME", "awake", "drop_reports", "event_of", "free", "give_time_back", "held_by", "held_controls",
+    "awake", "drop_reports", "event_of", "free", "give_time_back", "held_by", "held_controls",
     "holder_of", "is_for_held", "is_held", "keep", "keep_trigger", "live", "run_at", "shift", "trigger_of",
     "wait_out_pause",
 )  # fmt: skip
 
-OUTCOME = "outcome"
-"""The kind of a kept event that is an outcome: its state and the rest of the trigger are in its data."""
 Plan = tuple[tuple[CompiledTransition, ...], ...]
 Controls = Container[str | None]
 
@@ -98,7 +96,7 @@ def keep(program: Program, state: RunState, event: Event) -> None:
         return
     state.kept = (*state.kept, event)
     state.draft.touched = state.draft.is_kept = True
-    what = f"the outcome '{event.name}' of '{event.data['state']}'" if event.kind == OUTCOME else f"'{event.name}'"
+    what = f"the outcome '{event.name}' of '{event.data['state']}'" if event.kind == "outcome" else f"'{event.name}'"
     state.draft.notes.append(f"{what} waits until the operator gives control back")
 
 
@@ -120,12 +118,12 @@ def event_of(state: RunState, trigger: Trigger) -> Event:
     if source is None:
         return Event(name, state.at, data)
     given = {"state": source.name, "climbs": trigger.climbs, "why": trigger.why, "data": dict(data)}
-    return Event(name, state.at, given, OUTCOME)
+    return Event(name, state.at, given, "outcome")
 
 
 def trigger_of(program: Program, state: RunState, event: Event) -> Trigger | None:
     """The trigger that was kept as this event; None where the state that reported it was left meanwhile."""
-    if event.kind != OUTCOME:
+    if event.kind != "outcome":
         return Trigger(event.name, event.data)
     node, data = program.graph.nodes[event.data["state"]], event.data
     is_active = node in state.config.nodes

@@ -7,17 +7,31 @@ The chart refuses commands by it, the lifecycle that others read is built of it,
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 from rai_missions.states.final import FinalOutcome
 
-__all__ = ("ALIVE", "MODES", "MODE_TABLE", "Mode", "ModeChange", "diagram", "mode_of", "next_mode", "refusal")
+__all__ = (
+    "ALIVE",
+    "MODES",
+    "MODE_TABLE",
+    "Mode",
+    "ModeChange",
+    "RunMode",
+    "diagram",
+    "mode_of",
+    "next_mode",
+    "refusal",
+)
 
-Mode = Literal["ready", "running", "paused", "canceling", FinalOutcome]
-MODES: tuple[Mode, ...] = ("ready", "running", "paused", "canceling", "canceled", "succeeded", "failed", "aborted")
-"""The last four are the outcomes: in each of them the mission has ended."""
-ALIVE: tuple[Mode, ...] = ("ready", "running", "paused", "canceling")
+Alive = Literal["ready", "running", "paused", "canceling"]
 """The modes in which the mission has not ended."""
+Mode = Literal[Alive, FinalOutcome]
+RunMode = Literal[Alive, "ended"]
+"""The mode as a run remembers it, next to its outcome."""
+ALIVE: tuple[Alive, ...] = get_args(Alive)
+MODES: tuple[Mode, ...] = get_args(Mode)
+"""The last four are the outcomes: in each of them the mission has ended."""
 
 
 class ModeChange(NamedTuple):
@@ -49,7 +63,7 @@ _CHANGES: Mapping[tuple[str, str], ModeChange] = {
 _TRIGGERS = {each.trigger: each for each in MODE_TABLE}
 
 
-def mode_of(mode: Literal["ready", "running", "paused", "canceling", "ended"], outcome: FinalOutcome | None) -> Mode:
+def mode_of(mode: RunMode, outcome: FinalOutcome | None) -> Mode:
     """The mode of a run as every reader has it: a run that has ended is in its outcome."""
     return mode if mode != "ended" else outcome or "aborted"
 

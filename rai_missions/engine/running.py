@@ -49,7 +49,7 @@ class Host:
         state = self.view
         state.draft.goal_ended = state.goals.pop(number, None) is not None or state.draft.goal_ended
 
-    def obstruction(self, action: str) -> str:
+    def obstruction(self, action: str) -> goal_ledger.Obstruction:
         return goal_ledger.obstruction(self.view.goals, self._program.facts, action)
 
     def write_key(self, key: str, value: Any, by: str = "") -> bool:

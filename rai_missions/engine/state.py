@@ -19,6 +19,7 @@ from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.decision import VerdictNote
+from rai_missions.engine.modes import RunMode
 from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.step import Cause, Move, Refusal
 from rai_missions.event import Event
@@ -173,7 +174,7 @@ class RunState:
     # -- the run
     seq: int = slot(0, "number")
     """Steps so far."""
-    mode: Literal["ready", "running", "paused", "canceling", "ended"] = slot("ready")
+    mode: RunMode = slot("ready")
     outcome: FinalOutcome | None = slot(None, "end")
     why: str = slot("", "end")
     cause: Cause = slot("", "end")
@@ -239,6 +240,11 @@ class RunState:
     """What the step in hand has gathered."""
     ask: Callable[[RunState, str, Mapping[str, Any]], Truth] = unanswered
     """Who answers for the predicates of the user's program."""
+
+    @property
+    def wake_at(self) -> float | None:
+        """The earliest instant at which time alone can change something; None for none."""
+        return None if self.wake == math.inf else self.wake
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         """The value of a predicate of the user's program."""

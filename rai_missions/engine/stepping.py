@@ -126,7 +126,7 @@ def close(program: Program, state: RunState, event: Event) -> Step:
     state.seq += 1
     made: Step = tuple.__new__(Step, (
         state.seq, state.at, event, tuple(draft.moves), tuple(draft.looked), tuple(draft.written), state.outcome,
-        None if state.wake == math.inf else state.wake, tuple(draft.effects), why, notes,
+        state.wake_at, tuple(draft.effects), why, notes,
         resting(program, state), mode_of(state.mode, state.outcome), state.holder, verdicts, draft.refusal,
         draft.is_kept,
     ))  # fmt: skip

@@ -7,7 +7,7 @@ Rule: the operator may take control and give it back at any time, so a look find
 from __future__ import annotations
 
 from rai_missions.engine import Chart
-from rai_missions.engine.hold import OUTCOME, held_controls
+from rai_missions.engine.hold import held_controls
 from rai_missions.engine.nodes import Node
 from rai_missions.engine.state import RunState
 from rai_missions.event import Event
@@ -136,7 +136,7 @@ class ControlEnvironment:
 
         The same for the end of a pause, where some transition names it.
         """
-        is_own = event.kind == OUTCOME or event.name in BUILT_IN_EVENTS
+        is_own = event.kind == "outcome" or event.name in BUILT_IN_EVENTS
         if not is_own or any(kept_words(event) == kept_words(each) for each in waiting):
             return False
         return state.mode != "paused" or event.name in self._named_events

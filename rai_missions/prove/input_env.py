@@ -19,7 +19,7 @@ from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.engine.events import handle
 from rai_missions.engine.hold import free, is_held
-from rai_missions.event import Event
+from rai_missions.event import Event, EventKind
 from rai_missions.prove.abstraction import Abstraction
 from rai_missions.prove.answer_values import AnswerValues
 from rai_missions.prove.instruments import Instruments
@@ -89,7 +89,7 @@ class InputEnvironment:
         if self._hears_of_doubt and not state.frozen:
             yield Stimulus("nobody can tell whether it was done", "event", self._bringing("uncertain", "doubt", fields))
 
-    def _bringing(self, name: str, kind: str, fields: Sequence[str]) -> Callable[[], None]:
+    def _bringing(self, name: str, kind: EventKind, fields: Sequence[str]) -> Callable[[], None]:
         """An event whose payload is chosen again each time it happens."""
         return lambda: self.handle(Event(name, NOW, Payload(fields, self._field), kind))
 

@@ -28,7 +28,7 @@ from rai_missions.engine.step import (
     Withdraw,
 )
 from rai_missions.errors import MissionError, in_words
-from rai_missions.event import Event
+from rai_missions.event import Event, EventKind
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, plain
@@ -230,7 +230,7 @@ class EffectExecutor:
         if number in self._open:
             self._withdraw(Withdraw(number))
 
-    def _event(self, kind: str, name: str, number: int, data: Mapping[str, Any]) -> None:
+    def _event(self, kind: EventKind, name: str, number: int, data: Mapping[str, Any]) -> None:
         self._scheduler.post(Event(name, self._scheduler.now(), dict(data), kind, number))
 
     # -- goals, calls and messages ------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from typing import Any
 from rai_missions.connectors.connector import Connector, Reply, Report
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.errors import in_words
+from rai_missions.event import EventKind
 from rai_missions.profile import ActionEntry, Robot, ServiceEntry, plain
 from rai_missions.redaction import cut, logger
 
@@ -25,7 +26,12 @@ log = logger(__name__)
 CANCELED_S = 5.0
 """How long other calls wait for the reply of the service that ends a composed action."""
 ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
-WATCHED = {"cancel_rejected": "refused", "contested": "contested", "stray": "stray", "over": "over"}
+WATCHED: Mapping[str, EventKind] = {
+    "cancel_rejected": "refused",
+    "contested": "contested",
+    "stray": "stray",
+    "over": "over",
+}
 """What a connector reports of a goal next to its course → the kind of the event that tells the mission."""
 BAD_REPLIES = ("failed", "timed_out", "unavailable")
 
@@ -42,7 +48,7 @@ class Goals:
 
     def __init__(
         self, run: str, robot: Robot | None, connector: Connector | None,
-        *, tell: Callable[[str, str, int, Mapping[str, Any]], None],
+        *, tell: Callable[[EventKind, str, int, Mapping[str, Any]], None],
     ) -> None:  # fmt: skip
         self._run, self._robot, self._connector, self._tell = run, robot, connector, tell
         self._ids: dict[int, str] = {}

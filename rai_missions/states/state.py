@@ -35,12 +35,14 @@ if TYPE_CHECKING:
     from rai_missions.states.tree.node import TreeNode
 
 __all__ = (
-    "ANY_EVENT", "HOLDERS", "OUTCOMES", "Controller", "Effects", "Holder", "ResultKey", "State", "States", "Transition",
+    "ANY_EVENT", "HOLDERS", "OUTCOMES", "ActivityOutcome", "Controller", "Effects", "Holder", "ResultKey", "State",
+    "States", "Transition",
 )  # fmt: skip
 
 ANY_EVENT = "*"
-OUTCOMES = ("succeeded", "failed", "timed_out", "rejected", "canceled", "unverified", "aborted")
+ActivityOutcome = Literal["succeeded", "failed", "timed_out", "rejected", "canceled", "unverified", "aborted"]
 """What an activity can report about itself, next to a decision's options."""
+OUTCOMES: tuple[ActivityOutcome, ...] = get_args(ActivityOutcome)
 
 Controller = Literal["autonomy", "agent", "operator"]
 """Who may command the robot's actuators."""

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 from rai_missions.engine.activities.activity import (
     GOALS,
     NO_KEYS,
     ActivityHost,
     Bench,
+    Machine,
     Outcome,
     Turn,
     machine_of,
@@ -46,7 +47,7 @@ class Pursued(Protocol):
 class GoalActivity(NamedTuple):
     """How far a goal has come."""
 
-    phase: str
+    phase: Literal["waiting", "sent", "running", "settling"]
     """`waiting` for resources, `sent`, `running` once accepted, `settling` once its server reported `succeeded`."""
     number: int = 0
     until: float = math.inf
@@ -54,7 +55,7 @@ class GoalActivity(NamedTuple):
     result: Mapping[str, Any] = {}
 
 
-class GoalMachine:
+class GoalMachine(Machine):
     """Pursues one action's goal.
 
     Args:

@@ -6,6 +6,8 @@ Rule: a machine keeps nothing. Its state is a frozen value in the snapshot; time
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from functools import singledispatch
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
@@ -14,6 +16,7 @@ from rai_missions.event import Event
 from rai_missions.guards.guard import Site, View, concerns
 
 if TYPE_CHECKING:
+    from rai_missions.engine.activities.goal_ledger import Obstruction
     from rai_missions.engine.activities.ticker import Trees
     from rai_missions.engine.activities.tree_rounds import Rounds
     from rai_missions.engine.decision import VerdictNote
@@ -85,46 +88,53 @@ class ActivityHost(Protocol):
     def rounds(self, owner: str, loops: int) -> Rounds:
         """What the tree of a state has done in the step in hand; `loops` as `Ticker` has it."""
 
-    def obstruction(self, action: str) -> str:
-        """`busy`: a goal on the same resources has not ended; `orphan`: one never confirmed its end; or empty."""
+    def obstruction(self, action: str) -> Obstruction:
+        """Why an action has to wait for another goal; empty where it has not."""
 
 
-class Machine(Protocol):
+NO_KEYS: frozenset[str] = frozenset()
+GOALS = "#goals"
+"""What the ledger is called among the keys: a goal has ended or was given up."""
+
+
+class Machine(ABC):
     """One kind of activity, compiled for one owner."""
 
     owner: str
     """The state, or `state#path` for a leaf of a tree."""
 
+    @abstractmethod
     def begin(self, desk: ActivityHost) -> Turn:
         """The state is active and control is where it belongs: start."""
 
+    @abstractmethod
     def receive(self, state: Any, event: Event, desk: ActivityHost) -> Turn | None:
         """Something happened; None where it does not concern this.
 
-        A `tick` reports that an instant has come for which `wake_at` asked, or that the `keys` in its data were
+        A `tick`: an instant has come for which `wake_at` asked, or the `keys` in its data were written;
         those of them that have another value now are its `news`. Among both are `GOALS`, and states that have become
         active or inactive, each by its `presence`.
         """
 
     def leave(self, state: Any, desk: ActivityHost) -> Turn:
         """The state is left, paused or out of time: end what runs."""
+        return Turn(None)
 
     def wake_at(self, state: Any, view: View) -> float:
         """The next instant at which a `tick` may change something; infinity for none."""
+        return math.inf
 
     def reads(self, state: Any) -> frozenset[str]:
         """What it wants to be notified of: changes of keys, of states (`presence`), of goals (`GOALS`)."""
+        return NO_KEYS
 
+    @abstractmethod
     def awaits(self, state: Any) -> frozenset[int]:
         """The numbers of the starts and questions whose answer it waits for."""
 
     def shifted(self, state: Any, by_s: float) -> Any:
         """The state with its deadlines moved: the mission was paused for so long."""
-
-
-NO_KEYS: frozenset[str] = frozenset()
-GOALS = "#goals"
-"""What the ledger is called among the keys: a goal has ended or was given up."""
+        return state
 
 
 class Bench(NamedTuple):

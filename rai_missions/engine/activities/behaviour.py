@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, machine_of, remembered
+from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import StartBehaviour, StopBehaviour
 from rai_missions.event import Event
-from rai_missions.guards.guard import View
 from rai_missions.states.tree import BehaviourLeaf
 
 __all__ = ("BehaviourActivity", "BehaviourMachine")
@@ -24,7 +22,7 @@ class BehaviourActivity(NamedTuple):
     number: int
 
 
-class BehaviourMachine:
+class BehaviourMachine(Machine):
     """Has one behaviour ticked until it has ended or is left."""
 
     def __init__(self, owner: str) -> None:
@@ -45,17 +43,8 @@ class BehaviourMachine:
     def leave(self, state: BehaviourActivity, desk: ActivityHost) -> Turn:
         return Turn(None, (StopBehaviour(state.number),))
 
-    def wake_at(self, state: BehaviourActivity, view: View) -> float:
-        return math.inf
-
-    def reads(self, state: BehaviourActivity) -> frozenset[str]:
-        return NO_KEYS
-
     def awaits(self, state: BehaviourActivity) -> frozenset[int]:
         return frozenset({state.number})
-
-    def shifted(self, state: BehaviourActivity, by_s: float) -> BehaviourActivity:
-        return state
 
 
 @machine_of.register(BehaviourLeaf)

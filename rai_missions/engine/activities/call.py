@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
-from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, machine_of, remembered
+from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import CallService
 from rai_missions.event import Event
-from rai_missions.guards.guard import Site, View
+from rai_missions.guards.guard import Site
 from rai_missions.states.call import Call
 from rai_missions.states.effects import filled
 from rai_missions.states.tree import CallLeaf
@@ -32,7 +31,7 @@ class CallActivity(NamedTuple):
     number: int
 
 
-class CallMachine:
+class CallMachine(Machine):
     """Calls one service."""
 
     def __init__(self, definition: Any, owner: str, site: Site) -> None:
@@ -56,20 +55,8 @@ class CallMachine:
         why = str(data.get("why", ""))
         return Turn(None, outcome=Outcome(outcome, data, why), writes=writes if outcome == "succeeded" else ())
 
-    def leave(self, state: CallActivity, desk: ActivityHost) -> Turn:
-        return Turn(None)
-
-    def wake_at(self, state: CallActivity, view: View) -> float:
-        return math.inf
-
-    def reads(self, state: CallActivity) -> frozenset[str]:
-        return NO_KEYS
-
     def awaits(self, state: CallActivity) -> frozenset[int]:
         return frozenset({state.number})
-
-    def shifted(self, state: CallActivity, by_s: float) -> CallActivity:
-        return state
 
 
 @machine_of.register(Call)

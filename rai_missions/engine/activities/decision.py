@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, machine_of, remembered
+from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.decision import Evidence, Limits, Offer, Proposal, Question, Verdict, VerdictNote, judge
 from rai_missions.engine.step import Ask, Withdraw
 from rai_missions.event import Event
@@ -34,7 +34,7 @@ class DecisionActivity(NamedTuple):
     """When the whole decision is over."""
 
 
-class DecisionMachine:
+class DecisionMachine(Machine):
     """Asks one decision's question."""
 
     def __init__(self, asked: DecisionSpec, owner: str, site: Site) -> None:
@@ -164,9 +164,6 @@ class DecisionMachine:
 
     def wake_at(self, state: DecisionActivity, view: View) -> float:
         return min(state.deadline, state.question.until)
-
-    def reads(self, state: DecisionActivity) -> frozenset[str]:
-        return NO_KEYS
 
     def awaits(self, state: DecisionActivity) -> frozenset[int]:
         return frozenset({state.question.number})

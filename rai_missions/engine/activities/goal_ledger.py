@@ -8,7 +8,7 @@ named to those who ask what may still move the robot.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.robot_facts import RobotFacts
@@ -17,8 +17,10 @@ from rai_missions.event import Event
 
 __all__ = (
     "Goal",
+    "GoalPhase",
     "Goals",
     "LedgerChange",
+    "Obstruction",
     "OpenGoal",
     "awaited",
     "cancel",
@@ -37,6 +39,22 @@ GIVEN_UP = ("orphaned", "lost")
 """The phases of goals whose end the run does not wait for."""
 
 
+Obstruction = Literal["", "busy", "orphan"]
+"""Why a start has to wait: a goal on the same resources has not ended; one never confirmed its end; empty for none."""
+GoalPhase = Literal["sent", "running", "withdrawn", "canceling", "orphaned", "lost"]
+"""`running` once accepted, `withdrawn` (canceled as soon as it is accepted), `orphaned` (its end was not confirmed in
+time), `lost` (its server is gone, which ends it for the mission alone)."""
+
+
+Reason = Literal["orphaned", "refused", "lost"]
+"""Why a goal may still be executing: see `REASONS`."""
+REASONS: Mapping[Reason, str] = {
+    "orphaned": "its end was not confirmed",
+    "refused": "its server refuses to cancel it",
+    "lost": "its server is gone",
+}
+
+
 class OpenGoal(NamedTuple):
     """A goal that may still be executing somewhere, although nothing waits for it."""
 
@@ -46,18 +64,11 @@ class OpenGoal(NamedTuple):
     """The action's name in the mission."""
     owner: str
     """The state, or the leaf of a tree, that started it."""
-    reason: Literal["orphaned", "refused", "lost"]
-    """`orphaned`: its end was not confirmed in time; `refused`: its server does not cancel it; `lost`: its server is
-    gone, or cannot be reached."""
+    reason: Reason
 
     def words(self) -> str:
         """In words: `goal 3 of 'drive' (its server refuses to cancel it)`."""
-        reason = {
-            "orphaned": "its end was not confirmed",
-            "refused": "its server refuses to cancel it",
-            "lost": "its server is gone",
-        }[self.reason]
-        return f"goal {self.number} of '{self.action}' ({reason})"
+        return f"goal {self.number} of '{self.action}' ({REASONS[self.reason]})"
 
     def data(self) -> dict[str, Any]:
         """As JSON has it."""
@@ -77,9 +88,7 @@ class Goal(NamedTuple):
     owner: str
     action: str
     cancel_s: float
-    phase: str = "sent"
-    """`sent`, `running` once accepted, `withdrawn` (canceled as soon as it is accepted), `canceling`, `orphaned` (its
-    end was not confirmed in time), `lost` (its server is gone, which ends it for the mission alone)."""
+    phase: GoalPhase = "sent"
     until: float = math.inf
     """When a cancel must have been confirmed."""
     is_refused: bool = False
@@ -92,8 +101,8 @@ Goals = dict[int, Goal]
 """Number → goal: all whose end is not confirmed."""
 
 
-def obstruction(goals: Goals, facts: RobotFacts, action: str) -> str:
-    """`busy`, `orphan` or empty: whether a goal prevents a start.
+def obstruction(goals: Goals, facts: RobotFacts, action: str) -> Obstruction:
+    """Whether a goal prevents a start.
 
     One that was lost does not: it is its connector's concern until its server is back.
     """
@@ -108,10 +117,17 @@ def awaited(goals: Goals) -> int:
     return sum(goal.phase not in GIVEN_UP for goal in goals.values())
 
 
+def reason_of(goal: Goal) -> Reason:
+    """Why no cancel can be relied on to end a goal."""
+    if goal.is_refused:
+        return "refused"
+    return "lost" if goal.phase == "lost" else "orphaned"
+
+
 def loose(goals: Goals) -> tuple[OpenGoal, ...]:
     """The goals that may still be executing and that no cancel can be relied on to end."""
     return tuple(
-        OpenGoal(goal.number, goal.action, goal.owner, "refused" if goal.is_refused else _reason(goal))
+        OpenGoal(goal.number, goal.action, goal.owner, reason_of(goal))
         for goal in goals.values()
         if goal.phase in GIVEN_UP or goal.is_refused
     )
@@ -123,8 +139,7 @@ def cancel(goals: Goals, number: int, at: float) -> tuple[CancelGoal, ...]:
     if goal is None or goal.phase in ("withdrawn", "canceling", *GIVEN_UP):
         return ()
     accepted = goal.phase == "running"
-    phase = "canceling" if accepted else "withdrawn"
-    goals[number] = goal._replace(phase=phase, until=at + goal.cancel_s)
+    goals[number] = goal._replace(phase="canceling" if accepted else "withdrawn", until=at + goal.cancel_s)
     return (CancelGoal(number, goal.action),) if accepted else ()
 
 
@@ -166,8 +181,7 @@ def report(goals: Goals, event: Event) -> LedgerChange:
         goals[event.number] = goal._replace(phase="running")
     elif event.kind == "accepted" and goal.phase in ("withdrawn", "canceling", "orphaned"):
         # A cancel that was sent before the acceptance, by an emergency stop, may have reached no goal: once more.
-        phase = "orphaned" if goal.phase == "orphaned" else "canceling"
-        goals[event.number] = goal._replace(phase=phase)
+        goals[event.number] = goal._replace(phase="orphaned" if goal.phase == "orphaned" else "canceling")
         return LedgerChange((CancelGoal(goal.number, goal.action),))
     return LedgerChange()
 
@@ -191,7 +205,3 @@ def overdue(goals: Goals, at: float) -> list[Goal]:
 def next_overdue(goals: Goals) -> float:
     """The next instant at which a cancel is overdue; infinity for none."""
     return min((goal.until for goal in goals.values() if goal.phase not in GIVEN_UP), default=math.inf)
-
-
-def _reason(goal: Goal) -> Literal["orphaned", "lost"]:
-    return "lost" if goal.phase == "lost" else "orphaned"

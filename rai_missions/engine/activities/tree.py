@@ -110,7 +110,7 @@ class _Growth:
         return Turn(state, tuple(self.effects), outcome, notes=tuple(self.notes))
 
 
-class TreeMachine:
+class TreeMachine(Machine):
     """Runs one tree.
 
     Args:

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, questions_in
-from rai_missions.engine.hold import OUTCOME
 from rai_missions.engine.state import TABLE, Holds, Timer
 from rai_missions.engine.step import Ask, CancelGoal, Effect, PublishMessage, SayAloud
 from rai_missions.errors import Fault
@@ -196,7 +195,7 @@ class _Transfer:
         return tuple(each for event in events if (each := self._queued(event)) is not None)
 
     def _queued(self, event: Event) -> Event | None:
-        if event.kind == OUTCOME:
+        if event.kind == "outcome":
             state = self.naming.state(event.data["state"])
             return event._replace(data={**event.data, "state": state}) if state is not None else None
         if event.kind != "event" or event.name in BUILT_IN_EVENTS:
