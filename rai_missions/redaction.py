@@ -41,7 +41,8 @@ __all__ = (
 HIDDEN = "[hidden]"
 SHORTEST = 6
 """A shorter value is no secret, and hiding it would garble the text."""
-NUMBERS = frozenset({int, float, bool})
+PLAIN = frozenset({int, float, bool, type(None)})
+"""Types whose values hold no text."""
 DEEPEST_DATA = 100
 """Objects and lists inside each other; the same is the bound of what is read as JSON."""
 VARIABLES = (
@@ -108,6 +109,7 @@ class Redaction:
         with _turn:
             _living.add(self)
         self._at_first = _known()
+        self._shortest = min(map(len, self._at_first), default=0)
 
     def text(self, text: str) -> str:
         """As `redacted`."""
@@ -132,15 +134,22 @@ class Redaction:
             return value
         if depth > DEEPEST_DATA:
             return HIDDEN
+        kind = type(value)
+        if kind in PLAIN:
+            return value
         if isinstance(value, str):
-            return _without(value, self._at_first)
-        if isinstance(value, Mapping):
-            return {self.known(name): self.known(item, depth + 1) for name, item in value.items()}
-        if isinstance(value, list) or type(value) is tuple:
-            if NUMBERS.issuperset(map(type, value)):  # a scan or a map, and many of them a second
+            return value if len(value) < self._shortest else _without(value, self._at_first)
+        if kind is dict or isinstance(value, Mapping):
+            return {self._known_name(name): self.known(item, depth + 1) for name, item in value.items()}
+        if kind is tuple or isinstance(value, list):
+            if PLAIN.issuperset(map(type, value)):  # a scan or a map, and many of them a second
                 return value
-            return type(value)(self.known(item, depth + 1) for item in value)
+            return kind(self.known(item, depth + 1) for item in value)
         return value
+
+    def _known_name(self, name: Any) -> Any:
+        """A name in data; most are shorter than any secret."""
+        return name if isinstance(name, str) and len(name) < self._shortest else self.known(name)
 
 
 def _values() -> Iterator[str]:
