@@ -180,6 +180,18 @@ def test_ages_in_held_states_are_still(guard: Json) -> None:
     assert made.send(Tick(105.9)).moves == () and made.send(Tick(106.0)).entered == ("b",)
 
 
+def test_what_held_before_the_operator_took_control_is_not_looked_at_until_the_hand_back() -> None:
+    guard = {"held": {"key": "k", "==": True}, "for_s": 10}
+    states = {"a": {"control": "agent", "transitions": [{"when": guard, "to": "b"}]}, "b": {}}
+    made = agents(states, blackboard={"k": {"type": "boolean", "source": "robot"}})
+    made.write("k", True)
+    made.start(0.0)
+    taken(made, 4.0)
+    made.write("k", False, at=5.0)
+    made.write("k", True, at=6.0)
+    assert given(made, "agent", 100.0).wake_at == 106.0
+
+
 def test_a_delayed_raise_of_a_held_state_has_the_time_that_it_had_left() -> None:
     states = {
         "a": {"control": "agent", "entry": [{"raise": "e", "after_s": 10}],

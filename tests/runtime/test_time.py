@@ -338,6 +338,13 @@ def test_the_mailbox_gives_the_urgent_first_and_the_rest_in_order() -> None:
     assert [event.name for event in iter(mailbox.take, None)] == ["kill", "0", "1", "2"] and mailbox.empty
 
 
+def test_what_was_put_back_is_waited_for_by_no_one() -> None:
+    mailbox, began = Mailbox(), time.monotonic()
+    mailbox.put_back([Event("go")])
+    mailbox.wait(20.0)
+    assert time.monotonic() - began < 10 and mailbox.take() == Event("go")
+
+
 def test_a_wait_for_centuries_is_no_fault() -> None:
     mailbox = Mailbox()
     threading.Timer(0.05, lambda: mailbox.post(Event("go"))).start()
