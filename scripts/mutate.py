@@ -43,6 +43,8 @@ from coverage import CoverageData
 ROOT = Path(__file__).parent.parent
 PARTS = ROOT / "tests/mutants/parts.toml"
 EQUIVALENT = ROOT / "tests/mutants/equivalent.toml"
+CHECKOUT = "checkout"
+"""The name of a folder that is a copy of the checkout."""
 ENOUGH = 0.95
 """The share of mutants that the tests must find."""
 LIMIT_S, LIMIT_FACTOR = 60, 4
@@ -168,6 +170,17 @@ def lines_of(mutant: Mutant) -> tuple[str, list[str], list[str]]:
     return broken, strip[0], strip[1]
 
 
+def function_at(file: str, line: int) -> range:
+    """The lines of the function that begins at a line of a file; none where none does."""
+    functions = [each for each in ast.walk(ast.parse(source_of(file))) if isinstance(each, ast.FunctionDef)]
+    bodies = (
+        range(each.body[0].lineno, (each.end_lineno or 0) + 1)
+        for each in functions
+        if each.lineno <= line < each.body[0].lineno
+    )
+    return next(bodies, range(0))
+
+
 def draw(parts: dict[str, Any], count: int, seed: int) -> list[Mutant]:
     """So many mutants, spread over the parts by the places that they have; at most one a place."""
     places: dict[tuple[str, tuple[int, int]], list[Mutant]] = {}
@@ -182,6 +195,12 @@ def draw(parts: dict[str, Any], count: int, seed: int) -> list[Mutant]:
     return [chance.choice(places[place]) for place in chosen]
 
 
+def environment_in(copy: Path) -> dict[str, str]:
+    """What the tests in a copy of the checkout find around them."""
+    own = {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_PROFILE": "first"}
+    return {**os.environ, **own}
+
+
 def tests_of(part: dict[str, Any]) -> list[str]:
     """What pytest is given for a part."""
     return [*part["tests"], *(f"--ignore={path}" for path in part.get("ignore", ()))]
@@ -194,9 +213,10 @@ class Covered:
         folder: Where what was worked out is kept.
         parts: Name → its files and tests.
         jobs: Processes.
+        copy: Where the tests are run: one that fails in a copy finds nothing.
     """
 
-    def __init__(self, folder: Path, parts: dict[str, Any], jobs: int) -> None:
+    def __init__(self, folder: Path, parts: dict[str, Any], jobs: int, copy: Path) -> None:
         commit = subprocess.run(
             ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True
         )
@@ -204,11 +224,12 @@ class Covered:
         report = path.with_suffix(".xml")
         if not report.exists():
             print("which tests run which lines", flush=True)
-            self._work_out(path, report, sorted({test for part in parts.values() for test in tests_of(part)}), jobs)
+            tests = sorted({test for part in parts.values() for test in tests_of(part)})
+            self._work_out(path.resolve(), report.resolve(), tests, jobs, copy)
         data = CoverageData(str(path))
         data.read()
         self._lines = {
-            Path(file).relative_to(ROOT).as_posix(): data.contexts_by_lineno(file) for file in data.measured_files()
+            file.rpartition(f"/{CHECKOUT}/")[2]: data.contexts_by_lineno(file) for file in data.measured_files()
         }
         cases = ElementTree.parse(report).iter("testcase")
         self._seconds = {
@@ -218,13 +239,12 @@ class Covered:
         }
 
     @staticmethod
-    def _work_out(path: Path, report: Path, tests: list[str], jobs: int) -> None:
+    def _work_out(path: Path, report: Path, tests: list[str], jobs: int, copy: Path) -> None:
         subprocess.run(
             [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "--dist", "loadfile", "-p", "no:cacheprovider",
              "--cov=rai_missions", "--cov-context=test", "--cov-report=", f"--junitxml={report}",
              "--timeout=0", *tests],  # a time-out inside coverage's own lock would wait for ever
-            cwd=ROOT, check=False, env={**os.environ, "COVERAGE_FILE": str(path), "HYPOTHESIS_PROFILE": "first"},
-            stdin=subprocess.DEVNULL,
+            cwd=copy, check=False, env={**environment_in(copy), "COVERAGE_FILE": str(path)}, stdin=subprocess.DEVNULL,
         )  # fmt: skip
 
     def every(self) -> list[str]:
@@ -235,12 +255,14 @@ class Covered:
     def tests(self, mutant: Mutant) -> list[tuple[float, str]]:
         """The tests that pass and run the line of a mutant with their seconds, the quickest first.
 
-        A line that is run as its module is loaded, or by no test, gets all tests that run a line of its file.
+        A line that is run as its module is loaded, or by no test, gets the tests of the function that it begins, or
+        else all tests that run a line of its file.
         """
         lines = self._lines.get(mutant.file, {})
-        contexts = [each for each in lines.get(mutant.line, []) if each] or [
-            each for line in lines.values() for each in line
-        ]
+        for near in ([mutant.line], function_at(mutant.file, mutant.line), lines):
+            contexts = [each for line in near for each in lines.get(line, []) if each]
+            if contexts:
+                break
         return self._timed(contexts)
 
     def _timed(self, contexts: Iterable[str]) -> list[tuple[float, str]]:
@@ -300,7 +322,7 @@ class Copies:
         self.free: SimpleQueue[Path] = SimpleQueue()
         files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout.decode()
         for number in range(count):
-            copy = self.folder / str(number) / "checkout"
+            copy = self.folder / str(number) / CHECKOUT
             for name in filter(None, files.split("\0")):
                 if (ROOT / name).is_file():
                     (copy / name).parent.mkdir(parents=True, exist_ok=True)
@@ -338,11 +360,10 @@ class Copies:
         command = [
             sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", "--timeout", "120", *tests,
         ]  # fmt: skip
-        environment = {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_PROFILE": "first"}
         with tempfile.TemporaryFile("w+", errors="replace") as output:
             process = subprocess.Popen(
                 command, cwd=copy, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.DEVNULL,
-                start_new_session=True, env={**os.environ, **environment},
+                start_new_session=True, env=environment_in(copy),
             )  # fmt: skip
             status: int | None = None
             with suppress(subprocess.TimeoutExpired):
@@ -371,9 +392,10 @@ def main() -> int:
     given.results.parent.mkdir(parents=True, exist_ok=True)
     lines = given.results.read_text().splitlines() if given.results.exists() else []
     done = {(row["file"], tuple(row["before"]), tuple(row["after"])): row for row in map(json.loads, lines)}
-    covered = Covered(given.results.parent, parts, given.jobs)
     copies = Copies(given.jobs)
-    if copies.run(copies.folder / "0/checkout", ["--collect-only", *covered.every()], 300)[0]:
+    first = copies.folder / "0" / CHECKOUT
+    covered = Covered(given.results.parent, parts, given.jobs, first)
+    if copies.run(first, ["--collect-only", *covered.every()], 300)[0]:
         print("pytest does not find the tests by their names", file=sys.stderr)
         return 2
     rows: list[dict[str, Any]] = []
