@@ -148,6 +148,15 @@ def test_a_goal_whose_end_is_never_confirmed_is_orphaned_and_bars_the_next_start
     assert f"goal {number} of 'go' never confirmed its end: orphaned" in step.notes
 
 
+def test_a_goal_of_which_nothing_is_known_and_that_executes_has_five_seconds_to_end() -> None:
+    made, _ = started(driving())
+    assert cancels(made.send(Event("turn", 1.0, {}, "stray", 7))) == [7]
+    ticked(made, 5.9)
+    assert not made.loose_goals
+    ticked(made, 6.0)
+    assert [(goal.number, goal.action) for goal in made.loose_goals] == [(7, "turn")]
+
+
 def test_a_start_over_an_orphan_is_made_where_the_state_states_it() -> None:
     states = driving(cancel_s=3)
     states["other"]["over_orphan"] = True

@@ -80,6 +80,17 @@ def test_a_goal_that_the_profile_keeps_continues_and_its_result_waits() -> None:
     assert given(made, "autonomy", 100.0).outcome == "aborted"
 
 
+def test_the_end_of_a_kept_goal_that_waited_is_known_once_its_state_is_left() -> None:
+    states = {"a": {**ACT, "control": "autonomy"}, "park": {"action": "park", "timeout_s": 60}}
+    made = Chart(mission(states, on_cancel="park"), terms=RobotFacts(keep=frozenset({"go"})))
+    made.start(0.0)
+    made.send(Event("go", 0.0, {}, "accepted", 1))
+    taken(made, 1.0)
+    made.send(Event("succeeded", 2.0, {}, "result", 1))
+    step = made.send(Event("cancel", 3.0, {"by": "operator"}, "command"))
+    assert not of(step, CancelGoal) and [each.action for each in of(step, StartGoal)] == ["park"]
+
+
 def test_transitions_of_held_states_wait_and_those_of_free_states_continue() -> None:
     states = {
         "both": {

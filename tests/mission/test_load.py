@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions import DefinitionError, Mission, UsageError, dump, load
+from rai_missions.guards import All, Guard
 from rai_missions.states import Compound
 from tests.strategies import mission_documents
 
@@ -60,6 +61,12 @@ def test_a_guard_is_dumped_as_it_was_written_and_flat() -> None:
         json.loads(SMALL) | {"invariants": {"i": {"all": [{"all": [{"in": "a"}, {"in": "b"}]}, {"not": {"in": "c"}}]}}}
     )
     assert json.loads(dump(mission))["invariants"]["i"] == {"all": [{"in": "a"}, {"in": "b"}, {"not": {"in": "c"}}]}
+
+
+def test_a_guard_among_guards_of_another_kind_stays_what_it_is() -> None:
+    here = [{"in": "a"}, {"in": "b"}]
+    made = All.read({"all": [Guard.read({"all": here}), Guard.read({"any": here}), Guard.read({"in": "c"})]})
+    assert made == All.read({"all": [*here, {"any": here}, {"in": "c"}]})
 
 
 def test_schema_and_lists_of_event_names_are_normalised_away(tmp_path: Path) -> None:
