@@ -106,43 +106,42 @@ def remembered(one: Chart) -> Json:
     return {name: value for name, value in one.snapshot().items() if name not in PASSING}
 
 
-def agree(seed: int, kind: type[Recorded]) -> None:
-    """A jumping chart, given the events of a chart that is ticked, makes the same moves at the same instants."""
+def agree(seed: int, kind: type[Recorded]) -> bool:
+    """A jumping chart, given the events of a chart that is ticked, makes the same moves at the same instants.
+
+    Returns:
+        Whether the two can be compared: where a cycle without end is noticed depends on the step.
+    """
     with pytest.MonkeyPatch.context() as limits:  # what goes round for ever is found sooner
         for module in (microsteps, instants):
             limits.setattr(module, "MOST_MICROSTEPS", 100)
         small, events, seen = play(seed, kind, ticks=True)
         far, _, others = play(seed, Recorded, ticks=False, events=events)
-    assume(not any("without end" in each.why for each in (small, far)))  # where that is noticed depends on the step
+    if "cycle" in (small.cause, far.cause):
+        return False
     assert others == seen
     assert remembered(far) == remembered(small)
+    return True
 
 
 @given(seeds)
 @settings(max_examples=60)
 def test_one_jump_in_time_is_many_small_ticks(seed: int) -> None:
-    agree(seed, Recorded)
+    assume(agree(seed, Recorded))
 
 
 @given(seeds)
 @settings(max_examples=60)
 def test_who_looks_at_everything_all_the_time_sees_nothing_else_happen(seed: int) -> None:
-    agree(seed, Diligent)
+    assume(agree(seed, Diligent))
 
 
 @pytest.mark.drill
 @pytest.mark.parametrize("kind", [Recorded, Diligent])
 @pytest.mark.timeout(3600)
 def test_ten_thousand_runs_agree(kind: type[Recorded]) -> None:
-    from hypothesis.errors import UnsatisfiedAssumption
-
-    skipped = 0
-    for seed in range(10_000):
-        try:
-            agree(seed, kind)
-        except UnsatisfiedAssumption:
-            skipped += 1
-    assert skipped < 1_000
+    compared = sum(agree(seed, kind) for seed in range(10_000))
+    assert compared > 9_000
 
 
 # -- the smallest cases -----------------------------------------------------------------------------------------------
