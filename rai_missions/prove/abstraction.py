@@ -30,16 +30,15 @@ from rai_missions.prove.liveness import Later, LiveReads, LooksAhead
 from rai_missions.prove.nondeterminism import OpenFields
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
+from rai_missions.prove.store import ALL_GOALS, MANY, Rivals
 from rai_missions.states.compound import Each
 
-__all__ = ("INDIFFERENT", "MANY", "PURSUED", "Abstraction")
+__all__ = ("INDIFFERENT", "PURSUED", "Abstraction")
 
 INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
 """What of a run makes no difference to what can happen next."""
 REMEMBERED = 4096
 """Of so many configurations it is remembered what they wait for."""
-MANY = 2
-"""So many alike stand for any number more."""
 PURSUED = ("sent", "running")
 """The phases of a goal that its state still pursues."""
 
@@ -72,14 +71,10 @@ class Abstraction:
         self.saturating = values.saturating()
         """Counters → the bounds past which no guard tells their values apart."""
         self._waiting: dict[tuple[int, ...], tuple[CompiledGuard, ...]] = {}
-        transitions = [
-            *mission.transitions,
-            *(transition for _, _, state in mission.walk() for transition in state.transitions),
-        ]
-        self._every = frozenset(mission.blackboard)
-        self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts)
-        self._remainders: dict[tuple[str, tuple[int, ...]], tuple[str, ...]] = {}
-        self._hears_of_orphans = any("orphaned" in transition.on for transition in transitions)
+        transitions = [*mission.transitions, *(each for _, _, state in mission.walk() for each in state.transitions)]
+        self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts, reads_all=bool(world.predicates))
+        self._rivals: dict[frozenset[str], Rivals] = {}
+        self.hears_of_orphans = any("orphaned" in transition.on for transition in transitions)
         self._hears_of_calls = any("call_failed" in transition.on for transition in transitions)
         rests: Mapping[Holds, Callable[[Any], Any]] = {
             "timers": _rest_timers, "deadlines": _rest_instants, "settling": _rest_instants, "deadline": _soon,
@@ -186,17 +181,25 @@ class Abstraction:
 
     # -- what there may be any number of --------------------------------------------------------------------------
 
-    def remainder(self, goal: Goal) -> tuple[Any, ...] | None:
+    @property
+    def rivals(self) -> Rivals:
         """All that makes a difference of a goal that nothing pursues any more; None where none is left."""
-        if self._hears_of_orphans:
-            return (goal.phase == "orphaned", goal.action)
-        place = (goal.action, self._chart.state.config.key)
-        rivals = self._remainders.get(place)
-        if rivals is None:
-            conflict = self._chart.terms.conflict
-            rivals = tuple(sorted(each for each in self.later.starts if conflict(goal.action, each)))
-            self._remainders[place] = rivals
-        return (goal.phase == "orphaned", *rivals) if rivals else None
+        starts = self.later.starts
+        found = self._rivals.get(starts)
+        if found is None:
+            found = self._rivals[starts] = self._rivals_among(starts)
+        return found
+
+    def _rivals_among(self, starts: frozenset[str]) -> Rivals:
+        conflict, known = self._chart.terms.conflict, dict[str, tuple[str, ...]]()
+
+        def rivals(goal: Goal) -> tuple[Any, ...] | None:
+            if goal.action not in known:
+                known[goal.action] = tuple(sorted(each for each in starts if conflict(goal.action, each)))
+            found = known[goal.action]
+            return (goal.phase == "orphaned", *found) if found else None
+
+        return (lambda goal: (goal.phase == "orphaned", goal.action)) if self.hears_of_orphans else rivals
 
     @property
     def pursued(self) -> list[Goal]:
@@ -207,14 +210,14 @@ class Abstraction:
     def remaining(self) -> list[Goal]:
         """The goals that nothing pursues and that make a difference yet, one for all that are alike."""
         goals = [goal for goal in self._chart.state.goals.values() if goal.phase not in PURSUED]
-        alike = {rest: goal for goal in reversed(goals) if (rest := self.remainder(goal)) is not None}
+        rivals = self.rivals
+        alike = {rest: goal for goal in reversed(goals) if (rest := rivals(goal)) is not None}
         return list(alike.values())
 
     @property
     def later(self) -> Later:
         """What makes a difference from here on."""
-        later = self.live.after(self._chart.state.config)
-        return later if not self._world.predicates else later._replace(keys=self._every)
+        return self.live.after(self._chart.state.config)
 
     def _alike(self, state: RunState) -> dict[tuple[Any, ...], list[Any]]:
         """What cannot be told from its like: kind and words → its keys."""
@@ -224,20 +227,21 @@ class Abstraction:
                 alike.setdefault(("timer", *told_timer(key, timer)), []).append(key)
         for number, service in state.calls.items():
             alike.setdefault(("call", service), []).append(number)
+        rivals = self.rivals
         for number, goal in state.goals.items():
-            if goal.phase not in PURSUED and (rest := self.remainder(goal)) is not None:
+            if goal.phase not in PURSUED and (rest := rivals(goal)) is not None:
                 alike.setdefault(("goal", *rest), []).append(number)
         return alike
 
     def _cap(self, state: RunState) -> None:
         if not self._hears_of_calls:
             state.calls.clear()  # whatever they come to, no transition is about it
-        if len(state.timers) + len(state.calls) + len(state.goals) <= MANY:
+        if len(state.timers) + len(state.calls) <= MANY:
             return
-        for (kind, *_), keys in self._alike(state).items():
-            store: Any = {"timer": state.timers, "call": state.calls, "goal": state.goals}[kind]
-            for key in keys[MANY:]:
-                del store[key]
+        stores: Mapping[str, dict[Any, Any]] = {"timer": state.timers, "call": state.calls}
+        for words, keys in self._alike(state).items():
+            for key in keys[MANY:] if words[0] in stores else ():  # of goals `Stores` keeps so many
+                del stores[words[0]][key]
 
     def make(self, happens: Callable[[], None]) -> None:
         """Let something happen; what it did can be read until the next."""
@@ -245,6 +249,8 @@ class Abstraction:
         self._instruments.begin_step()
         several = len(state.timers) + len(state.calls) + len(state.goals) >= MANY
         before = {words: keys for words, keys in self._alike(state).items() if len(keys) >= MANY} if several else {}
+        if any(words[0] == "goal" for words in before):
+            self._instruments.asked.add(ALL_GOALS)
         happens()
         if before and state.mode != "ended":
             self._replenish(state, before)

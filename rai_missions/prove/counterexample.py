@@ -20,11 +20,13 @@ from rai_missions.guards.guard import Truth
 from rai_missions.guards.named import Named
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.mission import Mission
+from rai_missions.prove.abstraction import PURSUED
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import CANCEL, KILL, START, Edge, Space
 from rai_missions.prove.nondeterminism import OpenFields
 from rai_missions.prove.parts import guards_in
 from rai_missions.prove.properties import Property
+from rai_missions.prove.store import LEFT
 
 __all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")
 
@@ -64,12 +66,12 @@ def ways_to(space: Space, claim: Property) -> list[Edge]:
 def scenes(space: Space, claim: Property) -> list[TraceStep]:
     """What happens on the shortest way to where a claim is refuted."""
     environment = space.environment
-    environment.load(*space.fresh)
+    environment.load(space.fresh)
     found = []
     for each in ways_to(space, claim):
         found.append(_scene(environment, each))
         environment.settle()
-        environment.load(environment.codec.save(), environment.codec.own())
+        environment.load(environment.codec.place())
     return found
 
 
@@ -82,11 +84,11 @@ def go(environment: Environment, way: Edge) -> tuple[str, str]:
     Raises:
         LookupError: That cannot happen here.
     """
-    saved, own = environment.codec.save(), environment.codec.own()
-    happening = list(environment.happenings())[way.at] if way.at >= 0 else None
+    place = environment.codec.place()
+    happening = [*environment.happenings(), *environment.of_goals()][way.at] if way.at >= 0 else None
     if happening is not None and happening.words != way.words:
         raise LookupError(way.words)
-    environment.load(saved, own)
+    environment.load(place)
     environment.choices.begin(way.trail)
     environment.inputs.said, environment.control.found = None, None
     if happening is None:
@@ -199,8 +201,11 @@ class TraceReplayer:
 
     def _number(self, owner: str, number: int) -> int:
         """The number that this chart has given to what the other numbered otherwise."""
-        started = self._started.get(owner, [])
-        return number if number in started or not started else started[-1]
+        started, goals = self._started.get(owner, []), self._chart.state.goals
+        if number in started or not started:
+            return number
+        given_up = [each for each in started if each in goals and goals[each].phase not in PURSUED]
+        return given_up[0] if number >= LEFT and given_up else started[-1]
 
     def _take(self, make: Callable[[], Step]) -> Step:
         chart, since = self._chart, self._chart.at

@@ -30,12 +30,14 @@ from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.nondeterminism import Choices, OpenFields
 from rai_missions.prove.open_world import NOW, OpenWorld, predicates_in
 from rai_missions.prove.parts import parts
-from rai_missions.prove.state_key import Own, Saved, StateCodec
+from rai_missions.prove.state_key import Place, StateCodec
 from rai_missions.prove.step_circles import StepCircles
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.time_env import TimeEnvironment
+from rai_missions.states.action import Action
 from rai_missions.states.effects import Call
 from rai_missions.states.state import Holder
+from rai_missions.states.tree.leaves import ActionLeaf
 
 __all__ = ("RESUME", "Environment")
 
@@ -81,7 +83,7 @@ class Environment:
     def __init__(
         self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None, is_calm: bool = False
     ) -> None:
-        self.choices, self.instruments = Choices(), Instruments()
+        self.choices, self.instruments = Choices(), Instruments(is_foreign=bool(mission.uses))
         self.chart = chart = Chart(
             mission, ticker, terms=terms, named=predicates_in(mission, self.choices),
             surroundings=OpenSurroundings(self),
@@ -90,19 +92,25 @@ class Environment:
         self.world = OpenWorld(chart, self.choices)
         self.control = ControlEnvironment(chart, self.choices, is_calm=is_calm)
         self.rest = Abstraction(chart, self.world, self.control, self.instruments)
-        self.circles = StepCircles(chart, self.world, self.rest)
+        self.circles = StepCircles(chart, self.world, self.rest, self.instruments)
         self.codec = StateCodec(chart, self.world, self.rest)
         self.inputs = InputEnvironment(chart, self.world, self.rest, self.instruments)
         self.time = TimeEnvironment(chart, self.world, self.codec, self.inputs, self.rest, self.instruments)
         runs = any(state.word in ("action", "call", "tree") for _, _, state in mission.walk())
         told = bool(self.world.fleeting or self.world.predicates) or self.world.own_fade
         calls = any(True for _ in parts(mission, Call))
+        self._has_actions = any(True for kind in (Action, ActionLeaf) for _ in parts(mission, kind))
         self.pause_matters = runs or told or bool(self.control.needed) or calls
         """Something can change while the mission is paused; else it continues as if nothing had been."""
 
-    def load(self, saved: Saved, own: Own) -> None:
+    @property
+    def has_stores(self) -> bool:
+        """What a step asks of a store is known, and states can differ in it alone."""
+        return (bool(self.world.own_keys) or self._has_actions) and not self.world.own_fade
+
+    def load(self, place: Place) -> None:
         """Be in a state again."""
-        self.codec.load(saved, own)
+        self.codec.load(place)
         self.control.leave_open()
 
     def make(self, happens: Callable[[], None]) -> None:
@@ -115,8 +123,14 @@ class Environment:
         self.rest.settle()
         self.time.part_groups()
 
+    def of_goals(self) -> Iterator[Stimulus]:
+        """What can be reported, or never is, of the goals that nothing pursues."""
+        if self.chart.mode in ("running", "paused", "canceling"):
+            yield from self.time.orphans()
+            yield from self.inputs.of_goals()
+
     def happenings(self) -> Iterator[Stimulus]:
-        """Everything that can happen now but a cancel and an emergency stop."""
+        """Everything else that can happen now but a cancel and an emergency stop."""
         mode = self.chart.mode
         if mode == "paused":
             yield from self._meanwhile()
@@ -133,8 +147,7 @@ class Environment:
 
     def _meanwhile(self) -> Iterator[Stimulus]:
         """What can happen while the mission is paused; what would wait for its continuation can come then, too."""
-        yield from self.time.orphans()
-        yield from self.inputs.leftovers()
+        yield from self.inputs.of_calls()
         yield from self._writes()
         yield Stimulus(RESUME, "event", self._go_on)
 

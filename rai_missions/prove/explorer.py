@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rai_missions.prove.environment import RESUME, Environment
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
 from rai_missions.prove.state_graph import Edge, StateGraph
-from rai_missions.prove.state_key import Own, Saved
-from rai_missions.prove.step_cache import Arrival, CachedStep, Made, StepCache, value_of
-from rai_missions.prove.stimulus import HappeningKind, Stimulus
+from rai_missions.prove.state_key import Place
+from rai_missions.prove.step_cache import Arrival, CachedStep, Known, Made, StepCache, joined
+from rai_missions.prove.stimulus import Stimulus
+from rai_missions.prove.store import ALL_GOALS, Store
 
 __all__ = ("CANCEL", "KILL", "START", "Edge", "Space", "Violation")
 
@@ -38,6 +39,17 @@ class Violation(NamedTuple):
     """What happens in that state; None where the state itself is at fault."""
 
 
+class Inside(NamedTuple):
+    """What is known of all states of one core with the same goals that nothing pursues."""
+
+    waiting: int
+    """The number of the set of what waits for time."""
+    goal_words: frozenset[str]
+    """What of it waits on account of these goals."""
+    whole: Known[CachedStep]
+    """All that everything there comes to."""
+
+
 class Space(StateGraph):
     """What was explored of a mission.
 
@@ -55,13 +67,22 @@ class Space(StateGraph):
         super().__init__()
         self.environment, self._progress, self._wanted = environment, progress, frozenset(wanted)
         self.meter = Meter(Limits(limits) if isinstance(limits, int) else limits)
-        self.fresh = (environment.codec.save(), environment.codec.own())
+        self._stores = environment.codec.stores
+        self._every_goal = self._stores.question([ALL_GOALS])
+        self.fresh = environment.codec.place()
         """Before the start."""
-        self._frontier: deque[tuple[int, bytes, Saved, Own]] = deque()
+        self._frontier: deque[tuple[int, bytes, Place]] = deque()
+        self._has_stores = False
+        """States can differ in their stores alone."""
         self._courses: dict[bytes, list[StepCache]] = {}
+        """Core, or core and goals, → what came of what happens there."""
         self._here: list[Stimulus] = []
-        """What waits for time in the state that is left."""
-        self._waits_of: dict[bytes, int] = {}
+        """What waits for time in the state that is left, but for the goals of its store."""
+        self._goals_here: list[Stimulus] = []
+        self._goal_words = frozenset[str]()
+        """What waits for time on account of these goals."""
+        self._places: dict[bytes, Inside] = {}
+        """Core and goals → what is known of all states there."""
         self.ends: dict[int, str] = {}
         """Number of a state → the outcome with which the run has ended in it."""
         self.canceling: set[int] = set()
@@ -88,15 +109,16 @@ class Space(StateGraph):
     @property
     def unfinished(self) -> list[int]:
         """States whose steps were not explored, or not all."""
-        return [*self.cut, *(number for number, *_ in self._frontier)]
+        return [*self.cut, *(number for number, _, _ in self._frontier)]
 
     def explore(self) -> None:
         """Find every state, or as many as the limits allow."""
+        self._has_stores = self.environment.has_stores
         start = Stimulus(START, "start", self.environment.begin)
-        self._each_way(start, -1, self.fresh, -1, None)
+        self._each_way(start, -1, self.fresh, -1, StepCache())
         while self._frontier and not self._is_over:
-            number, core, state, own = self._frontier.popleft()
-            self._leave(number, core, (state, own))
+            number, core, place = self._frontier.popleft()
+            self._leave(number, core, place)
             self.done += 1
             if number % NOW_AND_THEN == 0:
                 self._progress(self.states, number)
@@ -108,134 +130,161 @@ class Space(StateGraph):
 
     # -- one state ------------------------------------------------------------------------------------------------
 
-    def _leave(self, number: int, core: bytes, place: tuple[Saved, Own]) -> None:
-        """Everything that can happen in a state."""
-        own, known = place[1], self._courses.get(core)
+    def _leave(self, number: int, core: bytes, place: Place) -> None:
+        """Everything that can happen in a state; what concerns its goals alone comes last."""
+        store = place.store
+        with_goals = core + self._every_goal.of(store) if store.goals else core
+        inside = self._places.get(with_goals)
+        course = inside.whole.find(store) if inside is not None else None
+        if inside is not None and course is not None and self.meter.has_room(course.steps):
+            self.waiting[number], self._goal_words = inside.waiting, inside.goal_words
+            self._again(course, number, store)
+            return
+        known, more = self._courses.get(core), self._courses.get(with_goals) if store.goals else []
         if known is None:
             self._stop(number, place)
-        fitting = [each.course(own) for each in known or ()]
-        found = self._happenings(number, place) if known is None or None in fitting else []
-        self._note_waiting(number, core, found)
-        if known is None:
-            known, fitting = self._room(core, len(found)), [None] * len(found)
-        for at, course in enumerate(fitting):
+        found, others = self._happenings(number, place)
+        known = known if known is not None else self._room(core, found)
+        more = more if more is not None else self._room(with_goals, others)
+        inside = self._inside(number, with_goals, found, others)
+        courses: list[CachedStep] = []
+        for at, (happening, cache) in enumerate(zip((*found, *others), (*known, *more), strict=True)):
             if self._is_over:
                 self.cut.add(number)
                 return
+            course = cache.whole.find(store)
             if course is not None:
-                self._again(course, number, own)
+                self._again(course, number, store)
             else:
-                place_of = at if found[at].words != CANCEL else -1
-                self._each_way(found[at], place_of, place, number, known[at] if known else None)
+                place_of = -1 if happening.words == CANCEL else at - (at >= len(known) and number not in self.canceling)
+                course = self._each_way(happening, place_of, place, number, cache)
+            if self._has_stores:
+                courses.append(course)
+        if courses:
+            whole = joined(courses)
+            inside.whole.add(self._stores.question(whole.asked), store, whole)
 
-    def _note_waiting(self, number: int, core: bytes, found: list[Stimulus]) -> None:
-        """What waits for time there; the same for all states of a core."""
-        if found:
-            self._here = [each for each in found if each.kind == "time"]
-            self._waits_of[core] = self.wait(number, frozenset(each.words for each in self._here))
-        elif core in self._waits_of:
-            self.waiting[number] = self._waits_of[core]
+    def _inside(self, number: int, place: bytes, found: list[Stimulus], others: list[Stimulus]) -> Inside:
+        """What is known of all states of a core with the same goals; first of all what waits for time there."""
+        self._here = [each for each in found if each.kind == "time"]
+        self._goals_here = [each for each in others if each.kind == "time"]
+        self._goal_words = frozenset(each.words for each in self._goals_here)
+        waiting = self.wait(number, self._goal_words.union(each.words for each in self._here))
+        inside = self._places.get(place) or Inside(waiting, self._goal_words, Known())
+        if self._has_stores:
+            self._places[place] = inside
+        return inside
 
-    def _happenings(self, number: int, place: tuple[Saved, Own]) -> list[Stimulus]:
-        """Everything that can happen there but an emergency stop."""
-        self.environment.load(*place)
-        found = list(self.environment.happenings())
+    def _happenings(self, number: int, place: Place) -> tuple[list[Stimulus], list[Stimulus]]:
+        """Everything that can happen there but an emergency stop; what is about goals that nothing pursues apart."""
+        self.environment.load(place)
+        found, others = list(self.environment.happenings()), list(self.environment.of_goals())
         if number not in self.canceling:
             found.append(Stimulus(CANCEL, "command", self.environment.ordering("cancel")))
-        return found
+        return found, others
 
-    def _room(self, core: bytes, many: int) -> list[StepCache] | None:
-        """Room for what comes of so many happenings here; none where the mission's own keys cannot differ."""
-        environment = self.environment
-        if not environment.codec.telling() or environment.world.own_fade:
-            return None
-        if len(self._courses) >= MOST_COURSES:
-            self._courses.clear()
-            self._waits_of.clear()
-        room = self._courses[core] = [StepCache() for _ in range(many)]
+    def _room(self, place: bytes, found: list[Stimulus]) -> list[StepCache]:
+        """Room for what comes of what happens in a place; it is not kept where nothing can be found there again."""
+        room = [StepCache() for _ in found]
+        if self._has_stores:
+            if len(self._courses) >= MOST_COURSES:
+                self._courses.clear()
+                self._places.clear()
+            self._courses[place] = room
         return room
 
-    def _again(self, course: CachedStep, source: int, own: Own) -> None:
-        """The same happens in a state that differs in the mission's own keys alone."""
+    def _again(self, course: CachedStep, source: int, store: Store) -> None:
+        """The same happens in a state that differs in its store alone."""
         self.steps += course.steps
         self.meter.spend(course.steps, self.states)
         for arrival in course.arrivals:
-            self._arrive(source, arrival, own)
+            self._arrive(source, arrival, store)
 
-    def _each_way(
-        self, happening: Stimulus, at: int, place: tuple[Saved, Own], source: int, before: StepCache | None
-    ) -> None:
+    def _each_way(self, happening: Stimulus, at: int, place: Place, source: int, before: StepCache) -> CachedStep:
         """Let it happen in each way in which it can; those that went so before are not gone again."""
-        own, arrivals, steps, needs = place[1], [], 0, dict[str, Any]()
+        store, arrivals, steps, asked = place.store, [], 0, set[object]()
         chosen: tuple[int, ...] | None = ()
         while chosen is not None:
-            made = before.known(chosen, own) if before is not None else None
+            ways = before.ways.get(chosen)
+            made = ways.find(store) if ways is not None else None
             if made is None:
                 made = self._make(happening, at, place, source, chosen)
-                if before is not None:
-                    before.remember_way(chosen, made)
+                if self._has_stores:
+                    before.ways.setdefault(chosen, Known()).add(self._stores.question(made.asked), store, made)
             steps += 1
-            needs.update(made.needs)
+            asked |= made.asked
             if made.arrival is not None:
-                self._arrive(source, made.arrival, own)
+                self._arrive(source, made.arrival, store)
                 arrivals.append(made.arrival)
             chosen = made.after
             if self.meter.spend(1, self.states) and chosen is not None and self._is_over:
                 self.cut.add(max(source, 0))
-                self.steps += steps
-                return
+                break
         self.steps += steps
-        if before is not None:
-            before.remember(CachedStep(arrivals, steps, tuple(sorted(needs.items()))))
+        course = CachedStep(arrivals, steps, frozenset(asked))
+        if self._has_stores and chosen is None:
+            before.whole.add(self._stores.question(asked), store, course)
+        return course
 
-    def _make(
-        self, happening: Stimulus, at: int, place: tuple[Saved, Own], source: int, chosen: tuple[int, ...]
-    ) -> Made:
+    def _make(self, happening: Stimulus, at: int, place: Place, source: int, chosen: tuple[int, ...]) -> Made:
         """Let it happen in one way."""
         environment, arrival = self.environment, None
-        chart, world = environment.chart, environment.world
+        chart, world, instruments = environment.chart, environment.world, environment.instruments
         looked = world.board.looked
         environment.choices.begin(chosen)
-        environment.load(*place)
+        environment.load(place)
         is_idle = (chart.mode == "paused" and happening.words != RESUME) or (
             environment.control.is_held and happening.kind == "write"
         )
         looked.clear()
         environment.make(happening.do)
-        self.meter.work += len(chart.state.draft.moves) + environment.instruments.ticks
+        self.meter.work += len(chart.state.draft.moves) + instruments.ticks
         is_possible = world.is_possible
-        read = looked & world.own_keys
+        read, written = looked & world.own_keys, {key for key, _ in chart.state.draft.written}
         if is_possible:
-            is_silent = happening.kind == "time" and environment.time.is_silent
-            kept = environment.time.kept(self._here, happening.words) if is_silent else None
+            kept = self._left_waiting(happening) if happening.kind == "time" and environment.time.is_silent else None
             environment.settle()
             read |= (looked | world.asked_at_the_end) & world.own_keys
             way = Edge(happening.words, at, environment.choices.trail)
             self._learn(source, way, is_paused=is_idle)
-            arrival = self._arrival(way, happening.kind, place[1], kept)
-        needs = tuple([(key, value_of(place[1], key)) for key in sorted(read)]) if read else ()
-        return Made(arrival, needs, environment.choices.next())
+            arrival = self._arrival(way, happening, place.store, kept)
+        asked = instruments.asked.union(self._stores.looked_at(read, written))
+        return Made(arrival, frozenset(asked), environment.choices.next())
 
-    def _arrival(self, way: Edge, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
-        chart, codec = self.environment.chart, self.environment.codec
-        has_moved = bool(chart.state.draft.moves or self.environment.instruments.turned)
+    def _left_waiting(self, taken: Stimulus) -> frozenset[str]:
+        """What waits for time on after a step; a step that is about no goal leaves those of the store as they are."""
+        waiting = [*self._here, *self._goals_here] if taken.is_of_goal else self._here
+        return self.environment.time.kept(waiting, taken.words)
+
+    def _arrival(self, way: Edge, happening: Stimulus, before: Store, kept: frozenset[str] | None) -> Arrival:
+        chart, codec, instruments = self.environment.chart, self.environment.codec, self.environment.instruments
+        has_moved = bool(chart.state.draft.moves or instruments.turned)
         if chart.outcome is not None:
-            return Arrival(way, kind, has_moved, (chart.outcome, chart.why))
-        written = {key: entry for key, entry in codec.own().items() if before.get(key) is not entry}
+            return Arrival(way, happening.kind, has_moved, (chart.outcome, chart.why))
+        written = {key: entry for key, entry in codec.own().items() if before.keys.get(key) is not entry}
+        goals, many = codec.given_up(), len(before.goals)
+        if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
+            instruments.asked.add(ALL_GOALS)
+        is_absolute = ALL_GOALS in instruments.asked
+        change = self._stores.change(
+            written, tuple(goals if is_absolute else goals[many:]), self.environment.rest.rivals,
+            is_absolute=is_absolute,
+        )  # fmt: skip
         levels = codec.levels() if codec.loops else ()
         return Arrival(
-            way, kind, has_moved, None, codec.core(), codec.take(), written, codec.telling(), chart.mode,
-            levels, kept,
+            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, codec.telling(), chart.mode,
+            levels, kept, happening.is_of_goal,
         )  # fmt: skip
 
-    def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:
+    def _arrive(self, source: int, arrival: Arrival, before: Store) -> None:
         """Take note of a step and of the state it leads to."""
-        ended = arrival.ended
-        if ended is not None:
-            own, key = before, repr(ended).encode()
+        ended, change, telling = arrival.ended, arrival.change, arrival.telling
+        if change is None or telling is None:
+            store, answer, key = before, b"", repr(ended).encode()
         else:
-            own = {**before, **arrival.written} if arrival.written else before
-            key = self.environment.codec.key(arrival.core, own, arrival.telling)
+            store = self._stores.after(before, change)
+            answer = telling.of(store)
+            key = arrival.core + answer
         number = self._numbers.get(key)
         if number is None:
             if self.states >= self.meter.limits.states:
@@ -246,22 +295,24 @@ class Space(StateGraph):
             if ended is not None:
                 self.ends[number] = ended[0]
             elif arrival.state is not None:
-                self._frontier.append((number, arrival.core, arrival.state, own))
+                self._frontier.append((number, arrival.core, Place(arrival.state, store)))
                 if arrival.levels:
-                    self.levels[number] = {loop: Level(ended, self.environment.codec.key(core, own, arrival.telling))
-                                           for loop, ended, core in arrival.levels}  # fmt: skip
+                    self.levels[number] = {loop: Level(ended, core + answer) for loop, ended, core in arrival.levels}
                 if arrival.mode == "canceling":
                     self.canceling.add(number)
         is_circle = source == number and not (arrival.kind == "time" and arrival.has_moved)
         if source >= 0 and not is_circle:  # what changes nothing leads nowhere
-            self._join(source, number, arrival.kind, arrival.kept)
+            kept = arrival.kept
+            if kept is not None and not arrival.is_of_goal:
+                kept |= self._goal_words
+            self._join(source, number, arrival.kind, kept)
 
     # -- what is wrong --------------------------------------------------------------------------------------------
 
-    def _stop(self, number: int, place: tuple[Saved, Own]) -> None:
+    def _stop(self, number: int, place: Place) -> None:
         """An emergency stop here ends the mission and every goal; it asks for nothing that is known."""
         environment, chart = self.environment, self.environment.chart
-        environment.load(*place)
+        environment.load(place)
         environment.choices.begin()
         environment.make(environment.ordering("kill"))
         if chart.outcome != "aborted":

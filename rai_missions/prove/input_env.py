@@ -110,13 +110,17 @@ class InputEnvironment:
                 event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
                 words = f"the behaviour of '{owner}': {status}"
                 yield Stimulus(words, "robot", self.hear(event), number)
-        yield from self.leftovers()
+        yield from self.of_calls()
 
-    def leftovers(self) -> Iterator[Stimulus]:
-        """What can be said of what no state waits for."""
+    def of_goals(self) -> Iterator[Stimulus]:
+        """What can be reported of goals that no state waits for."""
         for goal in self._rest.remaining:
             words = f"'{goal.action}' of '{goal.owner}' has ended"  # how it ended makes no difference
-            yield Stimulus(words, "robot", self._result("canceled", goal.number, goal.owner), goal.number)
+            do = self._result("canceled", goal.number, goal.owner)
+            yield Stimulus(words, "robot", do, goal.number, is_of_goal=True)
+
+    def of_calls(self) -> Iterator[Stimulus]:
+        """The same of calls."""
         for number, service in self._chart.state.calls.items():
             yield from self._call(number, service)
 

@@ -9,19 +9,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.engine.activities.action import GoalMachine
+from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.decision import DecisionMachine
 from rai_missions.engine.activities.tree import TreeMachine
 from rai_missions.engine.program import Program
+from rai_missions.event import Event
 from rai_missions.guards.guard import Test, Truth
+from rai_missions.prove.store import ALL_GOALS, Obstruction
 
 __all__ = ("Instruments",)
 
 
 class Instruments:
-    """Attached to finals at once, and to each machine as it is compiled."""
+    """Attached to finals at once, and to each machine as it is compiled.
 
-    def __init__(self) -> None:
+    Args:
+        is_foreign: The mission has activities of other packages, which may look at any goal.
+    """
+
+    def __init__(self, *, is_foreign: bool = False) -> None:
+        self._is_foreign = is_foreign
         self.seen: dict[str, set[Truth]] = {}
         """The place of a guard that makes something possible → what it has said."""
         self.answered: set[tuple[str, str]] = set()
@@ -38,10 +45,12 @@ class Instruments:
         """The states of whose tree a loop's round that has taken time has ended in this step."""
         self.begun: dict[str, set[str]] = {}
         """State → the paths of what has begun in its tree in this step."""
+        self.asked: set[Any] = set()
+        """What was asked of the goals in this step that nothing pursues: see `Stores.question`."""
 
     def begin_step(self) -> None:
         """Forget what the last step did."""
-        self.ticks, self.turned, self.begun = 0, set(), {}
+        self.ticks, self.turned, self.begun, self.asked = 0, set(), {}, set()
 
     def watch_finals(self, program: Program) -> None:
         """Note what the `requires` of finals say."""
@@ -54,12 +63,16 @@ class Instruments:
         """Note what a machine does."""
         if isinstance(machine, DecisionMachine):
             self._watch_question(machine, place)
-        elif isinstance(machine, GoalMachine) and machine.achieved is not None:
-            machine.achieved = self._noting(f"{place}/achieved", machine.achieved)
+        elif isinstance(machine, GoalMachine):
+            self._watch_starts(machine, Obstruction(machine.definition.action))
+            if machine.achieved is not None:
+                machine.achieved = self._noting(f"{place}/achieved", machine.achieved)
         elif isinstance(machine, TreeMachine):
             self._count(machine)
             for path, limb in machine.limbs.items():
                 self.watch(limb.machine, f"{place}/tree/{path}")
+        elif self._is_foreign:
+            self._watch_starts(machine, ALL_GOALS)
 
     def _noting(self, place: str, test: Test) -> Test:
         seen = self.seen.setdefault(place, set())
@@ -95,6 +108,21 @@ class Instruments:
 
         machine.begin = beginning  # type: ignore[method-assign,assignment]
         machine.ticker.tick = counted  # type: ignore[method-assign,assignment]
+
+    def _watch_starts(self, machine: Any, asked: Any) -> None:
+        """Note what is asked of the goals that nothing pursues before another is started."""
+        begin, receive = machine.begin, machine.receive
+
+        def beginning(host: Any) -> Any:
+            self.asked.add(asked)
+            return begin(host)
+
+        def receiving(state: Any, event: Event, host: Any) -> Any:
+            if not isinstance(state, GoalActivity) or state.phase == "waiting":
+                self.asked.add(asked)
+            return receive(state, event, host)
+
+        machine.begin, machine.receive = beginning, receiving
 
     def _watch_question(self, machine: DecisionMachine, place: str) -> None:
         machine.begin = self._taking(machine.owner, machine.begin)  # type: ignore[method-assign]

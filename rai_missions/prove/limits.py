@@ -77,6 +77,10 @@ class Meter:
             self.ended = self.ended or "memory"
         return bool(self.ended)
 
+    def has_room(self, work: int) -> bool:
+        """So much work reaches no limit of work."""
+        return self.work + work < min(self.limits.work, self._work)
+
     @property
     def stopped(self) -> Stopped:
         """The limit that left something out."""

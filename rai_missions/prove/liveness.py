@@ -54,12 +54,13 @@ class LiveReads:
         mission: The mission.
         graph: It compiled.
         terms: The guards of a robot's composed actions are read at any time.
+        reads_all: The user's predicates may read every key at any time.
     """
 
-    def __init__(self, mission: Mission, graph: Graph, terms: RobotFacts) -> None:
+    def __init__(self, mission: Mission, graph: Graph, terms: RobotFacts, *, reads_all: bool = False) -> None:
         self._keys = frozenset(mission.blackboard)
         given = [mission.invariants, terms.succeeded, terms.failed]
-        self._always = frozenset(self._mentions(given))
+        self._always = self._keys if reads_all else frozenset(self._mentions(given))
         self._graph = graph
         self._entered: dict[Node, frozenset[Node]] = {}
         self._live = {node: self._of_state(node) for node in graph.order}

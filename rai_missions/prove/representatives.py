@@ -7,7 +7,8 @@ Rule: two values that every guard treats alike stand for one another; unknown is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from itertools import pairwise, product
 from typing import Any
 
@@ -17,6 +18,8 @@ from rai_missions.image import Image
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import NUMBERS, Comparisons
+from rai_missions.prove.parts import parts
+from rai_missions.states.effects import Raise, references
 
 __all__ = ("Values",)
 
@@ -24,6 +27,7 @@ OTHER = "something else"
 FAR_M = 1e6
 PICTURE = Image("any", 1, 1, "rgb8", b"\0\0\0")
 SAMPLES = range(4)
+SCALARS = ("boolean", "number", "integer", "string")
 
 
 class Values:
@@ -105,6 +109,17 @@ class Values:
             elif low and max(steps) < 0:
                 found[key] = (min(low), math.inf)
         return found
+
+    def classes(self, mission: Mission) -> Mapping[str, Callable[[Any], Any]]:
+        """Scalar keys that are only compared with constants → all that a rule can find out of a value."""
+        learned = self.learned
+        quoted = {path.split(".")[0] for each in parts(mission, Raise) for path in references(each.data)}
+        quoted |= {path.split(".")[0] for path in (*learned.items, *learned.near)}
+        return {
+            key: partial(_found_out, tuple(learned.atoms.get(key, ()))) for key, written in self._keys.items()
+            if written.type in SCALARS and len(learned.kin.get(key, ())) < 2 and not learned.within(key)
+            and key not in quoted and not learned.is_sampled(key)
+        }  # fmt: skip
 
     # -- how they are made ----------------------------------------------------------------------------------------
 
@@ -199,12 +214,9 @@ class Values:
         """Those that some guard treats otherwise than all before."""
         seen: set[tuple[Any, ...]] = set()
         for value in candidates:
-            says = tuple(
-                truth(OPERATORS[op], value, operand, equality=op in ("==", "!="))
-                for op, operand in self.learned.atoms[path]
-            )
-            if says not in seen:
-                seen.add(says)
+            found = _found_out(self.learned.atoms[path], value)
+            if found not in seen:
+                seen.add(found)
                 yield value
 
     def _is_fixed(self, path: str, kin: set[str]) -> bool:
@@ -212,6 +224,12 @@ class Values:
         sources = {each: self._keys[each].source for each in kin if each in self._keys}
         others = {source for each, source in sources.items() if each != path}
         return len(sources) == len(kin) and sources.get(path) == "argument" and others == {"robot"}
+
+
+def _found_out(atoms: Iterable[tuple[str, Any]], value: Any) -> tuple[Any, ...]:
+    """What each comparison makes of a value, and whether there is one."""
+    made = [truth(OPERATORS[op], value, operand, equality=op in ("==", "!=")) for op, operand in atoms]
+    return (value is None, *made)
 
 
 def _past(op: str, operand: float, step: int) -> float:

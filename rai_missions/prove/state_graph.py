@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from array import array
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
+from itertools import compress
 from typing import NamedTuple
 
-from rai_missions.prove.stimulus import KINDS, HappeningKind
+from rai_missions.prove.stimulus import HappeningKind
 
 __all__ = ("Edge", "StateGraph")
 
-NUMBERS = {kind: number for number, kind in enumerate(KINDS)}
-TIME, COMMAND = NUMBERS["time"], NUMBERS["command"]
 DEEPEST = 65_535
+HEARD, MOVING = -2, -1
+"""Of a step, in place of the number of what waits on: more than time makes it; the robot is not silent."""
 
 
 class Edge(NamedTuple):
@@ -38,11 +39,13 @@ class StateGraph:
         self._numbers: dict[bytes, int] = {}
         self._parents, self._ways = array("l"), array("L")
         self._way_numbers: dict[Edge, int] = {}
-        self._sources, self._targets, self._kinds = array("L"), array("L"), bytearray()
+        self._sources, self._targets, self._kept = array("L"), array("L"), array("l")
+        """Each step once: from where, to where, and the number of the set of what waits for time on."""
+        self._source, self._joined = -1, set[tuple[int, int]]()
+        """The state that is left, and the steps out of it that are known."""
+        self._before: dict[bool, list[list[int]]] = {}
         self._depths = array("H")
         self._set_numbers: dict[frozenset[str], int] = {}
-        self._kept = array("l")
-        """Of each step the number of the set of what waits for time on; -1 where not time alone makes it."""
         self.waiting: dict[int, int] = {}
         """Number of a state → that of the set of what waits for time in it."""
 
@@ -69,11 +72,20 @@ class StateGraph:
         return self.waiting[number]
 
     def _join(self, source: int, target: int, kind: HappeningKind, kept: frozenset[str] | None = None) -> None:
-        """Note a step from one to another."""
-        self._kept.append(-1 if kept is None else self._set_numbers.setdefault(kept, len(self._set_numbers)))
-        self._sources.append(source)
-        self._targets.append(target)
-        self._kinds.append(NUMBERS[kind])
+        """Note a step from one to another, but for what an operator does who need not."""
+        if kind == "command":
+            return
+        number = MOVING if kind == "time" else HEARD
+        if kept is not None:
+            number = self._set_numbers.setdefault(kept, len(self._set_numbers))
+        if source != self._source:
+            self._source, self._joined = source, set()
+        step = target, number
+        if step not in self._joined:
+            self._joined.add(step)
+            self._sources.append(source)
+            self._targets.append(target)
+            self._kept.append(number)
 
     def path(self, number: int) -> list[Edge]:
         """What happens, from the start, to be in a state."""
@@ -85,19 +97,18 @@ class StateGraph:
 
     def edges(self, *, time_only: bool = False) -> Iterator[tuple[int, int]]:
         """Source and target of every step from one state to another, but what an operator does who need not."""
-        for source, target, kind in zip(self._sources, self._targets, self._kinds, strict=True):
-            if kind == TIME or not (time_only or kind == COMMAND):
-                yield source, target
+        steps = zip(self._sources, self._targets, strict=True)
+        return compress(steps, map(HEARD.__lt__, self._kept)) if time_only else steps
 
     def distances(self, goals: Iterable[int], *, time_only: bool = False) -> array[int]:
         """For each state the steps to the nearest of these; -1 where no way leads there."""
-        before = self._reversed(time_only=time_only)
+        before = self._sources_of(time_only=time_only)
         far, waiting = array("l", [-1]) * self.states, deque(goals)
         for number in waiting:
             far[number] = 0
         while waiting:
             number = waiting.popleft()
-            for source in before(number):
+            for source in before[number]:
                 if far[source] < 0:
                     far[source] = far[number] + 1
                     waiting.append(source)
@@ -114,15 +125,10 @@ class StateGraph:
         """What waits for time, by number."""
         return list(self._set_numbers)
 
-    def _reversed(self, *, time_only: bool) -> Callable[[int], array[int]]:
-        """Target → its sources, in two arrays (compressed sparse rows)."""
-        counts = array("L", [0]) * (self.states + 1)
-        for _, target in self.edges(time_only=time_only):
-            counts[target + 1] += 1
-        for number in range(self.states):
-            counts[number + 1] += counts[number]
-        places, sources = array("L", counts), array("L", [0]) * counts[self.states]
-        for source, target in self.edges(time_only=time_only):
-            sources[places[target]] = source
-            places[target] += 1
-        return lambda number: sources[counts[number] : counts[number + 1]]
+    def _sources_of(self, *, time_only: bool) -> list[list[int]]:
+        """For each state those from which a step leads to it; the exploration is over."""
+        if time_only not in self._before:
+            before = self._before[time_only] = [[] for _ in range(self.states)]
+            for source, target in self.edges(time_only=time_only):
+                before[target].append(source)
+        return self._before[time_only]

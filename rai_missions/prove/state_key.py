@@ -7,10 +7,9 @@ fields a run has is read from `engine.state.TABLE`; here it is only said what of
 
 from __future__ import annotations
 
-import hashlib
-import marshal
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -21,15 +20,15 @@ from rai_missions.prove.abstraction import INDIFFERENT, PURSUED, Abstraction
 from rai_missions.prove.activity_key import plain, told, told_timer
 from rai_missions.prove.branches import Groups
 from rai_missions.prove.control_env import kept_words
+from rai_missions.prove.liveness import Later
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, parts
+from rai_missions.prove.store import Question, Rivals, Store, Stores, fingerprint, first_alike
 from rai_missions.states.tree.leaves import ActionLeaf
 
-__all__ = ("Own", "Saved", "StateCodec")
+__all__ = ("Place", "Saved", "StateCodec")
 
-Own = Mapping[str, Any]
-"""The mission's own keys and what they hold."""
 NONE: dict[Any, Any] = {}
 NO_DRAFT = StepDraft()
 """Saved states have gathered nothing."""
@@ -38,10 +37,17 @@ A_LITTLE_S = 1e-3
 
 
 class Saved(NamedTuple):
-    """All that a run remembers but the mission's own keys, to put it back."""
+    """All that a run remembers but its store, to put it back."""
 
     run: RunState
     groups: Mapping[str, Groups]
+
+
+class Place(NamedTuple):
+    """A state of a run, to put it back into it."""
+
+    saved: Saved
+    store: Store
 
 
 class StateCodec:
@@ -56,7 +62,10 @@ class StateCodec:
     def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction) -> None:
         self._chart, self._world, self._rest = chart, world, rest
         self._levels = self._thresholds()
-        self._own_order: dict[frozenset[str], tuple[str, ...]] = {}
+        is_open = bool(world.predicates or chart.mission.uses)  # others may look at a value in their own way
+        classes = {} if is_open else world.values.classes(chart.mission)
+        self.stores = Stores(chart.terms, classes)
+        self._telling: dict[Later, Question] = {}
         self.groups: dict[str, Groups] = {}
         """State → the groups of its tree's waits and timeouts, where there are several: see `branches`."""
         self.loops: tuple[Loop, ...] = ()
@@ -65,7 +74,7 @@ class StateCodec:
             "configuration": lambda config: config.key, "state": lambda node: node.index, "events": _told_events,
             "memory": self._told_memory, "deadline": _is_never, "deadlines": _told_deadlines, "settling": list,
             "controls": sorted, "invariants": sorted, "timers": _told_timers, "rounds": _told_rounds,
-            "activities": _told_activities, "calls": _told_calls, "goals": self._told_goals, "board": self._told_board,
+            "activities": _told_activities, "calls": _told_calls, "goals": _told_pursued, "board": self._told_board,
             "ages": self._told_ages, "since": _told_since, "payload": _told_payload,
         }  # fmt: skip
         told_as = [(each.name, tells[each.holds]) for each in TABLE if each.holds in tells]
@@ -108,17 +117,20 @@ class StateCodec:
 
     # -- saved and loaded -----------------------------------------------------------------------------------------
 
-    def save(self) -> Saved:
-        """What `load` puts back."""
-        return self._saved(copied(self._chart.state))
+    def place(self) -> Place:
+        """What `load` puts back; the run is at rest."""
+        store = self.stores.store(self.own(), first_alike(self.given_up(), self._rest.rivals))
+        return Place(self._saved(copied(self._chart.state)), store)
 
     def take(self) -> Saved:
-        """The same without a copy; the run is only used again once a state was loaded."""
+        """The state without its store, and without a copy; the run is only used again once a state was loaded."""
         return self._saved(self._chart.state)
 
     def _saved(self, state: RunState) -> Saved:
         own = self._world.own_keys
         state.board = {key: entry for key, entry in self._world.board.entries() if key not in own}
+        if state.goals:
+            state.goals = {number: goal for number, goal in state.goals.items() if goal.phase in PURSUED}
         state.draft = NO_DRAFT
         return Saved(state, self.groups or NONE)
 
@@ -127,11 +139,18 @@ class StateCodec:
         own = self._world.own_keys
         return {key: entry for key, entry in self._world.board.entries() if key in own}
 
-    def load(self, saved: Saved, own: Own) -> None:
+    def given_up(self) -> list[Goal]:
+        """The goals that nothing pursues."""
+        return [goal for goal in self._chart.state.goals.values() if goal.phase not in PURSUED]
+
+    def load(self, place: Place) -> None:
         """Be in a state again."""
+        saved, store = place
         state = copied(saved.run)
-        self._world.board.refill(saved.run.board, own)
+        self._world.board.refill(saved.run.board, store.keys)
         state.board = self._world.board
+        if store.goals:
+            state.goals = store.ledger | state.goals
         self._chart.state = state
         self.groups = dict(saved.groups) if saved.groups else {}
         self._world.wavering.clear()
@@ -139,42 +158,28 @@ class StateCodec:
     # -- what tells states apart ----------------------------------------------------------------------------------
 
     def core(self) -> bytes:
-        """The same for two states that differ in the mission's own keys alone: 16 bytes."""
+        """The same for two states that differ in their stores alone: 16 bytes."""
         state = self._chart.state
         values = self._told_values(state)
         told_as = [(tell(value) or None) if value else None for tell, value in zip(self._tells, values, strict=True)]
         groups = [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())]
-        return _digest((self._plain_values(state), told_as, groups))
+        return fingerprint((self._plain_values(state), told_as, groups))
 
-    def telling(self) -> tuple[str, ...]:
-        """The mission's own keys that make a difference from here on."""
-        keys = self._rest.later.keys
-        found = self._own_order.get(keys)
+    def telling(self) -> Question:
+        """Asks for all that makes a difference of a store from here on."""
+        later = self._rest.later
+        found = self._telling.get(later)
         if found is None:
-            found = self._own_order[keys] = tuple(sorted(keys & self._world.own_keys))
+            keys, rivals = sorted(later.keys & self._world.own_keys), self._rest.rivals
+            parts: list[Callable[[Store], Any]] = [partial(_told_own, tuple(keys), self._rest.idle)] if keys else []
+            if later.starts or self._rest.hears_of_orphans:
+                parts.append(partial(_told_rivals, rivals))
+            found = self._telling[later] = Question(parts)
         return found
-
-    def key(self, core: bytes, own: Own, telling: tuple[str, ...]) -> bytes:
-        """The same for two states from which the same can happen: 16 bytes."""
-        if not telling:
-            return core
-        idle = self._rest.idle
-        entries = ((name, own.get(name)) for name in telling)
-        return _digest((core, [None if entry is None else name in idle or entry[0] for name, entry in entries]))
 
     def _told_memory(self, memory: Mapping[int, Any]) -> Any:
         recalls = self._rest.later.recalls
         return [(at, [node.index for node in nodes]) for at, nodes in sorted(memory.items()) if at in recalls]
-
-    def _told_goals(self, goals: Mapping[int, Goal]) -> Any:
-        """Of goals that no activity pursues, in whose way they stand."""
-        remainder = self._rest.remainder
-        return (
-            sorted([(goal.owner, goal.action, goal.phase) for goal in goals.values() if goal.phase in PURSUED]),
-            sorted([
-                rest for goal in goals.values() if goal.phase not in PURSUED and (rest := remainder(goal)) is not None
-            ]),
-        )  # fmt: skip
 
     def _told_board(self, board: Any) -> Any:
         idle, kept, own = self._rest.idle, self._rest.later.keys, self._world.own_keys
@@ -211,7 +216,7 @@ class StateCodec:
         for loop in self.loops:
             if self._rounds_of(loop) is not None:
                 state.running = {**state.running, loop.state: _counting(state.running[loop.state], loop, None)}
-        key = self.key(self.core(), self.own(), self.telling()) if state.outcome is None else b""
+        key = self.core() + self.telling().of(self.place().store) if state.outcome is None else b""
         state.running = running
         return key
 
@@ -251,6 +256,20 @@ def _told_calls(calls: Mapping[int, str]) -> Any:
     return sorted(calls.values())
 
 
+def _told_pursued(goals: Mapping[int, Goal]) -> Any:
+    return sorted([(goal.owner, goal.action, goal.phase) for goal in goals.values() if goal.phase in PURSUED])
+
+
+def _told_own(keys: tuple[str, ...], idle: frozenset[str], store: Store) -> Any:
+    entries = [(name, store.keys.get(name)) for name in keys]
+    return [None if entry is None else name in idle or entry[0] for name, entry in entries]
+
+
+def _told_rivals(rivals: Rivals, store: Store) -> Any:
+    """In whose way goals stand that nothing pursues."""
+    return sorted([rest for goal in store.goals if (rest := rivals(goal)) is not None])
+
+
 def _told_since(held: Mapping[str, float]) -> Any:
     return [(memory, since == NOW) for memory, since in sorted(held.items())]
 
@@ -265,14 +284,6 @@ def _counting(activity: Any, loop: Loop, ended: int | None) -> Any:
     if ended is not None:
         memory[loop.word] = ended
     return activity._replace(tree=activity.tree._replace(nodes={**activity.tree.nodes, loop.path: memory}))
-
-
-def _digest(parts: tuple[Any, ...]) -> bytes:
-    try:
-        said = marshal.dumps(parts, 2)
-    except ValueError:  # a picture, a mapping of some kind
-        said = repr(parts).encode()
-    return hashlib.blake2b(said, digest_size=16).digest()
 
 
 def _ages(part: Any) -> tuple[float, ...]:

@@ -1,26 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What came of a happening, to be told again wherever it can only go the same way.
+"""What came of a happening, to be repeated wherever it can only go the same way.
 
-Rule: a way is told again where those of the mission's own keys that it looked at are what they were, and nowhere else.
+Rule: a way is repeated where the store answers what the way has asked of it as it did then, and nowhere else.
 """
 
 from __future__ import annotations
 
-from typing import Any, Generic, NamedTuple, TypeVar
+from collections.abc import Iterable
+from typing import Generic, NamedTuple, TypeVar
 
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.state_graph import Edge
-from rai_missions.prove.state_key import Own, Saved
+from rai_missions.prove.state_key import Saved
 from rai_missions.prove.stimulus import HappeningKind
+from rai_missions.prove.store import Change, Question, Store
 
-__all__ = ("Arrival", "CachedStep", "Known", "Made", "Needs", "StepCache", "value_of")
-
-Needs = tuple[tuple[str, Any], ...]
-"""Those of the mission's own keys that were looked at, each with its value: with these, it happens again."""
+__all__ = ("Arrival", "CachedStep", "Known", "Made", "StepCache", "joined")
 
 
 class Arrival(NamedTuple):
-    """What one step came to, but for those of the mission's own keys that it left alone."""
+    """What one step came to, but for what it left alone of the store."""
 
     way: Edge
     kind: HappeningKind
@@ -30,13 +29,22 @@ class Arrival(NamedTuple):
     """Outcome and why; None where the mission continues."""
     core: bytes = b""
     state: Saved | None = None
-    written: Own | None = None
-    telling: tuple[str, ...] = ()
+    change: Change | None = None
+    telling: Question | None = None
+    """Asks for what makes a difference of the store afterwards."""
     mode: str = ""
     levels: tuple[tuple[Loop, int, bytes], ...] = ()
     """Loops that run, how many of their rounds have ended, and the core but for this."""
     kept: frozenset[str] | None = None
     """Where time passes and the robot is silent: what waits for time on, and not from the beginning."""
+    is_of_goal: bool = False
+    """It came of a report, or the silence, of a goal that nothing pursues."""
+
+    @property
+    def likeness(self) -> tuple[object, ...]:
+        """The same for arrivals that lead alike from a state."""
+        change = self.change.number if self.change is not None else self.ended
+        return self.core, change, self.kind, self.has_moved, self.kept, self.is_of_goal
 
 
 class Made(NamedTuple):
@@ -44,7 +52,8 @@ class Made(NamedTuple):
 
     arrival: Arrival | None
     """None where it goes against what is assumed of the robot."""
-    needs: Needs
+    asked: frozenset[object]
+    """What it has asked of the store: see `Stores.question`."""
     after: tuple[int, ...] | None
     """What is to be chosen for the next way; None after the last."""
 
@@ -54,7 +63,18 @@ class CachedStep(NamedTuple):
 
     arrivals: list[Arrival]
     steps: int
-    needs: Needs
+    asked: frozenset[object]
+
+
+def joined(courses: Iterable[CachedStep]) -> CachedStep:
+    """All that several happenings can come to; of arrivals that lead alike the first."""
+    arrivals, steps, asked = dict[object, Arrival](), 0, set[object]()
+    for course in courses:
+        steps += course.steps
+        asked |= course.asked
+        for each in course.arrivals:
+            arrivals.setdefault(each.likeness, each)
+    return CachedStep(list(arrivals.values()), steps, frozenset(asked))
 
 
 Kind = TypeVar("Kind")
@@ -64,64 +84,36 @@ MOST_KNOWN = 1_000
 
 
 class Known(Generic[Kind]):
-    """What happens where certain keys have certain values: found by them, however many there are."""
+    """What happens where certain questions have certain answers."""
 
-    __slots__ = ("_by_keys", "_many")
+    __slots__ = ("_by_question", "_many")
 
     def __init__(self) -> None:
-        self._by_keys: dict[tuple[str, ...], dict[tuple[Any, ...], Kind]] = {}
+        self._by_question: dict[Question, dict[bytes, Kind]] = {}
         self._many = 0
 
-    def add(self, needs: Needs, what: Kind) -> None:
-        """Remember it, unless a value is a list or an object, or much is known already."""
-        if self._many >= MOST_KNOWN:
-            return
-        try:
-            self._by_keys.setdefault(tuple([key for key, _ in needs]), {})[tuple([each for _, each in needs])] = what
-        except TypeError:
-            return
-        self._many += 1
+    def add(self, question: Question, store: Store, what: Kind) -> None:
+        """Remember it, unless much is known already."""
+        if self._many < MOST_KNOWN:
+            self._by_question.setdefault(question, {})[question.of(store)] = what
+            self._many += 1
 
-    def find(self, own: Own) -> Kind | None:
-        """What happens where so much stands under the mission's own keys, if it is known."""
-        for keys, found in self._by_keys.items():
-            try:
-                what = found.get(tuple([value_of(own, key) for key in keys]))
-            except TypeError:
-                continue
+    def find(self, store: Store) -> Kind | None:
+        """What happens with this store, if it is known."""
+        for question, found in self._by_question.items():
+            what = found.get(question.of(store))
             if what is not None:
                 return what
         return None
 
 
 class StepCache:
-    """What has come of one happening, of the mission's own keys whatever there was."""
+    """What has come of one happening, whatever the store was."""
 
-    __slots__ = ("_ways", "_whole")
+    __slots__ = ("ways", "whole")
 
     def __init__(self) -> None:
-        self._whole = Known[CachedStep]()
-        self._ways: dict[tuple[int, ...], Known[Made]] = {}
-        """What is chosen before the first alternative always is → the ways that went so."""
-
-    def remember(self, course: CachedStep) -> None:
+        self.whole = Known[CachedStep]()
         """All that it came to."""
-        self._whole.add(course.needs, course)
-
-    def course(self, own: Own) -> CachedStep | None:
-        """All that it comes to where so much stands under the mission's own keys, if it is known whole."""
-        return self._whole.find(own)
-
-    def remember_way(self, chosen: tuple[int, ...], made: Made) -> None:
-        """The way that it went when so much was chosen."""
-        self._ways.setdefault(chosen, Known()).add(made.needs, made)
-
-    def known(self, chosen: tuple[int, ...], own: Own) -> Made | None:
-        """The way that it goes there, when so much is chosen, if it is known."""
-        ways = self._ways.get(chosen)
-        return ways.find(own) if ways is not None else None
-
-
-def value_of(own: Own, key: str) -> Any:
-    entry = own.get(key)
-    return None if entry is None else entry.value
+        self.ways: dict[tuple[int, ...], Known[Made]] = {}
+        """What is chosen before the first alternative always is → the ways that went so."""

@@ -16,9 +16,11 @@ from rai_missions.engine import Chart
 from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.state import TABLE, Holds, RunState
-from rai_missions.prove.abstraction import INDIFFERENT, MANY, Abstraction
+from rai_missions.prove.abstraction import INDIFFERENT, Abstraction
 from rai_missions.prove.activity_key import plain, told, told_timer
+from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.open_world import OpenWorld
+from rai_missions.prove.store import ALL_GOALS, MANY
 
 __all__ = ("StepCircles",)
 
@@ -43,10 +45,11 @@ class StepCircles:
         chart: The mission.
         world: What the surroundings can be.
         rest: What is forgotten between steps.
+        instruments: Learns that every goal is looked at.
     """
 
-    def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction) -> None:
-        self._world, self._rest = world, rest
+    def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction, instruments: Instruments) -> None:
+        self._world, self._rest, self._instruments = world, rest, instruments
         self._macrostep: tuple[Any, int] = (None, 0)
         self._jumps = 0
         self._passed: dict[str, Visit] | None = None
@@ -69,6 +72,7 @@ class StepCircles:
         if self._jumps <= PATIENCE or state.outcome is not None or self._passed is None:
             return True
         rounds = state.draft.tree_rounds
+        self._instruments.asked.add(ALL_GOALS)
         visit = Visit(state.draft.microsteps, {name: each.room for name, each in rounds.items()})
         before = self._passed.setdefault(repr((self._place(state), step.move)), visit)
         return before is visit or not self._is_endless(state, before, visit)

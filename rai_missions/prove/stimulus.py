@@ -28,3 +28,5 @@ class Stimulus(NamedTuple):
     """The state in which this waits for time: entered again, or its tree gone round, it waits from the beginning."""
     timer: tuple[tuple[str, Any], int] | None = None
     """The timer that runs out: its key, and the order in which it was set; `goal` and a number for a goal's end."""
+    is_of_goal: bool = False
+    """It is about a goal that nothing pursues."""

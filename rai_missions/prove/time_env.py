@@ -163,7 +163,6 @@ class TimeEnvironment:
             yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
         if self._chart.state.cancel_by != math.inf:
             yield Stimulus("the cancel takes too long", "time", self.elapse(self._too_long))
-        yield from self.orphans()
         yield from self._ages()
 
     def _settling_now(self) -> list[str]:
@@ -176,11 +175,12 @@ class TimeEnvironment:
         ]
 
     def orphans(self) -> Iterator[Stimulus]:
+        """Goals that nothing pursues are never confirmed to have ended."""
         for goal in self._rest.remaining:
             if goal.phase != "orphaned":
                 told = f"'{goal.action}' never confirms its end"
                 orphan = self.elapse(self._orphan(goal.number))
-                yield Stimulus(told, "time", orphan, timer=(("goal", ""), goal.number))
+                yield Stimulus(told, "time", orphan, timer=(("goal", ""), goal.number), is_of_goal=True)
 
     def _ages(self) -> Iterator[Stimulus]:
         for name in self._codec.aging:

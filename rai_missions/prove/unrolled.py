@@ -14,7 +14,7 @@ from rai_missions.prove.counterexample import go
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.loops import Level, Loop
 from rai_missions.prove.state_graph import Edge
-from rai_missions.prove.state_key import Own, Saved
+from rai_missions.prove.state_key import Place
 
 __all__ = ("RepeatedPart", "repeated", "unrolled")
 
@@ -48,7 +48,7 @@ def unrolled(
     missing: list[RepeatedPart] = []
     levels: list[Mapping[Loop, Level]] = []
     for way in ways:
-        before = every.codec.save(), every.codec.own()
+        before = every.codec.place()
         go(few, way)
         if not _follows(every, way, few):
             found = _round_before(every, before, few, way, levels, rounds)
@@ -76,7 +76,7 @@ def _end(environment: Environment) -> tuple[str | None, str, bytes]:
 
 
 def _round_before(
-    every: Environment, before: tuple[Saved, Own], few: Environment, way: Edge, levels: Sequence[Mapping[Loop, Level]],
+    every: Environment, before: Place, few: Environment, way: Edge, levels: Sequence[Mapping[Loop, Level]],
     rounds: Mapping[Loop, int],
 ) -> RepeatedPart | None:  # fmt: skip
     """The round that must be gone more often before a way leads where it should."""
@@ -84,7 +84,7 @@ def _round_before(
         found = _round(loop, levels)
         if found is None or loop.rounds == many:
             continue
-        every.load(*before)
+        every.load(before)
         every.codec.go_round(loop, loop.rounds - many)
         if _follows(every, way, few):
             return RepeatedPart(found[0] + 1, found[1], loop.rounds - many)
@@ -107,15 +107,15 @@ def _round(loop: Loop, levels: Sequence[Mapping[Loop, Level]]) -> tuple[int, int
 
 def _rest(environment: Environment) -> None:
     environment.settle()
-    environment.load(environment.codec.save(), environment.codec.own())
+    environment.load(environment.codec.place())
 
 
 def _levels(environment: Environment) -> dict[Loop, Level]:
     if environment.chart.outcome is not None:
         return {}
     codec = environment.codec
-    own, telling = codec.own(), codec.telling()
-    return {loop: Level(ended, codec.key(core, own, telling)) for loop, ended, core in codec.levels()}
+    answer = codec.telling().of(codec.place().store)
+    return {loop: Level(ended, core + answer) for loop, ended, core in codec.levels()}
 
 
 def repeated(items: Sequence[Item], rounds: Sequence[RepeatedPart]) -> list[Item] | None:

@@ -96,7 +96,7 @@ def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
         space.explore()
         if work < math.inf:
             assume(not space.meter.ended)  # what is reported again costs less
-    for what in ("_sources", "_targets", "_kinds", "_parents", "ends", "flaws", "taken", "entered", "steps", "seen"):
+    for what in ("_sources", "_targets", "_kept", "_parents", "ends", "flaws", "taken", "entered", "steps", "seen"):
         assert getattr(quick, what) == getattr(patient, what), what
     one, other = quick.environment.instruments, patient.environment.instruments
     assert one.seen == other.seen and one.answered == other.answered

@@ -158,12 +158,15 @@ def test_the_same_mission_gives_the_same_proof() -> None:
 
 
 def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_reported() -> None:
-    chart = Environment(document(TRACTOR), default_ticker(document(TRACTOR)))
-    space = Space(chart, 10_000)
-    space.explore()
     steps: dict[int, set[int]] = {}
-    for source, target, _ in zip(space._sources, space._targets, space._kinds, strict=True):
-        steps.setdefault(source, set()).add(target)
+
+    class Joining(Space):
+        def _join(self, source: int, target: int, *rest: Any) -> None:
+            super()._join(source, target, *rest)
+            steps.setdefault(source, set()).add(target)
+
+    space = Joining(Environment(document(TRACTOR), default_ticker(document(TRACTOR))), 10_000)
+    space.explore()
     starts = [number for number in range(space.states) if space._parents[number] < 0]
     far, waiting = dict.fromkeys(starts, 1), deque(starts)
     while waiting:

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What few steps look at: the mission's own keys, and the goals that no state pursues any more.
+
+Rule: a step happens alike in every store that answers alike what the step has asked of it. So stores are kept apart
+from the rest of a state, each distinct one is one object, and each question is answered once for each.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import marshal
+import math
+from collections import Counter
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from itertools import count
+from typing import Any, NamedTuple
+
+from rai_missions.engine.activities.goal_ledger import Goal, obstruction
+from rai_missions.engine.robot_facts import RobotFacts
+
+__all__ = (
+    "ALL_GOALS", "LEFT", "MANY", "Change", "Obstruction", "Question", "Rivals", "Store", "Stores", "fingerprint",
+    "first_alike", "value_of",
+)  # fmt: skip
+
+MANY = 2
+"""So many alike stand for any number more."""
+LEFT = 1_000_000
+"""From here on the goals of a store are numbered, in each state that it is put back into."""
+REMEMBERED = 50_000
+"""So many stores, changes and answers are remembered; past that all are forgotten and it starts again."""
+
+
+class Obstruction(NamedTuple):
+    """Asks whether goals stand in the way of an action."""
+
+    action: str
+
+
+ALL_GOALS = "every goal", ()
+"""Asks for all that makes a difference of the goals."""
+
+
+class Store:
+    """The mission's own keys and the goals that nothing pursues: equal ones are one object.
+
+    Args:
+        number: Its own.
+        keys: Key → entry.
+        goals: In the order in which they were given up; how they are numbered makes no difference.
+    """
+
+    __slots__ = ("goals", "keys", "ledger", "number")
+
+    def __init__(self, number: int, keys: Mapping[str, Any], goals: tuple[Goal, ...]) -> None:
+        self.number, self.keys, self.goals = number, keys, goals
+        self.ledger = {LEFT + at: goal._replace(number=LEFT + at) for at, goal in enumerate(goals)}
+        """The goals as a run has them."""
+
+
+class Change(NamedTuple):
+    """What a step does to a store."""
+
+    number: int
+    written: Mapping[str, Any]
+    goals: tuple[Goal, ...]
+    """Those that were given up; all that are left, where the step has asked for every goal."""
+    is_absolute: bool
+    rivals: Rivals
+    """Of each goal what makes a difference afterwards."""
+
+
+Rivals = Callable[[Goal], tuple[Any, ...] | None]
+"""All that makes a difference of a goal that nothing pursues; None where that is nothing."""
+
+
+class Question:
+    """Parts of a store that are asked for together; an answer is 16 bytes, none where nothing is asked."""
+
+    __slots__ = ("_answers", "_parts")
+
+    def __init__(self, parts: Iterable[Callable[[Store], Any]]) -> None:
+        self._parts = tuple(parts)
+        self._answers: dict[int, bytes] = {}
+
+    def of(self, store: Store) -> bytes:
+        """The same for two stores that answer alike."""
+        if not self._parts:
+            return b""
+        found = self._answers.get(store.number)
+        if found is None:
+            if len(self._answers) >= REMEMBERED:
+                self._answers.clear()
+            found = self._answers[store.number] = fingerprint([part(store) for part in self._parts])
+        return found
+
+
+class Stores:
+    """Every store that was met, and what is asked of them.
+
+    Args:
+        facts: Which actions stand in each other's way.
+        classes: Key of which some values make no difference to any guard → what tells the others apart.
+    """
+
+    def __init__(self, facts: RobotFacts, classes: Mapping[str, Callable[[Any], Any]]) -> None:
+        self._facts, self._classes = facts, classes
+        self._numbers = count()
+        self._found: dict[bytes, Store] = {}
+        self._changes: dict[bytes, Change] = {}
+        self._after: dict[tuple[int, int], Store] = {}
+        self._questions: dict[frozenset[Any], Question] = {}
+
+    def store(self, keys: Mapping[str, Any], goals: tuple[Goal, ...]) -> Store:
+        """The one of these."""
+        entries = [(key, tuple(entry)) for key, entry in sorted(keys.items()) if entry is not None]
+        said = fingerprint((entries, _plain(goals)))
+        found = self._found.get(said)
+        if found is None:
+            if len(self._found) >= REMEMBERED:
+                self._found.clear()
+                self._after.clear()
+            found = self._found[said] = Store(next(self._numbers), keys, goals)
+        return found
+
+    def change(
+        self, written: Mapping[str, Any], goals: tuple[Goal, ...], rivals: Rivals, *, is_absolute: bool
+    ) -> Change:
+        """The one that does this."""
+        entries = [(key, tuple(entry)) for key, entry in sorted(written.items())]
+        said = fingerprint((entries, _plain(goals), is_absolute, id(rivals)))
+        found = self._changes.get(said)
+        if found is None:
+            if len(self._changes) >= REMEMBERED:
+                self._changes.clear()
+            found = self._changes[said] = Change(next(self._numbers), written, goals, is_absolute, rivals)
+        return found
+
+    def after(self, store: Store, change: Change) -> Store:
+        """What becomes of a store by a change."""
+        if not (change.written or change.goals or store.goals):
+            return store
+        place = store.number, change.number
+        found = self._after.get(place)
+        if found is None:
+            goals = change.goals if change.is_absolute else (*store.goals, *change.goals)
+            keys = {**store.keys, **change.written} if change.written else store.keys
+            found = self.store(keys, first_alike(goals, change.rivals))
+            self._after[place] = found
+        return found
+
+    # -- what is asked --------------------------------------------------------------------------------------------
+
+    def looked_at(self, keys: Iterable[str], written: Container[str]) -> Iterator[Any]:
+        """What is asked by looking at keys: of one that is written as well its value, which may be added to."""
+        return ((key,) if key in self._classes and key not in written else key for key in keys)
+
+    def question(self, asked: Iterable[Any]) -> Question:
+        """The one that asks for these: keys, keys in classes, obstructions, every goal."""
+        place = frozenset(asked)
+        found = self._questions.get(place)
+        if found is None:
+            found = self._questions[place] = Question([self._part(each) for each in sorted(place, key=repr)])
+        return found
+
+    def _part(self, asked: Any) -> Callable[[Store], Any]:
+        if asked == ALL_GOALS:
+            return lambda store: _plain(store.goals)
+        if isinstance(asked, Obstruction):
+            facts, action = self._facts, asked.action
+            return lambda store: obstruction(store.ledger, facts, action)
+        if isinstance(asked, tuple):
+            (key,) = asked
+            class_of = self._classes[key]
+            return lambda store: class_of(value_of(store.keys, key))
+        return lambda store: value_of(store.keys, asked)
+
+
+def first_alike(goals: Iterable[Goal], rivals: Rivals) -> tuple[Goal, ...]:
+    """Those of goals that make a difference; of many alike as many as stand for any number."""
+    found, many = list[Goal](), Counter[tuple[Any, ...]]()
+    for goal in goals:
+        alike = rivals(goal)
+        if alike is not None and many[alike] < MANY:
+            many[alike] += 1
+            found.append(goal)
+    return tuple(found)
+
+
+def value_of(keys: Mapping[str, Any], key: str) -> Any:
+    """What stands under a key; None for nothing."""
+    entry = keys.get(key)
+    return None if entry is None else entry.value
+
+
+def fingerprint(parts: Any) -> bytes:
+    """16 bytes that differ wherever values do."""
+    try:
+        said = marshal.dumps(parts, 2)
+    except ValueError:  # a picture, a mapping of some kind
+        said = repr(parts).encode()
+    return hashlib.blake2b(said, digest_size=16).digest()
+
+
+def _plain(goals: Iterable[Goal]) -> list[tuple[Any, ...]]:
+    return [
+        (each.owner, each.action, each.phase, each.until == math.inf, each.is_refused, each.is_lost) for each in goals
+    ]
