@@ -45,8 +45,8 @@ WORDS_OF_GUARDS = {word: Key(type="object") for word in ("event", "answer")}
 """In the guard of a message `event` and `answer` are fields like any other."""
 
 
-class Source(MissionModel):
-    """A topic, or a service polled `every_s`, and the part of its messages that counts."""
+class Origin(MissionModel):
+    """A topic that is listened to, or a service that is asked again and again."""
 
     topic: Text | None = None
     service: Text | None = None
@@ -56,6 +56,11 @@ class Source(MissionModel):
     """How often the service is asked."""
     request: dict[Text, Json] = Field(default_factory=dict)
     """What the service is asked with."""
+
+
+class Source(Origin):
+    """A topic, or a service polled `every_s`, and the part of its messages that counts."""
+
     field: Text = ""
     """The field that counts, `pose.pose` or `ranges.0`; empty for the whole message, and for `data` of the simple
     messages of std_msgs."""
@@ -125,14 +130,9 @@ class Source(MissionModel):
         return self.type.startswith("std_msgs/") and self._kind in GIVES
 
 
-class EventSource(MissionModel):
+class EventSource(Origin):
     """What is received when an event happens: every message, or the first for which `when` becomes true."""
 
-    topic: Text | None = None
-    service: Text | None = None
-    type: Text = ""
-    every_s: Seconds | None = Field(default=None, gt=0)
-    request: dict[Text, Json] = Field(default_factory=dict)
     json_: Bool = Field(default=False, alias="json")
     """`data` is JSON text; `when` and `fields` name fields of what it reports."""
     when: OneOf[Guard] | None = None
