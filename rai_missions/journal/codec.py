@@ -1,29 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps as JSON, and back, exactly: `decode(encode(step)) == step`.
 
-Rule: a field that is left out has its default; a field that a Step comes to hold later needs no change here.
+Rule: how a field is written follows from its type, so a new field of a Step needs no change here; a field that is left
+out has its default.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from types import UnionType
+from typing import Any, Literal, NamedTuple, Union, cast, get_args, get_origin, get_type_hints
 
-from rai_missions.engine.decision import Evidence, Offer, Question, Verdict
+from rai_missions.engine.decision import Evidence
 from rai_missions.engine.description import effect_word
-from rai_missions.engine.modes import Mode
-from rai_missions.engine.step import Ask, Effect, Move, Step
+from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.event import Event
 from rai_missions.journal.json_values import Fetch, Keep, from_json, keep_nothing, to_json
 from rai_missions.redaction import cut_repr
-from rai_missions.states.state import Holder
 
-__all__ = ("decode", "encode")
+__all__ = ("decode", "encode", "form_of", "wrong")
 
 Writer = Callable[[Any, Keep], Any]
 Reader = Callable[[Any, Fetch], Any]
-Value = TypeVar("Value")
 
 
 class FieldCodec(NamedTuple):
@@ -33,95 +32,84 @@ class FieldCodec(NamedTuple):
     read: Reader
 
 
-def _same(value: Any, _: object) -> Any:
-    return value
+def wrong(value: Any, wanted: str) -> ValueError:
+    """The error for a value where another belongs."""
+    return ValueError(f"{cut_repr(value, 60)} is given where {wanted} belongs")
 
 
-def _checked(*kinds: type) -> FieldCodec:
-    def read(value: Any, fetch: Fetch) -> Any:
-        if type(value) not in kinds:
-            raise ValueError(
-                f"{cut_repr(value, 60)} is given where {' or '.join(kind.__name__ for kind in kinds)} belongs"
-            )
-        return value
-
-    return FieldCodec(_same, read)
-
-
-def _tuple_of(form: FieldCodec) -> FieldCodec:
-    def write(value: Any, keep: Keep) -> Any:
-        return [form.write(item, keep) for item in value]
-
-    def read(value: Any, fetch: Fetch) -> Any:
-        if not isinstance(value, list):
-            raise ValueError(f"{cut_repr(value, 60)} is given where a list belongs")
-        return tuple([form.read(item, fetch) for item in value])
-
-    return FieldCodec(write, read)
-
-
-def _pair(second: FieldCodec) -> FieldCodec:
-    def write(value: Any, keep: Keep) -> Any:
-        return [value[0], second.write(value[1], keep)]
-
-    def read(value: Any, fetch: Fetch) -> Any:
-        name, item = value
-        return TEXT.read(name, fetch), second.read(item, fetch)
-
-    return FieldCodec(write, read)
-
-
-TEXT, INTEGER, NUMBER, TRUTH = _checked(str), _checked(int), _checked(float, int), _checked(bool, type(None))
-VALUE = FieldCodec(lambda value, keep: to_json(value), from_json)
-"""Any value; also the form of every field whose type reports no more."""
-SHOWN = FieldCodec(to_json, from_json)
-"""What someone is asked about: the bytes of its pictures are kept."""
-TEXTS = _tuple_of(TEXT)
-
-
-def _value_of(*kinds: type) -> FieldCodec:
+def _typed(*kinds: type, write: Writer = lambda value, keep: value) -> FieldCodec:
     """A value of certain types: who altered a journal may have written another."""
 
     def read(value: Any, fetch: Fetch) -> Any:
         found = from_json(value, fetch)
         if type(found) not in kinds:
-            raise ValueError(
-                f"{cut_repr(value, 60)} is given where {' or '.join(kind.__name__ for kind in kinds)} belongs"
-            )
+            raise wrong(value, " or ".join(kind.__name__ for kind in kinds))
         return found
 
-    return FieldCodec(VALUE.write, read)
+    return FieldCodec(write, read)
 
 
-def _word_of(words: Any) -> FieldCodec:
+def _list_of(form: FieldCodec) -> FieldCodec:
+    def write(value: Any, keep: Keep) -> Any:
+        return [form.write(item, keep) for item in value]
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        if not isinstance(value, list):
+            raise wrong(value, "a list")
+        return tuple([form.read(item, fetch) for item in value])
+
+    return FieldCodec(write, read)
+
+
+def _fixed(*forms: FieldCodec) -> FieldCodec:
+    """A tuple of so many values."""
+
+    def write(value: Any, keep: Keep) -> Any:
+        return [form.write(item, keep) for form, item in zip(forms, value, strict=True)]
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        return tuple([form.read(item, fetch) for form, item in zip(forms, value, strict=True)])
+
+    return FieldCodec(write, read)
+
+
+def _word_of(words: tuple[Any, ...]) -> FieldCodec:
     """One of the words of a `Literal`."""
 
     def read(value: Any, fetch: Fetch) -> Any:
-        if value not in get_args(words):
-            raise ValueError(f"{cut_repr(value, 60)} is where one of {', '.join(get_args(words))} belongs")
+        if value not in words:
+            raise ValueError(f"{cut_repr(value, 60)} is where one of {', '.join(words)} belongs")
         return value
 
-    return FieldCodec(_same, read)
+    return FieldCodec(lambda value, keep: value, read)
 
 
-FORMS: Mapping[Any, FieldCodec] = {
-    str: _value_of(str),
-    int: _value_of(int),
-    bool: _value_of(bool),
-    float: _value_of(float, int),
-    str | None: _value_of(str, type(None)),
-    float | None: _value_of(float, int, type(None)),
-    tuple[str, ...]: TEXTS,
-    Mapping[str, Any]: _value_of(dict),
-    Mapping[str, Any] | None: _value_of(dict, type(None)),
-}
-"""A field's type → its form, where a table below does not name another."""
+def _or_none(form: FieldCodec) -> FieldCodec:
+    def write(value: Any, keep: Keep) -> Any:
+        return None if value is None else form.write(value, keep)
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        return None if value is None else form.read(value, fetch)
+
+    return FieldCodec(write, read)
 
 
-def _record(kind: type[Any], /, **forms: FieldCodec) -> FieldCodec:
-    """The form of a named tuple, written as an object of its fields."""
+VALUE = FieldCodec(lambda value, keep: to_json(value), from_json)
+"""Any value; a picture in it is a reference alone."""
+SHOWN = {(Evidence, "value"): FieldCodec(to_json, from_json)}
+"""What is asked about: the bytes of its pictures are kept."""
+TYPED: Mapping[Any, FieldCodec] = {
+    str: _typed(str), int: _typed(int), bool: _typed(bool), float: _typed(float, int, write=VALUE.write),
+    Mapping: _typed(dict, write=VALUE.write),
+}  # fmt: skip
+
+
+def _record(kind: type[Any]) -> FieldCodec:
+    """A named tuple, as an object of its fields."""
     defaults, hints = kind._field_defaults, get_type_hints(kind)
-    table = tuple((name, defaults.get(name, ...), forms.get(name) or _usual(hints[name])) for name in kind._fields)
+    forms = {name: SHOWN.get((kind, name)) or form_of(hints[name]) for name in kind._fields}
+    table = tuple((name, defaults.get(name, ...), form) for name, form in forms.items())
+    required = forms.keys() - defaults.keys()
 
     def write(value: Any, keep: Keep) -> Any:
         return {
@@ -130,77 +118,51 @@ def _record(kind: type[Any], /, **forms: FieldCodec) -> FieldCodec:
             if item is not default
         }
 
-    by_name = {name: form for name, _, form in table}
-
     def read(value: Any, fetch: Fetch) -> Any:
         if not isinstance(value, dict):
-            raise ValueError(f"{cut_repr(value, 60)} is given where an object belongs")
-        unknown = sorted(value.keys() - by_name.keys())
-        if unknown:
-            raise ValueError(f"a {kind.__name__} has no {unknown[0]!r}")
-        return kind(**{name: by_name[name].read(item, fetch) for name, item in value.items()})
+            raise wrong(value, "an object")
+        if odd := sorted(value.keys() - forms.keys()):
+            raise ValueError(f"a {kind.__name__} has no {odd[0]!r}")
+        if missing := sorted(required - value.keys()):
+            raise ValueError(f"'{missing[0]}' is missing")
+        return kind(**{name: forms[name].read(item, fetch) for name, item in value.items()})
 
     return FieldCodec(write, read)
 
 
-def _usual(hint: Any) -> FieldCodec:
-    """The form of a field that no table names, by its type."""
-    if get_origin(hint) is Literal:
-        return _word_of(hint)
-    return _record(hint) if hasattr(hint, "_fields") else FORMS.get(hint, VALUE)
+def _one_of(kinds: Iterable[type[Any]]) -> FieldCodec:
+    """A named tuple of several kinds, as `{"start_goal": {…}}`."""
+    forms = {kind: (effect_word(kind), _record(kind)) for kind in kinds}
+    words = dict(forms.values())
+
+    def write(value: Any, keep: Keep) -> Any:
+        word, form = forms[type(value)]
+        return {word: form.write(value, keep)}
+
+    def read(value: Any, fetch: Fetch) -> Any:
+        ((word, fields),) = value.items()
+        if word not in words:
+            raise ValueError(f"no effect is written {cut_repr(word, 60)}; there is: {', '.join(words)}")
+        return words[word].read(fields, fetch)
+
+    return FieldCodec(write, read)
 
 
-EVENT = _record(Event, name=TEXT, at=NUMBER, kind=TEXT, number=INTEGER)
-MOVE = _record(Move, taken=TEXTS, exited=TEXTS, entered=TEXTS, trigger=TEXT)
-QUESTION = _record(
-    Question,
-    number=INTEGER,
-    owner=TEXT,
-    asked=TEXT,
-    text=TEXT,
-    options=_tuple_of(_record(Offer, name=TEXT, about=TEXT)),
-    evidence=_tuple_of(_record(Evidence, key=TEXT, value=SHOWN, fresh=_checked(bool))),
-    refused=TEXTS,
-    tools=TEXTS,
-)
+@cache
+def form_of(hint: Any) -> FieldCodec:
+    """How values of a type are written and read."""
+    origin, args = get_origin(hint), get_args(hint)
+    kinds = tuple(each for each in args if each is not type(None))
+    if origin is Literal:
+        return _word_of(args)
+    if origin in (Union, UnionType):
+        return _or_none(form_of(kinds[0])) if len(kinds) == 1 else _one_of(kinds)
+    if origin is tuple:
+        return _list_of(form_of(args[0])) if args[1] is ... else _fixed(*map(form_of, args))
+    return _record(hint) if hasattr(hint, "_fields") else TYPED.get(origin or hint, VALUE)
 
 
-EFFECTS: Mapping[type[Any], tuple[str, FieldCodec]] = {
-    kind: (effect_word(kind), _record(kind, **({"question": QUESTION} if kind is Ask else {})))
-    for kind in cast("tuple[type[Any], ...]", Effect.__args__)
-}
-"""Each effect is written as `{"start_goal": {…}}`."""
-EFFECT_WORDS = dict(EFFECTS.values())
-
-
-def _write_effect(effect: Any, keep: Keep) -> Any:
-    word, form = EFFECTS[type(effect)]
-    return {word: form.write(effect, keep)}
-
-
-def _read_effect(written: Any, fetch: Fetch) -> Any:
-    ((word, fields),) = written.items()
-    if word not in EFFECT_WORDS:
-        raise ValueError(f"no effect is written {cut_repr(word, 60)}; there is: {', '.join(EFFECT_WORDS)}")
-    return EFFECT_WORDS[word].read(fields, fetch)
-
-
-STEP = _record(
-    Step,
-    seq=INTEGER,
-    at=NUMBER,
-    event=EVENT,
-    moves=_tuple_of(MOVE),
-    guards=_tuple_of(_pair(TRUTH)),
-    writes=_tuple_of(_pair(VALUE)),
-    effects=_tuple_of(FieldCodec(_write_effect, _read_effect)),
-    why=TEXT,
-    notes=TEXTS,
-    mode=_word_of(Mode),
-    holder=_word_of(Holder),
-    verdicts=_tuple_of(_record(Verdict, number=INTEGER, note=INTEGER)),
-    kept=_checked(bool),
-)
+STEP = form_of(Step)
 
 
 def _nowhere(ref: str, digest: str) -> Callable[[], bytes]:

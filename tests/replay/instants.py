@@ -42,22 +42,22 @@ def _is(*kinds: str) -> Callable[..., bool]:
 
 
 INSTANTS: Mapping[str, Spot] = {
-    "a step is done again": Spot("rai_missions.replay.rebuild:Rebuilding.again", 30),
-    "the run is resumed": Spot("rai_missions.runtime.recovery:carry_on", 1),
+    "a step is done again": Spot("rai_missions.replay.rebuild:JournalReplayer.again", 30),
+    "the run is resumed": Spot("rai_missions.runtime.recovery:resume_effects", 1),
     "the robot reports again": Spot("rai_missions.runtime.recovery:ResyncWindow.take", 3),
-    "a question is asked again": Spot("rai_missions.runtime.effects:Performer.ask_again", 1),
+    "a question is asked again": Spot("rai_missions.runtime.effects:EffectExecutor.ask_again", 1),
     "a step is taken": Spot("rai_missions.engine:Chart.send", 25),
     "a row is written": Spot("rai_missions.journal.writer:Journal._append", 30),
-    "effects are performed": Spot("rai_missions.runtime.effects:Performer.perform", 12),
+    "effects are performed": Spot("rai_missions.runtime.effects:EffectExecutor.perform", 12),
     "a goal is given to the connector": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.send_goal", 4),
     "a goal is looked for": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.find_goal", 2),
-    "a goal is sent": Spot("rai_missions.connectors.ros2.action_client:Goal._start", 4),
+    "a goal is sent": Spot("rai_missions.connectors.ros2.action_client:ClientGoal._start", 4),
     "a service is called": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.call", 2),
     "a call is sent": Spot("rai_missions.connectors.ros2.services:Client._send_one", 2),
     "a message is published": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.publish", 1),
-    "an acceptance comes": Spot("rai_missions.runtime.clock:Mailbox.post", 4, _is("accepted")),
-    "a result comes": Spot("rai_missions.runtime.clock:Mailbox.post", 4, _is("result")),
-    "an answer comes": Spot("rai_missions.runtime.clock:Mailbox.post", 1, _is("proposal")),
+    "an acceptance comes": Spot("rai_missions.runtime.mailbox:Mailbox.post", 4, _is("accepted")),
+    "a result comes": Spot("rai_missions.runtime.mailbox:Mailbox.post", 4, _is("result")),
+    "an answer comes": Spot("rai_missions.runtime.mailbox:Mailbox.post", 1, _is("proposal")),
 }
 
 
