@@ -1,25 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a run down as it goes: steps at once, blackboard writes that enabled nothing along with the next row.
+"""Writes a run down: steps at once, blackboard writes that enabled nothing along with the next row.
 
 Rule: of each key only the newest value travels, and none travels longer than a second.
+Rule: a run continues only when its row is written, but a disk that hangs holds up no emergency stop.
 """
 
 from __future__ import annotations
 
 import math
+import queue
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
+from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
+from rai_missions.errors import ConnectorError
 from rai_missions.journal.in_flight import needs_confirmation
-from rai_missions.journal.writer_thread import WriterThread
 from rai_missions.keys import Blackboard
 
-__all__ = ("BufferedWriter", "JournalSink", "raised_by")
+__all__ = ("LONGEST_S", "BufferedWriter", "JournalSink", "raised_by")
 
 QUIET_S = 1.0
 """How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
+LONGEST_S = 10.0
+"""A disk that has not taken a row by then is one that cannot be written."""
 
 
 class JournalSink(Protocol):
@@ -35,19 +41,25 @@ class JournalSink(Protocol):
 
 
 class BufferedWriter:
-    """Between a runner and its journal.
+    """Between a runner and its journal; the disk is waited for on a thread of its own.
+
+    What the journal raises, each method that writes raises; `ConnectorError` also where the disk took too long: whether
+    the row was written is not known then, and no more will be.
 
     Args:
-        book: The journal; None: nothing is written down.
+        journal: The journal; None: nothing is written down.
         called: What a runner that waits for the disk does when `call` is: an emergency stop.
     """
 
-    def __init__(self, book: JournalSink | None, called: Callable[[], None] = lambda: None) -> None:
-        self._book, self._clerk = book, WriterThread(called)
+    def __init__(self, journal: JournalSink | None, called: Callable[[], None] = lambda: None) -> None:
+        self._journal, self._called, self._worker = journal, called, Worker("journal")
+        self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
+        """Rings when something is written, and with True when `call` is called."""
+        self._is_lost = False
         self._carried: dict[str, tuple[str, Any, float]] = {}
         self._since = self.silent_from = math.inf
         """`silent_from`: the instant from which nothing reports any more how far the run's clock had come."""
-        self.path = str(book.path) if book is not None else None
+        self.path = str(journal.path) if journal is not None else None
 
     @property
     def due(self) -> float:
@@ -55,13 +67,13 @@ class BufferedWriter:
         return self._since + QUIET_S
 
     def resume(self, at: float) -> None:
-        """The run was cut short, and continues at this instant of its clock; raises as `write` does."""
+        """Write that the run was cut short, and continues at this instant of its clock."""
         self.note("resumed")
-        self.silent_from = at + QUIET_S if self._book is not None else math.inf
+        self.silent_from = at + QUIET_S if self._journal is not None else math.inf
 
     def carry(self, step: Step, board: Blackboard) -> None:
-        """A step that only wrote the blackboard."""
-        if self._book is None:
+        """Take a step that only wrote the blackboard."""
+        if self._journal is None:
             return
         for key, _ in step.writes:
             entry = board[key]
@@ -69,44 +81,60 @@ class BufferedWriter:
             self._since = min(self._since, step.at)
 
     def write(self, step: Step, since: float) -> None:
-        """Write a step with what travels; raises what the journal raises."""
-        if (book := self._book) is not None:
-            quiet = tuple(self._carried.values())
-            self._clerk.do(lambda: book.write(step, since=since, quiet=quiet))
-            self.silent_from = step.at + QUIET_S
+        """Write a step with what travels."""
+        quiet = tuple(self._carried.values())
+        self._write(lambda journal: journal.write(step, since=since, quiet=quiet))
+        self.silent_from = step.at + QUIET_S if self._journal is not None else math.inf
         self._clear()
 
     def confirm(self, step: Step) -> None:
-        """Write down that a step's effects were carried out, where doing so twice may harm; raises as `write` does."""
+        """Write that a step's effects were carried out, where doing so twice may harm."""
         if needs_confirmation(step):
             self.settle(step.seq, "performed")
 
     def settle(self, seq: int, how: str) -> None:
-        """Write down what has become of effects of which nothing stated it; raises as `write` does."""
-        if (book := self._book) is not None:
-            self._clerk.do(lambda: book.confirm(seq, how))
+        """Write what has become of effects that no row confirmed."""
+        self._write(lambda journal: journal.confirm(seq, how))
 
     def note(self, text: str, data: Any = None) -> None:
-        """Write down why there is no run, why it broke off, what may still move; raises what the journal raises."""
-        if (book := self._book) is not None:
-            self._clerk.do(lambda: book.note(text, data))
+        """Write why there is no run, why it broke off, what may still move."""
+        self._write(lambda journal: journal.note(text, data))
 
     def call(self) -> None:
         """There is an emergency: a runner that waits for the disk is notified at once; from any thread."""
-        self._clerk.call()
+        self._bell.put(True)
 
     def close(self) -> None:
-        """The run is over."""
-        self._clerk.close()
+        """The run is over; a disk that hangs is not waited for."""
+        self._worker.close(0.0 if self._is_lost else LONGEST_S)
 
     def give_up(self) -> None:
         """The journal is lost: nothing more is written."""
-        self._book, self.silent_from = None, math.inf
+        self._journal, self.silent_from = None, math.inf
         self._clear()
 
     def _clear(self) -> None:
         self._carried.clear()
         self._since = math.inf
+
+    def _write(self, write: Callable[[JournalSink], object]) -> None:
+        """Have something written, and wait until it is."""
+        if (journal := self._journal) is None:
+            return
+        until, why = time.monotonic() + LONGEST_S, f"its disk has not answered for {LONGEST_S:g} s"
+        if self._is_lost:
+            raise ConnectorError(why)
+        written = self._worker.submit(lambda: write(journal))
+        written.add_done_callback(lambda _: self._bell.put(False))
+        while not written.done():
+            try:
+                is_call = self._bell.get(timeout=max(0.0, until - time.monotonic()))
+            except queue.Empty:
+                self._is_lost = True
+                raise ConnectorError(why) from None
+            if is_call:
+                self._called()
+        written.result()
 
 
 def raised_by(write: Callable[[], None]) -> Exception | None:

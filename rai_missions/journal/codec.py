@@ -109,7 +109,7 @@ def _record(kind: type[Any]) -> FieldCodec:
     defaults, hints = kind._field_defaults, get_type_hints(kind)
     forms = {name: SHOWN.get((kind, name)) or form_of(hints[name]) for name in kind._fields}
     table = tuple((name, defaults.get(name, ...), form) for name, form in forms.items())
-    required = forms.keys() - defaults.keys()
+    required = [name for name in forms if name not in defaults]
 
     def write(value: Any, keep: Keep) -> Any:
         return {
@@ -123,7 +123,7 @@ def _record(kind: type[Any]) -> FieldCodec:
             raise wrong(value, "an object")
         if odd := sorted(value.keys() - forms.keys()):
             raise ValueError(f"a {kind.__name__} has no {odd[0]!r}")
-        if missing := sorted(required - value.keys()):
+        if missing := [name for name in required if name not in value]:
             raise ValueError(f"'{missing[0]}' is missing")
         return kind(**{name: forms[name].read(item, fetch) for name, item in value.items()})
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 from rai_missions.errors import UsageError
 from rai_missions.image import Image
@@ -123,8 +123,8 @@ def from_json(value: Any, fetch: Fetch) -> Any:
 
 
 def _image(written: Mapping[str, Any], fetch: Fetch) -> Image:
-    size = written["width"], written["height"]
-    ref, encoding, digest = written["$image"], written["encoding"], written.get("sha256", "")
-    if [type(item) for item in (*size, encoding, digest)] != [int, int, str, str]:
+    ref, digest = written["$image"], written.get("sha256", "")
+    width, height, encoding = (cast("Any", written.get(name)) for name in ("width", "height", "encoding"))
+    if [type(item) for item in (width, height, encoding, digest)] != [int, int, str, str]:
         raise ValueError(f"{cut_repr(written, 80)} is given where a picture belongs")
-    return Image(ref, *size, encoding, fetch(ref, digest))
+    return Image(ref, width, height, encoding, fetch(ref, digest))

@@ -11,13 +11,12 @@ import math
 import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal.rows import Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow, parsed, read_header
-from rai_missions.journal.sqlite import SqliteError, open_to_read
+from rai_missions.journal.sqlite import Closing, SqliteError, open_to_read
 from rai_missions.redaction import cut
 
 __all__ = ("Record",)
@@ -27,7 +26,7 @@ BAD = (ValueError, TypeError, KeyError, AttributeError, OverflowError, Recursion
 """What a row that is none raises on its way to a value."""
 
 
-class Record:
+class Record(Closing):
     """What was in a journal when it was opened. A context manager.
 
     Made by `read`, which checks it first; opened by itself, nothing is known of it but that it is a journal.
@@ -144,14 +143,6 @@ class Record:
         """Ends the reading; the bytes of pictures that no one asked for are out of reach then."""
         self._close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
     def _found(self, query: str, *values: Any) -> Iterator[Any]:
         """The rows of a query.
 
@@ -198,6 +189,5 @@ class Record:
         try:
             return make()
         except BAD as error:
-            why = f"'{error.args[0]}' is missing" if isinstance(error, KeyError) else str(error)
-            fault = Fault(f"row {number}", f"no {cut(kind, 20)} can be read here: {cut(why, 200)}")
+            fault = Fault(f"row {number}", f"no {cut(kind, 20)} can be read here: {cut(error, 200)}")
             raise DefinitionError([fault], str(self.path)) from None

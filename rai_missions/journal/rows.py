@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.journal.codec import decode
-from rai_missions.journal.json_values import Fetch, Keep, from_json, keep_nothing, to_json
+from rai_missions.journal.codec import form_of, wrong
+from rai_missions.journal.json_values import Fetch, Keep, keep_nothing, to_json
 from rai_missions.redaction import cut_repr
 
 __all__ = (
@@ -128,40 +128,37 @@ def text_of(content: Any) -> str:
 
 def written_header(header: Header, keep: Keep = keep_nothing) -> str:
     """The content of row 0."""
-    fields = header._asdict() if header.migrated else {**header._asdict(), "migrated": None}
-    written = {name: value for name, value in fields.items() if value is not None}
-    return text_of({**written, "format": 1, "arguments": to_json(header.arguments, keep)})
+    fields = {name: value for name, value in header._asdict().items() if value or name != "migrated"}
+    return text_of({**fields, "format": 1, "arguments": to_json(header.arguments, keep)})
 
 
 def read_header(kind: str, content: str, fetch: Fetch) -> Header:
     """The header in row 0.
 
     Raises:
-        ValueError, TypeError, KeyError: There is none in it.
+        ValueError, TypeError: There is none in it.
     """
     if kind != "header":
         raise ValueError(f"a {cut_repr(kind, 20)} is in its place")
     fields = _object(content)
-    if fields.pop("format") != 1:
+    if fields.pop("format", None) != 1:
         raise ValueError("its 'format' is not 1")
-    texts = [fields[name] for name in ("mission", "profile", "run", "started")]
-    if not all(isinstance(text, str) for text in texts) or not isinstance(fields["versions"], dict):
-        raise ValueError("its words are not text")
-    migrated = fields.get("migrated", {})
-    if not (isinstance(migrated, dict) and all(isinstance(text, str) for text in migrated.values())):
+    header: Header = form_of(Header).read(fields, fetch)
+    if not all(isinstance(text, str) for text in header.migrated.values()):
         raise ValueError("its 'migrated' is no object of texts")
-    return Header(**{**fields, "arguments": from_json(fields["arguments"], fetch)})
+    return header
 
 
 def parsed(number: int, kind: str, content: str, fetch: Fetch) -> JournalRow:
     """A row as it was written.
 
     Raises:
-        ValueError, TypeError, KeyError: It is none.
+        ValueError, TypeError: It is none.
     """
-    if kind not in READERS:
-        raise ValueError(f"a row is one of {', '.join(READERS)}, not {cut_repr(kind, 40)}")
-    return READERS[kind](number, _object(content), fetch)
+    if kind not in KINDS:
+        raise ValueError(f"a row is one of {', '.join(KINDS)}, not {cut_repr(kind, 40)}")
+    row: JournalRow = form_of(KINDS[kind]).read({**_object(content), "row": number}, fetch)
+    return row
 
 
 def _object(content: str) -> dict[str, Any]:
@@ -170,7 +167,7 @@ def _object(content: str) -> dict[str, Any]:
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
     if not isinstance(found, dict):
-        raise ValueError(f"{cut_repr(found, 60)} is given where an object belongs")
+        raise wrong(found, "an object")
     return found
 
 
@@ -178,21 +175,4 @@ def _refused(word: str) -> Any:
     raise ValueError(f"{word} is no JSON")
 
 
-def _step(number: int, fields: dict[str, Any], fetch: Fetch) -> StepRow:
-    before = tuple((str(key), from_json(value, fetch), float(at)) for key, value, at in fields.get("before", ()))
-    return StepRow(number, decode(fields["step"], fetch), float(fields["since"]), before)
-
-
-def _confirmation(number: int, fields: dict[str, Any], fetch: Fetch) -> Confirmation:
-    return Confirmation(number, int(fields["number"]), str(fields["how"]))
-
-
-def _note(number: int, fields: dict[str, Any], fetch: Fetch) -> Note:
-    return Note(number, str(fields["text"]), from_json(fields.get("data"), fetch))
-
-
-READERS: Mapping[str, Callable[[int, dict[str, Any], Fetch], JournalRow]] = {
-    "step": _step,
-    "confirmation": _confirmation,
-    "note": _note,
-}
+KINDS: Mapping[str, Any] = {"step": StepRow, "confirmation": Confirmation, "note": Note}

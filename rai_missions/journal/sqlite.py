@@ -11,7 +11,9 @@ import os
 import shutil
 import sqlite3
 import tempfile
+from abc import ABC, abstractmethod
 from pathlib import Path
+from typing import Self
 
 from rai_missions.errors import DefinitionError, Fault, UsageError, irregular
 from rai_missions.redaction import cut
@@ -21,6 +23,7 @@ __all__ = (
     "FORMAT",
     "LONGEST_BYTES",
     "ROW",
+    "Closing",
     "JournalReader",
     "Lock",
     "SqliteError",
@@ -56,6 +59,20 @@ WAL_HEADER, WAL_FRAME = 32, 24
 DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
+
+
+class Closing(ABC):
+    """What is closed at the end of a `with`."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End it; doing so twice changes nothing."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
 class Unbegun(DefinitionError):
@@ -238,13 +255,8 @@ def log_of(path: Path) -> Path:
 def _opened(path: Path) -> JournalReader:
     log = log_of(path)
     if not (log.is_file() and log.stat().st_size and log.resolve().parent == path.parent):  # a link leads elsewhere
-        return sqlite3.connect(
-            _uri(path, "ro") + "&immutable=1",
-            uri=True,
-            isolation_level=None,
-            check_same_thread=False,
-            factory=JournalReader,
-        )
+        place = _uri(path, "ro") + "&immutable=1"
+        return sqlite3.connect(place, uri=True, isolation_level=None, check_same_thread=False, factory=JournalReader)
     if not path.stat().st_size:  # SQLite would throw the log away
         raise DefinitionError([Fault("", DAMAGED)], str(path))
     with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:

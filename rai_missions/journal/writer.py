@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from rai_missions.engine.step import Step
@@ -24,7 +23,7 @@ from rai_missions.image import Image, media_type
 from rai_missions.journal.codec import encode
 from rai_missions.journal.json_values import to_json
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
-from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, open_to_write
+from rai_missions.journal.sqlite import BLOB, ROW, Closing, Lock, SqliteError, open_to_write
 
 __all__ = ("Journal", "versions")
 
@@ -52,7 +51,7 @@ def _version() -> str:
     return ""
 
 
-class Journal:
+class Journal(Closing):
     """Appends rows to a journal. Made by `create` or `open`; safe to use from several threads.
 
     Survives: the end of the process at any instant, `kill -9` included, loses no row that `write` has returned from.
@@ -168,14 +167,6 @@ class Journal:
                 self._lock.release()
         finally:
             self._alone.release()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _append(self, kind: str, content: str, pictures: dict[str, Image] | None = None) -> int:
         if self._redact is not None:

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.journal import writer_thread as clerk
+from rai_missions.journal import buffer
 from rai_missions.mission.mission import Mission
 from tests.replay.coroner import INSTANTS
 from tests.replay.trial import tried, worth_a_trial
@@ -47,7 +47,7 @@ def trials() -> Iterator[tuple[int, Mission]]:
 def test_ten_thousand_kills_at_instants_of_every_kind(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(clerk, "LONGEST_S", 600.0)  # a machine with other work to do is no disk that hangs
+    monkeypatch.setattr(buffer, "LONGEST_S", 600.0)  # a machine with other work to do is no disk that hangs
     began, count, runs = time.monotonic(), 0, 0
     kinds, compared = Counter[str](), Counter[str]()
     logging.disable(logging.CRITICAL)

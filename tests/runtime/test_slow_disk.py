@@ -14,8 +14,7 @@ from rai_missions.engine.step import StartGoal
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.image import Image
-from rai_missions.journal import Header, Journal, read
-from rai_missions.journal import writer_thread as clerk
+from rai_missions.journal import Header, Journal, buffer, read
 from rai_missions.runtime import mailbox as mailboxes
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.mailbox import MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE, Mailbox
@@ -123,7 +122,7 @@ def test_control_goes_to_no_one_while_the_disk_hangs(running: Running) -> None:
 def test_a_disk_that_never_answers_is_one_that_cannot_be_written(
     running: Running, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(clerk, "LONGEST_S", 0.3)
+    monkeypatch.setattr(buffer, "LONGEST_S", 0.3)
     book = MemoryJournal(hangs_at="stop_now")
     rig = Rig(MOVING, {1.0: lambda: rig.post("go"), 2.0: lambda: rig.post("stop_now")}, journal=book)
     results = running(rig)
