@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     )
     from rai_missions.connectors.chaos import ChaosConnector, Rates
     from rai_missions.connectors.contract import Inbox, PatientServer, check_connector
+    from rai_missions.engine.contract import check_activity
     from rai_missions.guards.contract import check_guard
     from rai_missions.worlds.contract import check_world
 
@@ -50,6 +51,7 @@ __all__ = (
     "WordyModel",
     "answer_fault",
     "call",
+    "check_activity",
     "check_agent",
     "check_answerer",
     "check_connector",
@@ -71,6 +73,7 @@ if not TYPE_CHECKING:
             "answerers.script": ("ScriptAnswerer",),
             "connectors.chaos": ("ChaosConnector", "Rates"),
             "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
+            "engine.contract": ("check_activity",),
             "guards.contract": ("check_guard",),
             "worlds.contract": ("check_world",),
         },

@@ -125,8 +125,8 @@ class _Sheet:
 
     def _state(self, node: PictureNode) -> str:
         look, staying = look_of(node), self.staying[node.name]
-        if node.kind in ("decision", "tree"):
-            table = decision_table if node.kind == "decision" else tree_table
+        if node.choices or node.twigs:
+            table = decision_table if node.choices else tree_table
             label = table(node, staying, bold=bool(node.entered.times))
             return attributes(shape="plain", label=label, id=node.place, tooltip=_tip(node))
         style = "filled,rounded" if look.rounded and look.shape == "box" else "filled"

@@ -40,9 +40,7 @@ class Compiled:
         """The predicates of the user's program that transitions, finals and invariants name."""
         self.recalls = False
         """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
-        self.options = {
-            name for _, _, state in mission.walk() for name in (state.outcomes() if state.word == "decision" else ())
-        }
+        self.options = {name for _, _, state in mission.walk() for name in (state.outcomes() if state.options else ())}
         self._content = content
         self._add(mission.states, self.root, "/states")
         self._link()

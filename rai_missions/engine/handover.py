@@ -98,8 +98,8 @@ def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None
 
 
 def lay_down(program: Program, state: RunState, node: Node) -> bool:
-    """End an action or a tree that is to start again later; what a profile lists under `keep` continues."""
-    if node.family not in ("action", "tree") or getattr(node.state, "action", None) in program.facts.keep:
+    """End what may move the robot, and is to start again later; what a profile lists under `keep` continues."""
+    if node.state is None or not node.state.yields or getattr(node.state, "action", None) in program.facts.keep:
         return False
     leave_activity(program, state, node)
     return True

@@ -133,7 +133,7 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
         found = config.plans.get(trigger.name)
         plan = found if found is not None else config.plan(trigger.name, declared=trigger.name in program.declared)
     else:
-        option = trigger.name in (source.state.options if source.family == "decision" else ())  # type: ignore[union-attr]
+        option = trigger.name in source.options
         state.answer = trigger.data if option else state.answer
         plan = config.outcome_plan(
             source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded"

@@ -58,7 +58,6 @@ class Node:
         "depth",
         "entry",
         "exit",
-        "family",
         "history",
         "index",
         "initial",
@@ -68,6 +67,7 @@ class Node:
         "is_history",
         "is_parallel",
         "name",
+        "options",
         "parent",
         "place",
         "requires",
@@ -98,7 +98,7 @@ class Node:
         self.timed = bool(state and state.timeout_s is not None)
         self.clocked = False
         self.requires: CompiledGuard | None = None
-        self.family = state.word if state else ""
+        self.options = frozenset(state.options if state else ())
 
     def inside(self, other: Node) -> bool:
         """Whether it is a proper descendant of another (SCXML: isDescendant)."""

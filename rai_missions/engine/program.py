@@ -53,7 +53,7 @@ class Program:
         self.facts = facts if facts is not None else RobotFacts()
         self.named: Named = dict(named or {})
         self.surroundings = surroundings if surroundings is not None else Surroundings()
-        self.has_trees = any(state.word == "tree" for _, _, state in mission.walk())
+        self.has_trees = any(state.root() is not None for _, _, state in mission.walk())
         self.graph = Graph(mission, content)
         if absent := sorted(self.graph.named - self.named.keys()):
             raise UsageError(f"the mission names predicates that were not given: {', '.join(absent)}; give named={{…}}")

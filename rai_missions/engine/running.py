@@ -142,7 +142,7 @@ def _turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
     state.pending.pop(name, None)
     node = program.graph.nodes[name]
     state.timers.pop(("timeout", name), None)
-    if turn.outcome.why and node.family != "decision":
+    if turn.outcome.why and not node.options:
         state.draft.notes.append(f"{name} {turn.outcome.name}: {turn.outcome.why}")
     state.draft.internal.append(outcome_of(node, turn.outcome))
 

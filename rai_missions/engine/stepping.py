@@ -46,7 +46,7 @@ def compiled(
     Raises:
         UsageError: As `Program` does.
     """
-    keys, has_trees = mission.blackboard, any(state.word == "tree" for _, _, state in mission.walk())
+    keys, has_trees = mission.blackboard, any(state.root() is not None for _, _, state in mission.walk())
 
     def reaching(node: Node, complete: tuple[Node, ...]) -> Act:
         return lambda program, state: reach_final(program, state, node, complete)

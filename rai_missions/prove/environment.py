@@ -96,7 +96,7 @@ class Environment:
         self.codec = StateCodec(chart, self.world, self.rest)
         self.inputs = InputEnvironment(chart, self.world, self.rest, self.instruments)
         self.time = TimeEnvironment(chart, self.world, self.codec, self.inputs, self.rest, self.instruments)
-        runs = any(state.word in ("action", "call", "tree") for _, _, state in mission.walk())
+        runs = any(state.activity() and not state.options for _, _, state in mission.walk())
         told = bool(self.world.fleeting or self.world.predicates) or self.world.own_fade
         calls = any(True for _ in parts(mission, Call))
         self._has_actions = any(True for kind in (Action, ActionLeaf) for _ in parts(mission, kind))

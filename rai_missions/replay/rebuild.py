@@ -87,7 +87,7 @@ class JournalReplayer:
 
 def default_ticker(mission: Mission) -> Trees | None:
     """py_trees, for a mission that has a tree."""
-    if not any(state.word == "tree" for _, _, state in mission.walk()):
+    if not any(state.root() is not None for _, _, state in mission.walk()):
         return None
     from rai_missions.trees import PyTrees  # loads py_trees
 

@@ -20,6 +20,7 @@ class Call(State, word="call"):
     """Calls a service once; leaving the state drops the reply."""
 
     positional: ClassVar = ("call",)
+    yields: ClassVar = False
 
     call: ServiceName
     """The profile's name of it."""

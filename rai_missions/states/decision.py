@@ -111,6 +111,8 @@ class DecisionSpec(MissionModel):
 class Decision(State, word="decision"):
     """Asks. In Python the question's words are next to the state's: `Decision("What now?", options=…, ask=…)`."""
 
+    yields: ClassVar = False
+
     decision: DecisionSpec
 
     def __init__(self, /, *given: Any, **words: Any) -> None:

@@ -120,6 +120,8 @@ Transitions = Annotated[tuple[Transition, ...], BeforeValidator(_transitions)]
 class State(TaggedModel, family="state", group="rai_missions.activities", word=""):
     """A state that only waits; the other kinds are known by their word."""
 
+    yields: ClassVar[bool] = True
+    """What it runs is ended while someone else has control, or the run is paused, and begins again afterwards."""
     LAST: ClassVar = frozenset(("entry", "exit", "transitions", "timeout_s", "handover_s"))
 
     about: Text = ""

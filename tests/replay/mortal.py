@@ -299,7 +299,7 @@ def live(
     taken = open_run(path, mission=mission, named=named) if path.exists() else None
     if taken is None:
         text = "" if mission.behaviours() else dump(mission)
-        journal = Journal.create(path, Header(text, dump_profile(robot), run="run"))
+        journal = Journal.create(path, Header(text, dump_profile(robot), run="run", versions=mission.packages()))
     else:
         coroner.found(taken)
         journal = Journal.open(path, seal=taken.record.seal)

@@ -12,7 +12,7 @@ from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench
 from rai_missions.engine.step import CallService
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
-from rai_missions.model import Integer, Name, Seconds
+from rai_missions.model import Integer, Seconds, ServiceName
 from rai_missions.states.state import State
 
 __all__ = ("Strikes",)
@@ -24,7 +24,7 @@ class Strikes(State, word="strikes"):
     positional: ClassVar = ("strikes", "service")
 
     strikes: Annotated[Integer, Field(ge=1)]
-    service: Name
+    service: ServiceName
     every_s: Seconds = 1.0
 
     def outcomes(self) -> frozenset[str]:
