@@ -160,7 +160,7 @@ def test_the_help_of_a_command_has_a_line_for_each_argument_and_an_example_that_
 
 def test_no_command_loads_what_it_needs_to_run_before_it_runs() -> None:
     program = (
-        "import sys; from rai_missions.cli.main import parser; parser();"
+        "import sys; from rai_missions.cli.commands import whole_parser; whole_parser(lambda *_: None);"
         "print([name for name in ('pydantic', 'shtab', 'visualize', 'rich', 'inspect') if name in sys.modules])"
     )
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

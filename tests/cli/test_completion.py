@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import os
+import pty
+import select
 import shutil
 import subprocess
 from pathlib import Path
@@ -19,11 +22,39 @@ COMP_WORDS=({words}) COMP_CWORD=$(( ${{#COMP_WORDS[@]}} - 1 ))
 $(complete -p rai-missions | sed -E 's/.*-F ([^ ]+).*/\\1/')
 printf '%s\\n' "${{COMPREPLY[@]}}"
 """
+ZSH = r"""
+fpath=($PWD $fpath)
+autoload -Uz compinit; compinit -u -D
+compadd() { local -a found; builtin compadd -A found "$@"; print -rl -- $found >> found; builtin compadd "$@" }
+offer() { zle complete-word; print "$(( 6 * 7 ))-over" }
+zle -N offer; bindkey '^I' offer
+print "$(( 6 * 7 ))-ready"
+"""
 FISH = "source ./completion; complete -C 'rai-missions {line}'"
+
+
+def completed_by_zsh(line: str, folder: Path) -> set[str]:
+    """The same by zsh, which completes at a terminal only."""
+    (folder / "_rai-missions").write_text((folder / "completion").read_text())
+    (folder / "found").write_text("")
+    terminal, other = pty.openpty()
+    with subprocess.Popen(["zsh", "-f", "-i"], stdin=other, stdout=other, stderr=other, cwd=folder) as ran:
+        for sent, awaited in ((ZSH, b"42-ready"), (f"rai-missions {line}\t", b"42-over")):
+            os.write(terminal, sent.encode())
+            printed = b""
+            while awaited not in printed:
+                assert select.select([terminal], [], [], 60.0)[0], printed
+                printed += os.read(terminal, 4096)
+        ran.kill()
+    os.close(terminal)
+    os.close(other)
+    return {*(folder / "found").read_text().split("\n")} - {""}
 
 
 def completed(shell: str, line: str, folder: Path) -> set[str]:
     """What a shell offers for the last word of a line."""
+    if shell == "zsh":
+        return completed_by_zsh(line, folder)
     if shell == "bash":
         words = f"rai-missions {line}"
         program = BASH.format(
@@ -51,26 +82,26 @@ def folder(tmp_path: Path, request: pytest.FixtureRequest, capsys: pytest.Captur
     return tmp_path
 
 
-@pytest.mark.parametrize("shell", ["bash", "fish"])
+@pytest.mark.parametrize("shell", ["bash", "fish", "zsh"])
 def test_a_shell_completes_commands(shell: str, folder: Path) -> None:
     assert set(names()) <= completed(shell, "", folder)
     assert completed(shell, "che", folder) == {"check"}
 
 
-@pytest.mark.parametrize("shell", ["bash", "fish"])
+@pytest.mark.parametrize("shell", ["bash", "fish", "zsh"])
 def test_a_shell_completes_options(shell: str, folder: Path) -> None:
     assert completed(shell, "run --mod", folder) == {"--model", "--model-memory"}
     assert completed(shell, "check lamp.json --str", folder) == {"--strict"}
 
 
-@pytest.mark.parametrize("shell", ["bash", "fish"])
+@pytest.mark.parametrize("shell", ["bash", "fish", "zsh"])
 def test_a_shell_completes_choices(shell: str, folder: Path) -> None:
     assert completed(shell, "diff --fail-on ", folder) == {"safety", "any", "none"}
     assert completed(shell, "completion ", folder) >= {"bash", "zsh", "fish"}
     assert completed(shell, "schema ro", folder) == {"robot"}
 
 
-@pytest.mark.parametrize("shell", ["bash", "fish"])
+@pytest.mark.parametrize("shell", ["bash", "fish", "zsh"])
 def test_a_shell_completes_the_files_that_an_argument_takes(shell: str, folder: Path) -> None:
     plain = {name.rstrip("/") for name in completed(shell, "check lam", folder)}
     assert plain == {"lamp.json", "lamp.py"}

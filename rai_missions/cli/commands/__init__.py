@@ -11,11 +11,19 @@ from __future__ import annotations
 
 import importlib
 import os
+from collections.abc import Callable
+from functools import partial
 from typing import cast
 
-from rai_missions.cli.command import Command
+from rai_missions.cli.command import Command, Parser
 
-__all__ = ("load_command", "names")
+__all__ = ("load_command", "names", "root_parser", "whole_parser")
+
+ABOUT = "Missions for robots: rules own the state, models only answer questions."
+AFTER = (
+    "'rai-missions COMMAND --help' explains a command.\n\n"
+    "exit status: 0 it succeeded or holds, 1 it ended otherwise or does not hold, 2 the input is at fault"
+)
 
 
 def names() -> tuple[str, ...]:
@@ -27,3 +35,28 @@ def names() -> tuple[str, ...]:
 def load_command(name: str) -> Command:
     """The command of that name."""
     return cast(Command, getattr(importlib.import_module(f"{__name__}.{name}"), name))
+
+
+def root_parser() -> Parser:
+    """What reads a command line up to its command."""
+    return _parser(lambda command, add: add())
+
+
+def whole_parser(complete: Callable[..., object]) -> Parser:
+    """What reads the whole command line, for a shell to complete.
+
+    Args:
+        complete: What a shell completes, given patterns of files.
+    """
+    return _parser(lambda command, add: command.configure(add(**command.texts()), complete))
+
+
+def _parser(configure: Callable[[Command, Callable[..., Parser]], object]) -> Parser:
+    parser = Parser(prog="rai-missions", description=ABOUT, epilog=AFTER)
+    parser.add_argument("--version", action="store_true", help="print the version")
+    commands = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND")
+    for name in names():
+        command = load_command(name)
+        summary = command.summary[0].lower() + command.summary[1:].rstrip(".")
+        configure(command, partial(commands.add_parser, name, help=summary))
+    return parser

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from rai_missions.cli.command import command
 
@@ -27,7 +27,13 @@ def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
     """
     import shtab
 
-    from rai_missions.cli.main import parser
+    from rai_missions.cli.commands import whole_parser
 
-    print(shtab.complete(parser(shtab.glob), shell))
+    def files(*patterns: str) -> dict[str, Any]:
+        found: dict[str, Any] = shtab.glob(*patterns)
+        if len(patterns) == 1:  # a lone pattern in parentheses would be a qualifier of zsh, which matches no file
+            found["zsh"] = f"_files -g '{patterns[0]}'"
+        return found
+
+    print(shtab.complete(whole_parser(files), shell))
     return 0
