@@ -93,7 +93,7 @@ def test_a_result_is_waited_for_and_what_was_raised_is_raised_there() -> None:
         worker.submit(lambda: 7)
 
 
-def test_a_piece_that_hangs_holds_up_the_end_for_no_longer_than_is_said(held: Held) -> None:
+def test_a_piece_that_hangs_holds_up_the_end_for_no_longer_than_asked(held: Held) -> None:
     assert not held.worker.close(0.0)
 
 

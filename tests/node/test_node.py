@@ -280,7 +280,7 @@ def test_control_is_asked_for_by_its_rules(scene: Scene) -> None:
     reported = scene.client.command(command="control", to="autonomy", by="autonomy")
     assert reported["why"] == "the operator has control and has not given it back"
     reported = scene.client.command(command="control", to="pilot")
-    assert reported["why"] == "no one called 'pilot' can hold control; there is: agent, autonomy, nobody, operator"
+    assert reported["why"].startswith("no one called 'pilot' can hold control; there is: agent, ")
     assert scene.client.command(command="control", to="autonomy", by="Ann")["success"]
     scene.client.holders.wait(lambda all_: all_[-1] == "autonomy", "it is given back")
 

@@ -12,8 +12,8 @@ from rai_missions.engine import Chart
 from rai_missions.engine.step import CallService, SayAloud
 from rai_missions.event import Event
 from rai_missions.mission.files import load
-from rai_missions.states import Decision, Final
-from rai_missions.states.effects import Call, Say
+from rai_missions.states import Decision, Final, effects
+from rai_missions.states.effects import Call
 from rai_missions.trees import PyTrees
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -34,7 +34,7 @@ def test_an_option_and_its_end_do_what_they_state(name: str) -> None:
     for end, words in promised.items():
         entry = mission.state(end).entry
         if any(each in words for each in CALLS):
-            assert any(isinstance(effect, Say) for effect in entry), (end, words)
+            assert any(isinstance(effect, effects.Say) for effect in entry), (end, words)
         if any(each in words for each in STOPS):
             assert any(isinstance(effect, Call) and effect.call == "halt" for effect in entry), (end, words)
 
