@@ -1,31 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes live behaviours of a tree's nodes."""
+"""Makes live behaviours of a tree's nodes.
+
+Rule: how a kind of node becomes a behaviour is in `MAKERS` and nowhere else; what it then does is in its class.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy
 
 from rai_missions.engine.activities.activity import GOALS
-from rai_missions.guards.guard import Guard, Operand, Site, Test, View
+from rai_missions.guards.guard import Guard, Operand, Site, View
 from rai_missions.keys import Key
 from rai_missions.states import tree
-from rai_missions.states.effects import Set, filled, references
+from rai_missions.states.effects import filled, references
 from rai_missions.trees import leaves, nodes
 from rai_missions.trees.tick import Tick
 
-__all__ = ("BuiltNode", "TreeBuilder")
-
-
-class BuiltNode(NamedTuple):
-    """What is at a path."""
-
-    behaviour: Any
-    site: Site | None
-    """What its guard depends on, where it has one."""
+__all__ = ("MAKERS", "TreeBuilder")
 
 
 class TreeBuilder:
@@ -40,133 +35,65 @@ class TreeBuilder:
 
     def __init__(self, place: str, keys: Mapping[str, Key], state: str, round: Tick) -> None:  # noqa: A002
         self.place, self.keys, self.state, self.round = place, keys, state, round
-        self.planted: dict[str, BuiltNode] = {}
-        """Path → what is there, outer before inner."""
+        self.live: dict[str, Any] = {}
+        """Path → the behaviour that is there, outer before inner."""
 
-    def plant(self, node: tree.TreeNode, path: str = "") -> Behaviour:
+    def build(self, node: tree.TreeNode, path: str = "") -> Any:
         """The live behaviour of a node, with all that is inside it."""
-        self.planted[path] = BuiltNode(None, None)
-        inside = {
-            pointer: self.plant(child, f"{path}/{pointer}" if path else pointer) for pointer, child in node.branches()
-        }
-        behaviour, site = self._made(node, path, inside)
+        self.live[path] = None  # its place is before what is inside it
+        inside = [self.build(child, f"{path}/{branch}".lstrip("/")) for branch, child in node.branches()]
+        behaviour = MAKERS[type(node)](self, node, path, inside)
         behaviour.path, behaviour.round = path, self.round
-        self.planted[path] = BuiltNode(behaviour, site)
-        planted: Behaviour = behaviour
-        return planted
-
-    def _made(self, node: tree.TreeNode, path: str, inside: Mapping[str, Behaviour]) -> tuple[Any, Site | None]:
-        children = list(inside.values())
-        if isinstance(node, tree.Branch):
-            return self._composite(node, children), None
-        if isinstance(node, tree.EternalGuard):
-            site = self._site(path, "eternal_guard")
-            return self._guarded(nodes.EternalGuard(node.word, children[0]), node.guard, site), site
-        if isinstance(node, tree.Decorator):
-            return self._decorator(node, children[0]), None
-        if isinstance(node, tree.CheckLeaf):
-            site = self._site(path, "check")
-            return self._guarded(leaves.Check(node.word), node.check, site), site
-        if isinstance(node, tree.DecisionLeaf):
-            ask = leaves.Ask(node.word, children)
-            ask.options = frozenset(node.decision.options)
-            ask.subtrees = {pointer.partition("/")[2]: child for pointer, child in inside.items()}
-            return ask, None
-        if isinstance(node, tree.SetLeaf):
-            return self._write(node, path)
-        return self._leaf(node, path), self._sent_with(node, path)
-
-    def _write(self, node: tree.SetLeaf, path: str) -> tuple[Any, Site]:
-        write, site = leaves.Write(node.word), self._site(path, "set")
-        write.key, write.definition, write.adds = node.set, self.keys.get(node.set), node.add is not None
-        write.value = self._value(node.effect(), site)
-        return write, site
-
-    def _sent_with(self, node: tree.TreeNode, path: str) -> Site | None:
-        """What an action or call depends on when it is begun; that something of it grows stale begins nothing."""
-        if not isinstance(node, tree.ActionLeaf | tree.CallLeaf):
-            return None
-        site = self._site(path, node.word)
-        for reference in references(node.goal if isinstance(node, tree.ActionLeaf) else node.request):
-            Operand(reference, site)
-        site.instants.clear()
-        if isinstance(node, tree.ActionLeaf):
-            site.reads.add(GOALS)
-        return site
-
-    def _site(self, path: str, word: str) -> Site:
-        return Site("/".join(filter(None, (self.place, path, word))), self.keys, self.state)
-
-    @staticmethod
-    def _guarded(behaviour: Any, guard: Guard, site: Site) -> Any:
-        test: Test = guard.compile(site)
-        behaviour.test = test
+        self.live[path] = behaviour
         return behaviour
 
-    @staticmethod
-    def _composite(node: tree.TreeNode, children: list[Behaviour]) -> Behaviour:
-        if isinstance(node, tree.Sequence):
-            return nodes.Sequence(node.word, node.memory, children)
-        if isinstance(node, tree.Selector):
-            return nodes.Selector(node.word, node.memory, children)
-        assert isinstance(node, tree.ParallelTree)
-        policy: ParallelPolicy.Base
-        if node.policy == "success_on_one":
-            policy = ParallelPolicy.SuccessOnOne()
-        elif node.policy == "success_on_all":
-            policy = ParallelPolicy.SuccessOnAll(synchronise=node.synchronise)
-        else:
-            selected = [children[int(number)] for number in node.policy]
-            policy = ParallelPolicy.SuccessOnSelected(selected, synchronise=node.synchronise)
-        return nodes.Parallel(node.word, policy, children)
+    def site(self, path: str, word: str) -> Site:
+        """Where something of a node is compiled."""
+        return Site("/".join(filter(None, (self.place, path, word))), self.keys, self.state)
 
-    @staticmethod
-    def _decorator(node: tree.Decorator, child: Behaviour) -> Behaviour:
-        if type(node) in nodes.PLAIN:
-            return nodes.PLAIN[type(node)](node.word, child)
-        if isinstance(node, tree.Retry):
-            return nodes.Retry(node.word, child, node.num_failures)
-        if isinstance(node, tree.Repeat):
-            return nodes.Repeat(node.word, child, node.num_success)
-        if isinstance(node, tree.Timeout):
-            return nodes.Timeout(node.word, child, node.duration_s)
-        if isinstance(node, tree.OneShot):
-            return nodes.OneShot(node.word, child, OneShotPolicy[node.policy.upper()])
-        if isinstance(node, tree.Condition):
-            return nodes.Condition(node.word, child, nodes.STATUSES[node.status])
-        assert isinstance(node, tree.StatusToBlackboard)
-        report = nodes.StatusToBlackboard(node.word, child)
-        report.key = node.key
-        return report
 
-    def _leaf(self, node: tree.TreeNode, path: str) -> Behaviour:
-        if isinstance(node, tree.WaitLeaf):
-            wait = leaves.Wait(node.word)
-            wait.wait_s = node.wait_s
-            return wait
-        if isinstance(node, tree.PublishLeaf):
-            publish = leaves.Publish(node.word)
-            publish.topic, publish.message = node.publish, self._message(node.message, path)
-            return publish
-        if isinstance(node, tree.BehaviourLeaf):
-            return leaves.PythonLeaf(tree.factory_name(node.factory))
-        return leaves.ActivityLeaf(node.word)
+Inside = list[Behaviour]
+"""The behaviours of a node's children."""
+Maker = Callable[[TreeBuilder, Any, str, Inside], Any]
 
-    @staticmethod
-    def _value(effect: Set, site: Site) -> Callable[[View], Any]:
-        if effect.add is not None:
-            old, add = Operand(effect.set, site), effect.add
-            return lambda view: _sum(old.read(view), add)
-        if effect.source is not None:
-            return Operand(effect.source, site).read
-        return lambda view: effect.value
 
-    def _message(self, template: Mapping[str, Any], path: str) -> Callable[[View], Mapping[str, Any]]:
-        def message(view: View) -> Mapping[str, Any]:
-            content: Mapping[str, Any] = filled(template, view, self._site(path, "message"))
-            return content
+def _with(behaviour: Any, **attributes: Any) -> Any:
+    for name, value in attributes.items():
+        setattr(behaviour, name, value)
+    return behaviour
 
-        return message
+
+def _tested(behaviour: Any, guard: Guard, site: Site) -> Any:
+    return _with(behaviour, test=guard.compile(site), site=site)
+
+
+def _parallel(at: TreeBuilder, node: tree.ParallelTree, path: str, inside: Inside) -> Any:
+    policy: ParallelPolicy.Base
+    if node.policy == "success_on_one":
+        policy = ParallelPolicy.SuccessOnOne()
+    elif node.policy == "success_on_all":
+        policy = ParallelPolicy.SuccessOnAll(synchronise=node.synchronise)
+    else:
+        selected = [inside[int(number)] for number in node.policy]
+        policy = ParallelPolicy.SuccessOnSelected(selected, synchronise=node.synchronise)
+    return nodes.Parallel(node.word, policy, inside)
+
+
+def _ask(at: TreeBuilder, node: tree.DecisionLeaf, path: str, inside: Inside) -> Any:
+    subtrees = dict(zip(node.then, inside, strict=True))
+    return _with(leaves.Ask(node.word, inside), options=frozenset(node.decision.options), subtrees=subtrees)
+
+
+def _write(at: TreeBuilder, node: tree.SetLeaf, path: str, inside: Inside) -> Any:
+    site, effect, add = at.site(path, "set"), node.effect(), node.add
+    source = node.set if add is not None else effect.source
+    read = Operand(source, site).read if source is not None else lambda view: effect.value
+
+    def value(view: View) -> Any:
+        return read(view) if add is None else _sum(read(view), add)
+
+    write = leaves.Write(node.word)
+    return _with(write, key=node.set, definition=at.keys.get(node.set), adds=add is not None, value=value, site=site)
 
 
 def _sum(value: Any, add: float) -> Any:
@@ -174,3 +101,50 @@ def _sum(value: Any, add: float) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     return value + (int(add) if isinstance(value, int) and add == int(add) else add)
+
+
+def _publish(at: TreeBuilder, node: tree.PublishLeaf, path: str, inside: Inside) -> Any:
+    def message(view: View) -> Any:
+        return filled(node.message, view, at.site(path, "message"))
+
+    return _with(leaves.Publish(node.word), topic=node.publish, message=message)
+
+
+def _sent(at: TreeBuilder, node: tree.TreeNode, path: str, template: Any, *also: str) -> Any:
+    """An action or call, with what it depends on when it begins; that something of it grows stale begins nothing."""
+    site = at.site(path, node.word)
+    for reference in references(template):
+        Operand(reference, site)
+    site.instants.clear()
+    site.reads.update(also)
+    return _with(leaves.ActivityLeaf(node.word), site=site)
+
+
+MAKERS: Mapping[type[tree.TreeNode], Maker] = {
+    tree.Sequence: lambda at, node, path, inside: nodes.Sequence(node.word, node.memory, inside),
+    tree.Selector: lambda at, node, path, inside: nodes.Selector(node.word, node.memory, inside),
+    tree.ParallelTree: _parallel,
+    **{kind: lambda at, node, path, inside: nodes.PLAIN[type(node)](node.word, inside[0]) for kind in nodes.PLAIN},
+    tree.Retry: lambda at, node, path, inside: nodes.Retry(node.word, inside[0], node.num_failures),
+    tree.Repeat: lambda at, node, path, inside: nodes.Repeat(node.word, inside[0], node.num_success),
+    tree.Timeout: lambda at, node, path, inside: nodes.Timeout(node.word, inside[0], node.duration_s),
+    tree.OneShot: lambda at, node, path, inside: nodes.OneShot(
+        node.word, inside[0], OneShotPolicy[node.policy.upper()]
+    ),
+    tree.Condition: lambda at, node, path, inside: nodes.Condition(node.word, inside[0], nodes.STATUSES[node.status]),
+    tree.EternalGuard: lambda at, node, path, inside: _tested(
+        nodes.EternalGuard(node.word, inside[0]), node.guard, at.site(path, "eternal_guard")
+    ),
+    tree.StatusToBlackboard: lambda at, node, path, inside: _with(
+        nodes.StatusToBlackboard(node.word, inside[0]), key=node.key
+    ),
+    tree.CheckLeaf: lambda at, node, path, inside: _tested(leaves.Check(node.word), node.check, at.site(path, "check")),
+    tree.DecisionLeaf: _ask,
+    tree.SetLeaf: _write,
+    tree.PublishLeaf: _publish,
+    tree.WaitLeaf: lambda at, node, path, inside: _with(leaves.Wait(node.word), wait_s=node.wait_s),
+    tree.ActionLeaf: lambda at, node, path, inside: _sent(at, node, path, node.goal, GOALS),
+    tree.CallLeaf: lambda at, node, path, inside: _sent(at, node, path, node.request),
+    tree.BehaviourLeaf: lambda at, node, path, inside: leaves.PythonLeaf(node.program()),
+}
+"""Kind of node → how its behaviour is made."""

@@ -85,6 +85,11 @@ class Write(TreeLeaf):
     adds = False
     """It adds to what is there."""
 
+    @property
+    def looks(self) -> bool:
+        """What it adds to is its own affair, as long as there is something to add to."""
+        return not self.adds or self.status is not SUCCESS
+
     def act(self) -> Status:
         value = self.value(self.round.sight)
         if value is None or (self.definition is not None and fits(self.definition, value)):
@@ -116,6 +121,11 @@ class ActivityLeaf(TreeLeaf):
     def awaited(self) -> bool:
         """The chart runs it and has not been asked to end it."""
         return self.status is RUNNING
+
+    @property
+    def looks(self) -> bool:
+        """What an action or call was sent with makes no difference any more, unless it was refused for that."""
+        return self.refused
 
     def initialise(self) -> None:
         super().initialise()
@@ -173,6 +183,11 @@ class Ask(Live, composites.Composite):
     def awaited(self) -> bool:
         """The question is asked and there is no answer yet."""
         return self.status is RUNNING and not self.option
+
+    def ahead(self) -> list[Any]:
+        if self.status is not RUNNING:
+            return self.children
+        return [] if self.current_child is None else [self.current_child]
 
     def tick(self) -> Iterator[Behaviour]:
         if self.status is not RUNNING:

@@ -14,14 +14,14 @@ from py_trees import composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from rai_missions.guards.guard import Test
+from rai_missions.guards.guard import Site, Test
 from rai_missions.states import tree
 from rai_missions.trees.tick import Tick
 
 __all__ = (
-    "LOOPS", "PLAIN", "Condition", "EternalGuard", "Live", "OneShot",
+    "PLAIN", "Condition", "EternalGuard", "Live", "OneShot",
     "Parallel", "Repeat", "Retry", "Selector", "Sequence",
-    "StatusToBlackboard", "Timeout", "word",
+    "StatusToBlackboard", "Timeout",
 )  # fmt: skip
 
 INVALID, RUNNING, SUCCESS, FAILURE = Status.INVALID, Status.RUNNING, Status.SUCCESS, Status.FAILURE
@@ -29,16 +29,18 @@ WORDS: dict[Status, Any] = {status: status.value.lower() for status in Status}
 STATUSES = {word: status for status, word in WORDS.items()}
 
 
-def word(status: Status) -> Any:
-    """A status as it is written outside."""
-    return WORDS[status]
-
-
 class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
     """Mixed into a behaviour: where it is, its trace, and what of it outlives a tick."""
 
     path: str
     round: Tick
+    children: list[Any]
+    site: Site | None = None
+    """What it depends on, where it looks at anything."""
+    loops = False
+    """Each run of its child is a round: where the child has ended and this runs, the next tick begins it again."""
+    counted = False
+    """The rounds of the loop have a number."""
 
     def initialise(self) -> None:
         self.round.trace.append((self.path, "initialise", WORDS[self.status]))
@@ -67,6 +69,15 @@ class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
         """The instant at which time alone changes something, while it runs."""
         return None
 
+    @property
+    def looks(self) -> bool:
+        """Whether what the next tick would do here depends on its keys."""
+        return True
+
+    def ahead(self) -> list[Any]:
+        """Its children at which the next tick may look, if nothing but facts and time change."""
+        return self.children
+
 
 class Composite(Live, composites.Composite if TYPE_CHECKING else object):  # type: ignore[misc]
     def place(self) -> int:
@@ -87,6 +98,9 @@ class _OldFirst(Composite):
     the two are reported in the other order; leaves are started and ended after the tick, the ended ones first.
     """
 
+    decides: Status
+    """What of a child ends it."""
+    memory: bool
     _moved: tuple[int, int] | None = None
     """Where in the trace the child that takes over begins and ends."""
 
@@ -111,6 +125,16 @@ class _OldFirst(Composite):
             (begin, end), self._moved, trace = self._moved, None, self.round.trace
             trace[begin:] = trace[end:] + trace[begin:end]
 
+    def ahead(self) -> list[Any]:
+        """The child that runs, those before it without memory; of what has ended, those up to the one that decided."""
+        if self.status is RUNNING:
+            current = self.place()
+            return self.children[current if self.memory else 0 : current + 1]
+        statuses = [child.status for child in self.children]
+        if self.status is self.decides and self.decides in statuses:
+            return self.children[: statuses.index(self.decides) + 1]
+        return self.children
+
     def stop(self, new_status: Status = INVALID) -> None:
         if new_status is not INVALID:
             self._end_old_first()
@@ -118,16 +142,25 @@ class _OldFirst(Composite):
 
 
 class Sequence(_OldFirst, composites.Sequence):
-    pass
+    decides = FAILURE
 
 
 class Selector(_OldFirst, composites.Selector):
+    decides = SUCCESS
+
     def takes_over(self, child: Behaviour) -> bool:
         return child.status is not FAILURE
 
 
 class Parallel(Composite, composites.Parallel):
-    pass
+    @property
+    def loops(self) -> bool:  # type: ignore[override]
+        return not self.policy.synchronise
+
+    def ahead(self) -> list[Any]:
+        if self.status is not RUNNING or not self.policy.synchronise:
+            return self.children
+        return [child for child in self.children if child.status is not SUCCESS]
 
 
 class Decorator(Live, decorators.Decorator if TYPE_CHECKING else object):  # type: ignore[misc]
@@ -143,7 +176,7 @@ PLAIN: dict[type[tree.TreeNode], type[Decorator]] = {
 
 
 class Condition(Decorator, decorators.Condition):
-    pass
+    loops = True
 
 
 class OneShot(Decorator, decorators.OneShot):
@@ -153,8 +186,13 @@ class OneShot(Decorator, decorators.OneShot):
     def recall(self, memory: dict[str, Any]) -> None:
         self.final_status = STATUSES[memory["end"]] if "end" in memory else None
 
+    def ahead(self) -> list[Any]:
+        return self.children if self.final_status is None else []
+
 
 class Retry(Decorator, decorators.Retry):
+    loops = counted = True
+
     def kept(self) -> dict[str, Any]:
         return {"failures": self.failures} if self.status is RUNNING else {}
 
@@ -163,9 +201,14 @@ class Retry(Decorator, decorators.Retry):
 
 
 class Repeat(Decorator, decorators.Repeat):
+    loops = True
+
+    @property
+    def counted(self) -> bool:  # type: ignore[override]
+        return self.num_success > 0
+
     def kept(self) -> dict[str, Any]:
-        counts = self.status is RUNNING and self.num_success > 0
-        return {"success": self.success} if counts else {}
+        return {"success": self.success} if self.status is RUNNING and self.counted else {}
 
     def recall(self, memory: dict[str, Any]) -> None:
         self.success = memory.get("success", 0)
@@ -216,6 +259,10 @@ class EternalGuard(Decorator, _Mirror):
         else:
             yield from super().tick()
 
+    def ahead(self) -> list[Any]:
+        is_shut = self.status is FAILURE and self.decorated.status is not FAILURE
+        return [] if is_shut else self.children
+
 
 class _Report(_Mirror):
     """py_trees' StatusToBlackboard, writing a key of the mission where it states something new."""
@@ -235,5 +282,4 @@ class StatusToBlackboard(Decorator, _Report):
     pass
 
 
-LOOPS = (Retry, Repeat, PLAIN[tree.FailureIsRunning], PLAIN[tree.SuccessIsRunning], Condition)
-"""Decorators that state they run while their child has ended: at the next tick it begins again."""
+PLAIN[tree.FailureIsRunning].loops = PLAIN[tree.SuccessIsRunning].loops = True

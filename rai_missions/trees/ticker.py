@@ -37,11 +37,11 @@ class TreeTicker:
 
     def __init__(self, root: TreeNode, place: str, keys: Mapping[str, Key], state: str) -> None:
         self.round, self.state = Tick(), state
-        planter = TreeBuilder(place, keys, state, self.round)
-        self.root: Any = planter.plant(root)
-        self.live: dict[str, Live] = {path: planted.behaviour for path, planted in planter.planted.items()}
+        builder = TreeBuilder(place, keys, state, self.round)
+        self.root: Any = builder.build(root)
+        self.live: dict[str, Live] = builder.live
         self.errands = [node for node in self.live.values() if isinstance(node, ActivityLeaf | Ask)]
-        self.watch = BehaviourWatch(planter.planted)
+        self.watch = BehaviourWatch(self.live)
         self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None
         self._looked: tuple[TreeState | None, TickReads | None] = (None, None)
