@@ -16,9 +16,12 @@ import zlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-__all__ = ("Image", "ImageFile", "file_kind", "media_type", "png")
+__all__ = ("CHANNELS", "Image", "ImageFile", "file_kind", "media_type", "png")
 
 PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
+CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1, "8UC1": 1, "8UC3": 3}
+"""Encodings of raw pixels that are read, by the names of sensor_msgs → bytes a pixel."""
+BLUE_FIRST = ("bgr8", "8UC3")
 TRUECOLOUR = 2
 FAST = 1
 """zlib's level: a picture is sent once, and the robot waits for it."""
@@ -81,6 +84,26 @@ class Image:
         if size is None or min(size) < 1:
             raise ValueError(f"is a broken {kind.upper()} file: it does not report its size")
         return cls(ref, *size, kind, data)
+
+    @classmethod
+    def of_pixels(cls, ref: str, *, width: int, height: int, step: int, encoding: str, data: bytes) -> Image | None:
+        """Raw pixels as `rgb8`, worked out when its bytes are asked for.
+
+        Args:
+            ref: As `Image` has it.
+            width: Pixels.
+            height: Pixels.
+            step: Bytes from one line to the next.
+            encoding: One of `CHANNELS`.
+            data: The lines, each with its padding.
+
+        Returns:
+            None for another encoding, and where the bytes are fewer than the sizes need.
+        """
+        wide = width * CHANNELS.get(encoding, 0)
+        if min(wide, height) < 1 or step < wide or len(data) < step * height:
+            return None
+        return cls(ref, width, height, "rgb8", lambda: _rgb(data, wide, height, step, encoding))
 
     @property
     def data(self) -> bytes:
@@ -158,6 +181,19 @@ def png(width: int, height: int, rgb: bytes, *, level: int = FAST) -> bytes:
 
 def _chunk(name: bytes, data: bytes) -> bytes:
     return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+
+def _rgb(data: bytes, wide: int, height: int, step: int, encoding: str) -> bytes:
+    if step != wide:
+        data = b"".join(data[at : at + wide] for at in range(0, step * height, step))
+    packed = data[: wide * height]
+    if CHANNELS[encoding] == 3 and encoding not in BLUE_FIRST:
+        return packed
+    planes = [packed] * 3 if CHANNELS[encoding] == 1 else [packed[2::3], packed[1::3], packed[0::3]]
+    rgb = bytearray(3 * len(planes[0]))
+    for number, plane in enumerate(planes):
+        rgb[number::3] = plane
+    return bytes(rgb)
 
 
 def _png_size(data: bytes) -> tuple[int, int] | None:

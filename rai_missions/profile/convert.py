@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.errors import ConnectorError
-from rai_missions.image import Image
+from rai_missions.image import CHANNELS, Image
 from rai_missions.keys import is_number
 from rai_missions.redaction import cut, cut_repr
 
@@ -162,27 +162,14 @@ def image_of(message: Any, ref: str) -> Image:
     if isinstance(format_name, str):
         return Image(ref, 0, 0, "png" if "png" in format_name.lower() else "jpeg", raw)
     width, height, encoding = (message.get(word) for word in ("width", "height", "encoding"))
-    channels = {"rgb8": 3, "bgr8": 3, "mono8": 1}.get(str(encoding), 0)
+    channels = CHANNELS.get(str(encoding), 0)
     step = message.get("step") or (width * channels if isinstance(width, int) else 0)
     sizes = (width, height, step)
     if not channels or not all(isinstance(size, int) and size > 0 for size in sizes):
         raise ConnectorError(
-            f"a picture in '{encoding}' of {width} × {height}, {step} bytes a row; rgb8, bgr8 or mono8 is read"
+            f"a picture in '{encoding}' of {width} × {height}, {step} bytes a line; read are {', '.join(CHANNELS)}"
         )
-    if step < width * channels or len(raw) < step * height:
+    image = Image.of_pixels(ref, width=width, height=height, step=step, encoding=str(encoding), data=raw)
+    if image is None:
         raise ConnectorError(f"a picture of {width} × {height} in '{encoding}' needs more than its {len(raw)} bytes")
-    return Image(
-        ref, width, height, "rgb8", lambda: _rgb(raw, width=width, height=height, step=step, encoding=str(encoding))
-    )
-
-
-def _rgb(raw: bytes, *, width: int, height: int, step: int, encoding: str) -> bytes:
-    channels = 1 if encoding == "mono8" else 3
-    packed = b"".join(raw[row * step : row * step + width * channels] for row in range(height))
-    if encoding == "rgb8":
-        return packed
-    planes = [packed] * 3 if channels == 1 else [packed[2::3], packed[1::3], packed[0::3]]
-    rgb = bytearray(3 * width * height)
-    for number, plane in enumerate(planes):
-        rgb[number::3] = plane
-    return bytes(rgb)
+    return image

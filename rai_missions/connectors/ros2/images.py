@@ -11,7 +11,6 @@ from rai_missions.image import Image
 
 __all__ = ("PICTURES", "check_picture", "message_of_picture")
 
-CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1, "8UC1": 1, "8UC3": 3}
 RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 CARRIED = {RAW: ("rgb8",), COMPRESSED: ("png", "jpeg")}
 """Messages that carry a picture → the encodings that they carry."""
@@ -45,28 +44,9 @@ def check_picture(picture: Image, type_name: str, place: str) -> None:
 
 
 def _raw(fields: Mapping[str, Any], ref: str) -> Any:
-    """The pixels as an `Image`, worked out when they are asked for; depth and the like stay bytes."""
-    width, height, step, data = (fields[word] for word in ("width", "height", "step", "data"))
-    channels = CHANNELS.get(fields["encoding"], 0)
-    if not channels or not width or not height or step < width * channels or len(data) < step * height:
-        return data
-    is_blue_first = fields["encoding"] in ("bgr8", "8UC3")
-
-    def pixels() -> bytes:
-        row = width * channels
-        packed = data if step == row else b"".join(data[at : at + row] for at in range(0, step * height, step))
-        packed = packed[: row * height]
-        return packed if channels == 3 and not is_blue_first else _rgb(packed, channels)
-
-    return Image(ref, width, height, "rgb8", pixels)
-
-
-def _rgb(packed: bytes, channels: int) -> bytes:
-    planes = [packed] * 3 if channels == 1 else [packed[2::3], packed[1::3], packed[0::3]]
-    rgb = bytearray(3 * len(planes[0]))
-    for number, plane in enumerate(planes):
-        rgb[number::3] = plane
-    return bytes(rgb)
+    """The pixels as an `Image`; depth and the like stay bytes."""
+    words = {word: fields[word] for word in ("width", "height", "step", "encoding", "data")}
+    return Image.of_pixels(ref, **words) or fields["data"]
 
 
 def _compressed(fields: Mapping[str, Any], ref: str) -> Any:
