@@ -37,16 +37,37 @@ def wrong(value: Any, wanted: str) -> ValueError:
     return ValueError(f"{cut_repr(value, 60)} is given where {wanted} belongs")
 
 
-def _typed(*kinds: type, write: Writer = lambda value, keep: value) -> FieldCodec:
+def as_it_is(value: Any, _: object) -> Any:
+    """How what JSON has is written, and read."""
+    return value
+
+
+def _without_bytes(value: Any, _: object) -> Any:
+    """How any value is written; a picture in it is a reference alone."""
+    return to_json(value)
+
+
+def _listed(value: Any, _: object) -> Any:
+    """How items that JSON has are written."""
+    return list(value)
+
+
+def _typed(*kinds: type) -> FieldCodec:
     """A value of certain types: who altered a journal may have written another."""
 
-    def read(value: Any, fetch: Fetch) -> Any:
-        found = from_json(value, fetch)
-        if type(found) not in kinds:
-            raise wrong(value, " or ".join(kind.__name__ for kind in kinds))
-        return found
+    def checked(value: Any, written: Any) -> Any:
+        if type(value) not in kinds:
+            raise wrong(written, " or ".join(kind.__name__ for kind in kinds))
+        return value
 
-    return FieldCodec(write, read)
+    def read(value: Any, _: Fetch) -> Any:
+        return value if type(value) in kinds else checked(value, value)
+
+    def read_coded(value: Any, fetch: Fetch) -> Any:
+        return checked(from_json(value, fetch), value)
+
+    is_coded = not {float, dict}.isdisjoint(kinds)
+    return FieldCodec(_without_bytes, read_coded) if is_coded else FieldCodec(as_it_is, read)
 
 
 def _list_of(form: FieldCodec) -> FieldCodec:
@@ -58,19 +79,20 @@ def _list_of(form: FieldCodec) -> FieldCodec:
             raise wrong(value, "a list")
         return tuple([form.read(item, fetch) for item in value])
 
-    return FieldCodec(write, read)
+    return FieldCodec(_listed if form.write is as_it_is else write, read)
 
 
 def _fixed(*forms: FieldCodec) -> FieldCodec:
     """A tuple of so many values."""
+    reads = [form.read for form in forms]
 
     def write(value: Any, keep: Keep) -> Any:
         return [form.write(item, keep) for form, item in zip(forms, value, strict=True)]
 
     def read(value: Any, fetch: Fetch) -> Any:
-        return tuple([form.read(item, fetch) for form, item in zip(forms, value, strict=True)])
+        return tuple([each(item, fetch) for each, item in zip(reads, value, strict=True)])
 
-    return FieldCodec(write, read)
+    return FieldCodec(_listed if all(form.write is as_it_is for form in forms) else write, read)
 
 
 def _word_of(words: tuple[Any, ...]) -> FieldCodec:
@@ -78,43 +100,30 @@ def _word_of(words: tuple[Any, ...]) -> FieldCodec:
 
     def read(value: Any, fetch: Fetch) -> Any:
         if value not in words:
-            raise ValueError(f"{cut_repr(value, 60)} is where one of {', '.join(words)} belongs")
+            raise ValueError(f"{cut_repr(value, 60)} is where one of {', '.join(filter(None, words))} belongs")
         return value
 
-    return FieldCodec(lambda value, keep: value, read)
+    return FieldCodec(as_it_is, read)
 
 
-def _or_none(form: FieldCodec) -> FieldCodec:
-    def write(value: Any, keep: Keep) -> Any:
-        return None if value is None else form.write(value, keep)
-
-    def read(value: Any, fetch: Fetch) -> Any:
-        return None if value is None else form.read(value, fetch)
-
-    return FieldCodec(write, read)
-
-
-VALUE = FieldCodec(lambda value, keep: to_json(value), from_json)
-"""Any value; a picture in it is a reference alone."""
+VALUE = FieldCodec(_without_bytes, from_json)
 SHOWN = {(Evidence, "value"): FieldCodec(to_json, from_json)}
 """What is asked about: the bytes of its pictures are kept."""
-TYPED: Mapping[Any, FieldCodec] = {
-    str: _typed(str), int: _typed(int), bool: _typed(bool), float: _typed(float, int, write=VALUE.write),
-    Mapping: _typed(dict, write=VALUE.write),
-}  # fmt: skip
+KINDS: Mapping[Any, tuple[type, ...]] = {str: (str,), int: (int,), bool: (bool,), float: (float, int), Mapping: (dict,)}
+"""A field's type → the types of its values."""
 
 
 def _record(kind: type[Any]) -> FieldCodec:
     """A named tuple, as an object of its fields."""
     defaults, hints = kind._field_defaults, get_type_hints(kind)
     forms = {name: SHOWN.get((kind, name)) or form_of(hints[name]) for name in kind._fields}
-    table = tuple((name, defaults.get(name, ...), form) for name, form in forms.items())
-    required = [name for name in forms if name not in defaults]
+    reads = {name: form.read for name, form in forms.items()}
+    table = tuple((name, defaults.get(name, ...), each.write is as_it_is, each.write) for name, each in forms.items())
 
     def write(value: Any, keep: Keep) -> Any:
         return {
-            name: form.write(item, keep)
-            for (name, default, form), item in zip(table, value, strict=True)
+            name: item if is_plain else write(item, keep)
+            for (name, default, is_plain, write), item in zip(table, value, strict=True)
             if item is not default
         }
 
@@ -123,9 +132,12 @@ def _record(kind: type[Any]) -> FieldCodec:
             raise wrong(value, "an object")
         if odd := sorted(value.keys() - forms.keys()):
             raise ValueError(f"a {kind.__name__} has no {odd[0]!r}")
-        if missing := [name for name in required if name not in value]:
-            raise ValueError(f"'{missing[0]}' is missing")
-        return kind(**{name: forms[name].read(item, fetch) for name, item in value.items()})
+        fields = {name: reads[name](item, fetch) for name, item in value.items()}
+        try:
+            return kind(**fields)
+        except TypeError:
+            missing = next(name for name in forms if name not in fields and name not in defaults)
+            raise ValueError(f"'{missing}' is missing") from None
 
     return FieldCodec(write, read)
 
@@ -151,15 +163,19 @@ def _one_of(kinds: Iterable[type[Any]]) -> FieldCodec:
 @cache
 def form_of(hint: Any) -> FieldCodec:
     """How values of a type are written and read."""
+    none: tuple[type, ...] = ()
+    if get_origin(hint) in (Union, UnionType):
+        if type(None) not in get_args(hint):
+            return _one_of(get_args(hint))
+        hint, none = next(each for each in get_args(hint) if each is not type(None)), (type(None),)
     origin, args = get_origin(hint), get_args(hint)
-    kinds = tuple(each for each in args if each is not type(None))
+    if (kinds := KINDS.get(origin or hint)) is not None:
+        return _typed(*kinds, *none)
     if origin is Literal:
-        return _word_of(args)
-    if origin in (Union, UnionType):
-        return _or_none(form_of(kinds[0])) if len(kinds) == 1 else _one_of(kinds)
+        return _word_of((*args, None) if none else args)
     if origin is tuple:
         return _list_of(form_of(args[0])) if args[1] is ... else _fixed(*map(form_of, args))
-    return _record(hint) if hasattr(hint, "_fields") else TYPED.get(origin or hint, VALUE)
+    return _record(hint) if hasattr(hint, "_fields") else VALUE
 
 
 STEP = form_of(Step)
@@ -189,6 +205,6 @@ def decode(written: Any, fetch: Fetch = _nowhere) -> Step:
     """The step that `encode` wrote.
 
     Raises:
-        ValueError: It is no step; also `TypeError` for a field that is missing.
+        ValueError: It is no step; also `TypeError`.
     """
     return cast("Step", STEP.read(written, fetch))
