@@ -143,17 +143,15 @@ class Scene:
         )
 
     def check(self) -> None:
-        """Hold both logs to the laws."""
-        for life in self._server.lives:
-            _one_after_the_other(life.lines.all, self.story)
+        """Hold both logs to the laws; a goal that an earlier run has given up may come to the server at any time."""
+        for log in self._logs():
+            _one_after_the_other(log, self.story)
         _no_result_of_another(self.steps.all, self.story)
         _no_start_before_the_end(self.steps.all, self.story)
 
     def story(self) -> str:
         """Both logs, for the reader of a failure."""
-        reported = [
-            [each for each in life.lines.all if each[1:2] and each[1] in self.tokens] for life in self._server.lives
-        ]
+        reported = self._logs()
         run = [
             (round(step.at, 3), step.event.kind, step.event.name, step.event.number,
              [(move.exited, move.entered) for move in step.moves], step.effects, step.notes)
@@ -163,6 +161,12 @@ class Scene:
 
     def _has_reported(self, token: int, words: tuple[str, ...]) -> bool:
         return any(each[0] in words and each[1] == token for each in self._server.lines.all if len(each) > 1)
+
+    def _logs(self) -> list[list[Any]]:
+        """What each life of the server reported of this run's goals."""
+        return [
+            [each for each in life.lines.all if each[1:2] and each[1] in self.tokens] for life in self._server.lives
+        ]
 
     def _is_over(self, token: int) -> bool:
         """The run has its outcome: it started the state's goal, or could not, and is back at rest."""
