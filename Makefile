@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles fresh drill mutate fuzz audit lock bench pictures weights clean
+.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles fresh drill repeat mutate fuzz audit lock bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -70,6 +70,9 @@ fresh: .venv/.ready-dev ## The tests of `make test` with fresh examples: SEED=�
 drill: .venv/.ready-dev ## The long tests: thousands of examples, hours of simulated missions; SEED=… as for fresh
 	@echo "seed $(SEED); to repeat: make drill SEED=$(SEED)"
 	HYPOTHESIS_PROFILE=deep $(BIN)/python -m pytest --hypothesis-seed=$(SEED) -n $(WORKERS) --dist loadgroup -m "" --timeout 3600 $(TESTS)
+
+repeat: .venv/.ready-dev ## The laws that explore, 200 times with fresh examples, each within its time: RUNS=200; SEED=… as for fresh
+	$(BIN)/python scripts/repeat.py --runs $(or $(RUNS),200) --seed $(SEED)
 
 mutate: .venv/.ready-mutate ## Break the code in small ways and see that the tests notice: COUNT=300, MUTANTS=1 (a seed), JOBS=2
 	$(BIN)/python scripts/mutate.py --count $(or $(COUNT),300) --seed $(or $(MUTANTS),1) --jobs $(or $(JOBS),2)
