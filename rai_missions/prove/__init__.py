@@ -52,13 +52,13 @@ class Proof(NamedTuple):
     assumed: tuple[str, ...]
     """Invariants that speak of the robot alone: they are watched in a run, and were assumed to hold here."""
     in_pause: tuple[str, ...]
-    """Invariants that what the robot says can break while the mission is paused, when no rule of it can act."""
+    """Invariants that what the robot reports can break while the mission is paused, when no rule of it can act."""
     predicates: tuple[str, ...]
-    """The user's predicates: each was free to say anything whenever it was asked."""
+    """The user's predicates: each was free to have any value whenever it was asked."""
     sampled: tuple[str, ...]
-    """The paths of which some values were tried, though guards can tell more apart: nothing is called proved then."""
+    """The paths of which some values were tried, though guards can distinguish more: nothing is called proved then."""
     alike: dict[str, int]
-    """Loop of a tree → its rounds, of which a few were explored that stand for all: later ones are the same."""
+    """Loop of a tree → its rounds, of which a few were explored that represent all: later ones are the same."""
     never: tuple[str, ...]
     """States that no run enters; known only where everything was explored."""
     seconds: float
@@ -66,18 +66,18 @@ class Proof(NamedTuple):
     @property
     def verdict(self) -> str:
         """`refuted` if any claim is, else `proved`, or `explored` where a bound was hit."""
-        said = {claim.verdict for claim in self.claims}
-        return "refuted" if "refuted" in said else "explored" if "explored" in said else "proved"
+        verdicts = {claim.verdict for claim in self.claims}
+        return "refuted" if "refuted" in verdicts else "explored" if "explored" in verdicts else "proved"
 
 
 def prove(
     mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None, most: int = MOST_STATES,
-    seconds: float = math.inf, memory_mb: float = math.inf, work: float = math.inf, goes_on: bool = False,
+    seconds: float = math.inf, memory_mb: float = math.inf, work: float = math.inf, continues: bool = False,
     progress: Callable[[int, int], None] = lambda found, done: None,
 ) -> Proof:  # fmt: skip
     """Explore every run of a mission.
 
-    Values are told apart as far as the mission's guards do; timers run out in any order; named guards are free. The
+    Values are distinguished as far as the mission's guards do; timers run out in any order; named guards are free. The
     operator pauses, resumes, takes control and gives it to anybody. A cancel and an emergency stop are tried in every
     state, those of a pause included.
 
@@ -89,11 +89,11 @@ def prove(
         seconds: Wall time at the most.
         memory_mb: Resident memory of the process at the most, in MiB.
         work: Steps, microsteps and ticks of trees at the most, together.
-        goes_on: Where a claim is refuted, the others are explored to these limits all the same; else for some time.
+        continues: Where a claim is refuted, the others are explored to these limits all the same; else for some time.
         progress: Receives the number of states found and of states done, every thousand states.
     """
     with _few_collections():
-        return _Proving(mission, ticker, terms, Limits(most, seconds, memory_mb, work, goes_on), progress).proof()
+        return _Proving(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()
 
 
 @contextmanager
@@ -129,7 +129,7 @@ class _Proving:
                 continue
             found = claims(self._few, space, is_sampled=bool(space.environment.world.values.learned.sampled))
             short = self._short(space) if space.levels and space.is_whole else []
-            ways = {} if short else {each.name: self._told(space, each) for each in found if each.has_run}
+            ways = {} if short else {each.name: self._run_of(space, each) for each in found if each.has_run}
             if None in ways.values() and space.is_whole:
                 short = [loop for loop, many in self._rounds.items() if many < loop.rounds]
             if not short:
@@ -153,11 +153,11 @@ class _Proving:
         marks = [set(each(space)) for each in (stuck, lost, circling)]
         return unlike(space, space.levels, self._rounds, marks)
 
-    def _proof(self, space: Space, found: list[Property], told: dict[str, list[TraceStep] | None]) -> Proof:
-        """What was found out, once the rounds that were explored stand for all."""
-        world, ways = space.environment.world, {name: run for name, run in told.items() if run is not None}
+    def _proof(self, space: Space, found: list[Property], runs: dict[str, list[TraceStep] | None]) -> Proof:
+        """What was found out, once the rounds that were explored represent all."""
+        world, ways = space.environment.world, {name: run for name, run in runs.items() if run is not None}
         found = [
-            each if each.name not in told or each.name in ways else Property(each.name, "explored") for each in found
+            each if each.name not in runs or each.name in ways else Property(each.name, "explored") for each in found
         ]
         if ways:
             found, ways = self._calmly(found, ways)
@@ -188,7 +188,7 @@ class _Proving:
         environment.codec.loops = tuple(self._rounds)
         return environment
 
-    def _told(self, space: Space, claim: Property) -> list[TraceStep] | None:
+    def _run_of(self, space: Space, claim: Property) -> list[TraceStep] | None:
         """The shortest run to where a claim is refuted, with all the rounds of its loops; None where it has no such."""
         run = scenes(space, claim)
         if not self._rounds:
@@ -205,21 +205,21 @@ class _Proving:
         """Refutations for which the operator is not needed, where there are such: the author's first affair."""
         calm = self._explored(wanted=ways, is_calm=True)
         better = {each.name: each for each in claims(self._few, calm) if each.has_run and each.name in ways}
-        told = {name: run for name, each in better.items() if (run := self._told(calm, each)) is not None}
-        return [better[each.name] if each.name in told else each for each in found], {**ways, **told}
+        runs = {name: run for name, each in better.items() if (run := self._run_of(calm, each)) is not None}
+        return [better[each.name] if each.name in runs else each for each in found], {**ways, **runs}
 
 
 def record(
-    path: Path, header: Header, mission: Mission, told: list[TraceStep], ticker: Trees | None = None, *,
+    path: Path, header: Header, mission: Mission, runs: list[TraceStep], ticker: Trees | None = None, *,
     terms: RobotFacts | None = None,
 ) -> bool:  # fmt: skip
     """Have a chart that keeps time do the run of a refutation, into a new journal.
 
     Returns:
-        Whether it comes to the same states, and the same outcome, as was told: an order of timers that their durations
+        Whether it comes to the same states, and the same outcome, as was runs: an order of timers that their durations
         do not allow shows here.
 
     Raises:
         UsageError: The file is there already, or none can be written there.
     """
-    return TraceReplayer(mission, ticker, terms).record(path, header, told)
+    return TraceReplayer(mission, ticker, terms).record(path, header, runs)

@@ -23,7 +23,7 @@ from rai_missions.engine.state import TABLE, Holds, RunState, Timer
 from rai_missions.engine.timers import next_number
 from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
-from rai_missions.prove.activity_key import SOON, rested, told_timer
+from rai_missions.prove.activity_key import SOON, rested, timer_key
 from rai_missions.prove.control_env import ControlEnvironment
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.liveness import Later, LiveReads, LooksAhead
@@ -64,18 +64,18 @@ class Abstraction:
         copies = {each.set for each in writes_in(mission) if each.source is not None}
         answers = {name for name, key in mission.blackboard.items() if key.source == "answer"}
         self._given = world.open_keys | world.facts | copies | answers
-        """Keys under which a list may stand that the mission has not written itself."""
+        """Keys that may hold a list that the mission has not written itself."""
         timed = [*guards_in(mission), *guards_in(facts.succeeded), *guards_in(facts.failed)]
         self._longest_s = max((max(each.age_s or 0.0, each.held_s) for each in timed), default=0.0)
         """The longest that any guard looks back."""
         self.saturating = values.saturating()
-        """Counters → the bounds past which no guard tells their values apart."""
+        """Counters → the bounds past which no guard distinguishes their values."""
         self._waiting: dict[tuple[int, ...], tuple[CompiledGuard, ...]] = {}
         transitions = [*mission.transitions, *(each for _, _, state in mission.walk() for each in state.transitions)]
         self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts, reads_all=bool(world.predicates))
         self._rivals: dict[frozenset[str], Rivals] = {}
-        self.hears_of_orphans = any("orphaned" in transition.on for transition in transitions)
-        self._hears_of_calls = any("call_failed" in transition.on for transition in transitions)
+        self.names_orphans = any("orphaned" in transition.on for transition in transitions)
+        self._names_failed_calls = any("call_failed" in transition.on for transition in transitions)
         rests: Mapping[Holds, Callable[[Any], Any]] = {
             "timers": _rest_timers, "deadlines": _rest_instants, "settling": _rest_instants, "deadline": _soon,
             "goals": _rest_goals, "activities": self._rest_activities, "rounds": _rest_rounds,
@@ -151,7 +151,7 @@ class Abstraction:
         yield from (condition for _, condition in program.invariants)
 
     def _look(self, state: RunState, condition: CompiledGuard) -> None:
-        if self._world.predicates:  # they may say something else the next time
+        if self._world.predicates:  # they may have another value the next time
             self._world.board.looked |= condition.reads
             return
         condition.test(state)
@@ -199,7 +199,7 @@ class Abstraction:
             found = known[goal.action]
             return (goal.phase == "orphaned", *found) if found else None
 
-        return (lambda goal: (goal.phase == "orphaned", goal.action)) if self.hears_of_orphans else rivals
+        return (lambda goal: (goal.phase == "orphaned", goal.action)) if self.names_orphans else rivals
 
     @property
     def pursued(self) -> list[Goal]:
@@ -220,11 +220,11 @@ class Abstraction:
         return self.live.after(self._chart.state.config)
 
     def _alike(self, state: RunState) -> dict[tuple[Any, ...], list[Any]]:
-        """What cannot be told from its like: kind and words → its keys."""
+        """What cannot be distinguished from its like: kind and words → its keys."""
         alike: dict[tuple[Any, ...], list[Any]] = {}
         for key, timer in state.timers.items():
             if isinstance(key[1], int):
-                alike.setdefault(("timer", *told_timer(key, timer)), []).append(key)
+                alike.setdefault(("timer", *timer_key(key, timer)), []).append(key)
         for number, service in state.calls.items():
             alike.setdefault(("call", service), []).append(number)
         rivals = self.rivals
@@ -234,7 +234,7 @@ class Abstraction:
         return alike
 
     def _cap(self, state: RunState) -> None:
-        if not self._hears_of_calls:
+        if not self._names_failed_calls:
             state.calls.clear()  # whatever they come to, no transition is about it
         if len(state.timers) + len(state.calls) <= MANY:
             return

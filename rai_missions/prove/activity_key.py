@@ -14,7 +14,7 @@ from rai_missions.guards.guard import View
 from rai_missions.prove.nondeterminism import OpenFields
 from rai_missions.prove.open_world import NOW
 
-__all__ = ("SOON", "plain", "rested", "told", "told_timer")
+__all__ = ("SOON", "key_of", "plain", "rested", "timer_key")
 
 SOON = NOW + 1.0
 """When whatever runs would be due, if time continued."""
@@ -32,7 +32,7 @@ def rested(state: Any, machine: Any, longest_s: float, view: View) -> Any:
     if isinstance(state, GoalActivity):
         return state._replace(until=SOON) if state.until != math.inf else state
     if isinstance(state, DecisionActivity):
-        return _asked_anew(state, machine)
+        return _asked_again(state, machine)
     if isinstance(state, TreeActivity):
         leaves = {
             path: RunningLeaf(
@@ -53,7 +53,7 @@ def _no_older(memory: Mapping[str, Any], least: float) -> Mapping[str, Any]:
     return {**memory, **late, **({"held": held} if held else {})} if late or held else memory
 
 
-def _asked_anew(state: DecisionActivity, machine: Any) -> DecisionActivity:
+def _asked_again(state: DecisionActivity, machine: Any) -> DecisionActivity:
     question = state.question
     until = SOON if question.until != math.inf else math.inf
     if state.deadline == math.inf:
@@ -62,8 +62,8 @@ def _asked_anew(state: DecisionActivity, machine: Any) -> DecisionActivity:
     return state._replace(question=question, turn=0, deadline=SOON + 1.0)
 
 
-def told(state: Any) -> Any:
-    """What tells a machine's state from others, without the numbers of starts and questions."""
+def key_of(state: Any) -> Any:
+    """What distinguishes a machine's state from others, without the numbers of starts and questions."""
     if isinstance(state, GoalActivity):
         result = sorted(state.result.items())
         return ("pursuit", state.phase, state.until == math.inf, result)
@@ -71,26 +71,26 @@ def told(state: Any) -> Any:
         question = state.question
         return ("asking", tuple(offer.name for offer in question.options), state.turn, question.attempt)
     if isinstance(state, TreeActivity):
-        return _told_tree(state)
+        return _tree_key(state)
     fields = state._asdict()
     numbered = {"number": bool(fields["number"])} if "number" in fields else {}
     return (type(state).__name__, _rounded(fields | numbered))
 
 
-def _told_tree(state: TreeActivity) -> Any:
-    leaves = [(path, told(each.state), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
+def _tree_key(state: TreeActivity) -> Any:
+    leaves = [(path, key_of(each.state), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
     nodes = [(path, repr(_rounded(_unnumbered(memory)))) for path, memory in sorted(state.tree.nodes.items())]
     ends = sorted((path, leaf.outcome) for path, leaf in state.tree.leaves.items())
     return ("tending", leaves, nodes, ends, _rounded(state.wake), state.limit)
 
 
 def _unnumbered(memory: Mapping[str, Any]) -> Mapping[str, Any]:
-    """How often a leaf has begun tells its runs apart, and nothing of what it does."""
+    """How often a leaf has begun distinguishes its runs, and makes no difference to what it does."""
     return {word: value for word, value in memory.items() if word != "run"}
 
 
 def _rounded(value: Any) -> Any:
-    """Times as near as they can be told apart: their sums differ in the last digits."""
+    """Times as near as they can be distinguished: their sums differ in the last digits."""
     if isinstance(value, float):
         return round(value, DIGITS)
     if isinstance(value, Mapping):
@@ -100,8 +100,8 @@ def _rounded(value: Any) -> Any:
     return value
 
 
-def told_timer(key: tuple[str, Any], timer: Any) -> tuple[str, str, str]:
-    """A delayed `raise` without an id is named by its number, which says nothing."""
+def timer_key(key: tuple[str, Any], timer: Any) -> tuple[str, str, str]:
+    """A delayed `raise` without an id is named by its number, which makes no difference."""
     kind, which = key
     if isinstance(which, int):
         return kind, timer.name, f"{timer.control} {timer.data}"

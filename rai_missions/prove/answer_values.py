@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an answer may bring along: the values that an option's schema allows, as far as guards tell them apart.
+"""What an answer may bring along: the values that an option's schema allows, as far as guards distinguish them.
 
 Rule: a schema asks for more than values can be made for (patterns, formats); what no one can make is not judged by it
 here. That gives more answers, never fewer.
@@ -31,7 +31,7 @@ class AnswerValues:
 
     Args:
         keys: The blackboard; a parameter that is called as a key of the source `answer` is written there.
-        values: What guards tell apart.
+        values: What guards distinguish.
     """
 
     def __init__(self, keys: Mapping[str, Key], values: Values) -> None:
@@ -60,7 +60,7 @@ class AnswerValues:
         """The values of a parameter, one at the least."""
         place = (id(schema), name)
         if place not in self._made:
-            self._kept.append(schema)  # lest its id becomes another's
+            self._kept.append(schema)  # so that its id does not become another's
             self._made[place] = list(self._all(schema, name))
         return self._made[place]
 
@@ -103,7 +103,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 
 def _is_opaque(value: Any) -> bool:
-    """It stands for many others, of which some may fit."""
+    """It represents many others, of which some may fit."""
     return isinstance(value, Mapping | list) or (isinstance(value, str) and value.startswith(OTHER))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Circles in which time alone leads a mission, while no one says anything.
+"""Circles in which time alone leads a mission, while nothing is reported.
 
 Rule: time is fair. What waits for time gets it in the end, unless it begins to wait again and again. So a circle is one
 for ever only where nothing waits all the way round that is not taken in it.

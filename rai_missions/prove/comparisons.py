@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a mission compares with what: all that its guards can tell apart.
+"""What a mission compares with what: all that its guards can distinguish.
 
-Rule: where a few values cannot stand for all, `sampled` says so, and nothing is called proved.
+Rule: where a few values cannot represent all, `sampled` names the path, and nothing is called proved.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Comparisons:
     """Paths (`key`, `key.field`, `event.field`, `answer.name`) and what each is compared with.
 
     Args:
-        mission: Whose guards tell values apart.
+        mission: Whose guards distinguish values.
         terms: The guards of a robot's composed actions count too.
     """
 
@@ -45,7 +45,7 @@ class Comparisons:
         self.near: dict[str, set[float]] = {}
         """Path of a pose → the distances that guards ask for."""
         self.fresh: set[str] = set()
-        """Paths that guards ask for, whatever stands there."""
+        """Paths that guards ask for, whatever the value."""
         self.items: dict[str, list[str]] = {}
         """Path of a list → the keys that hold its current item, one for each state that goes over it."""
         for each in parts(mission, Each):
@@ -154,7 +154,7 @@ class Comparisons:
 
     @property
     def sampled(self) -> tuple[str, ...]:
-        """The paths that a few values are tried of, though guards can tell more apart."""
+        """The paths that a few values are tried of, though guards can distinguish more."""
         return tuple(sorted({*self._odd, *self._reckoned(), *self._far()}))
 
     def _reckoned(self) -> Iterator[str]:
@@ -175,7 +175,7 @@ class Comparisons:
         return not self.kin.get(path, {path}).isdisjoint(self.sampled)
 
     def kind_of(self, path: str) -> str:
-        """The type of what stands there: as written, or by what it is compared with, or goes into."""
+        """The type of the value there: as written, or by what it is compared with, or goes into."""
         root, _, rest = path.partition(".")
         for kin in (path, *sorted(self.kin.get(path, {path}))):
             if kin in self.keys:

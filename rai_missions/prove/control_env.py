@@ -19,7 +19,7 @@ from rai_missions.states.state import Holder
 __all__ = ("ControlEnvironment", "control_event", "kept_words")
 
 OTHERS = ("autonomy", "agent", "operator")
-"""Of these the first whose control no active state needs stands for every holder who holds nothing up."""
+"""Of these the first whose control no active state needs represents every holder who holds nothing up."""
 
 
 class ControlEnvironment:
@@ -37,7 +37,7 @@ class ControlEnvironment:
         """Whose control states of the mission need."""
         self.holds: tuple[Holder, ...] = ("nobody", *(("operator",) if "operator" in self.needed else ()))
         """With whom control can be while the mission is held; without states of the operator it makes no difference."""
-        self.is_going_on = False
+        self.is_resuming = False
         """The mission is resumed: what waits for control may find that it was given meanwhile."""
         self.found: Event | None = None
         """What has happened to control before the last look, as it was found then."""
@@ -45,7 +45,7 @@ class ControlEnvironment:
         self._named_events = frozenset(name for transition in transitions for name in transition.definition.on)
         """The events, and outcomes, that transitions name."""
         self._may_be_held = False
-        """Nothing here tells yet whether the operator has taken control."""
+        """It is not known yet whether the operator has taken control."""
 
     # -- who has it -----------------------------------------------------------------------------------------------
 
@@ -74,7 +74,7 @@ class ControlEnvironment:
     def _possible(self) -> list[str]:
         """Those whom it makes a difference to find."""
         others = self.others
-        waited = set() if self.is_going_on else self.waited_for  # it would have begun
+        waited = set() if self.is_resuming else self.waited_for  # it would have begun
         return [who for who in others if who not in waited] or others
 
     @property

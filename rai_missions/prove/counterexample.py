@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shortest run to a flaw, told step by step and, where it can be had, done by the chart itself into a journal.
+"""The shortest run to a flaw, step by step and, where it can be had, done by the chart itself into a journal.
 
 Rule: a journal is written by a chart that keeps time; whether the flaw is in it too is found out, not claimed.
 """
@@ -31,7 +31,7 @@ from rai_missions.prove.store import LEFT
 __all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")
 
 SLICE = 0.4
-"""Facts are said again after this part of the time for which they can be believed."""
+"""Facts are reported again after this part of the time for which they can be believed."""
 MOST_INSTANTS = 20_000
 """So many instants are waited through for a thing that takes time."""
 
@@ -41,7 +41,7 @@ class TraceStep(NamedTuple):
 
     words: str
     event: Event | None
-    """What the mission is told; None where time passes or something goes stale."""
+    """What the mission receives; None where time passes or something goes stale."""
     owner: str
     """Whose goal, call, question or behaviour it is about; empty for others."""
     stale: str
@@ -51,7 +51,7 @@ class TraceStep(NamedTuple):
     control: Event | None
     """Who is found to have control when it happens, and by whom; None where no one looks or it is known."""
     predicates: Mapping[str, Truth]
-    """What the user's predicates say."""
+    """The values of the user's predicates."""
     active: frozenset[str]
     """The states that are active afterwards."""
     outcome: str | None
@@ -90,7 +90,7 @@ def go(environment: Environment, way: Edge) -> tuple[str, str]:
         raise LookupError(way.words)
     environment.load(place)
     environment.choices.begin(way.trail)
-    environment.inputs.said, environment.control.found = None, None
+    environment.inputs.last_event, environment.control.found = None, None
     if happening is None:
         order = environment.ordering
         commands = {START: environment.begin, CANCEL: order("cancel"), KILL: order("kill")}
@@ -103,7 +103,7 @@ def go(environment: Environment, way: Edge) -> tuple[str, str]:
 
 def _scene(environment: Environment, way: Edge) -> TraceStep:
     owner, stale = go(environment, way)
-    chart, world, event = environment.chart, environment.world, environment.inputs.said
+    chart, world, event = environment.chart, environment.world, environment.inputs.last_event
     looked = chart.state.draft.looked
     values = {place[6:]: value for place, value in looked if place.startswith("named:")}
     is_possible = world.is_possible  # it may look at more
@@ -122,7 +122,7 @@ def _plain(entry: Any) -> Any:
 
 
 class TraceReplayer:
-    """Has a chart that keeps time do what scenes tell, into a new journal.
+    """Has a chart that keeps time do the scenes, into a new journal.
 
     Args:
         mission: The mission.
@@ -131,46 +131,46 @@ class TraceReplayer:
     """
 
     def __init__(self, mission: Mission, ticker: Trees | None, terms: RobotFacts | None) -> None:
-        self._said: Mapping[str, Truth] = {}
+        self._predicates: Mapping[str, Truth] = {}
         names = {each.named for each in guards_in(mission) if isinstance(each, Named)}
         self._chart = Chart(mission, ticker, terms=terms, named={name: self._predicate(name) for name in names})
         self._keys = mission.blackboard
         self._facts: dict[str, Any] = {}
         self._again: dict[str, float] = {}
-        """Key → when it is said again, lest it goes stale."""
+        """Key → when it is reported again, before it goes stale."""
         self._started: dict[str, list[int]] = {}
         """Owner → the numbers of what it has started."""
         self._quiet: dict[str, tuple[str, Any, float]] = {}
         self._journal: Journal | None = None
 
-    def record(self, path: Path, header: Header, told: list[TraceStep]) -> bool:
-        """Do what the scenes tell.
+    def record(self, path: Path, header: Header, run: list[TraceStep]) -> bool:
+        """Do the scenes.
 
         Returns:
-            Whether the run comes to the same states, and the same outcome, as was told.
+            Whether the run comes to the same states, and the same outcome, as the last scene.
 
         Raises:
             UsageError: The file is there already, or none can be written there.
         """
         with Journal.create(path, header) as journal:
             self._journal = journal
-            for scene in told:
+            for scene in run:
                 self._play(scene)
-        last = told[-1]
-        return self._is_as_told(last)
+        last = run[-1]
+        return self._is_reached(last)
 
-    def _is_as_told(self, scene: TraceStep) -> bool:
+    def _is_reached(self, scene: TraceStep) -> bool:
         if scene.outcome is None:
             return self._chart.outcome is None and self._chart.active == scene.active
         return (self._chart.outcome, self._chart.why) == (scene.outcome, scene.why)
 
     def _predicate(self, name: str) -> Callable[..., Truth]:
-        return lambda known, **arguments: self._said.get(name)
+        return lambda known, **arguments: self._predicates.get(name)
 
     # -- one scene ------------------------------------------------------------------------------------------------
 
     def _play(self, scene: TraceStep) -> None:
-        self._said = scene.predicates
+        self._predicates = scene.predicates
         named = scene.stale or (scene.event.name if scene.event is not None and scene.event.kind == "write" else "")
         gone = [name for name, value in scene.facts.items() if value is None and name != named and name in self._facts]
         self._grow_old(gone)
@@ -235,17 +235,17 @@ class TraceReplayer:
     # -- time -----------------------------------------------------------------------------------------------------
 
     def _wait(self, scene: TraceStep) -> None:
-        """Let time pass until what was told has happened; what is known stays known."""
+        """Let time pass until the scene has happened; what is known stays known."""
         for _ in range(MOST_INSTANTS):
             wake = self._chart.wake_at
             if wake is None or self._chart.outcome is not None:
                 return
             for step in self._pass(wake, at_most=1):
-                if (step.moves or step.effects or step.notes or step.outcome) and self._is_as_told(scene):
+                if (step.moves or step.effects or step.notes or step.outcome) and self._is_reached(scene):
                     return
 
     def _grow_old(self, names: list[str]) -> None:
-        """Say nothing more of these until they are stale; of the others, what was said."""
+        """Report nothing more of these until they are stale; of the others, the same as before."""
         until = self._chart.at
         for name in names:
             self._facts.pop(name, None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Everything that can happen to a mission in a state: what it is told, what is known, the operator's orders, and time.
+"""Everything that can happen to a mission in a state: what it receives, what is known, the operator's orders, and time.
 
 Rule: what is listed here is all that a proof is about; nothing else is assumed of robot, model, person or clock.
 """
@@ -97,10 +97,10 @@ class Environment:
         self.inputs = InputEnvironment(chart, self.world, self.rest, self.instruments)
         self.time = TimeEnvironment(chart, self.world, self.codec, self.inputs, self.rest, self.instruments)
         runs = any(state.activity() and not state.options for _, _, state in mission.walk())
-        told = bool(self.world.fleeting or self.world.predicates) or self.world.own_fade
+        is_informed = bool(self.world.fleeting or self.world.predicates) or self.world.own_fade
         calls = any(True for _ in parts(mission, Call))
         self._has_actions = any(True for kind in (Action, ActionLeaf) for _ in parts(mission, kind))
-        self.pause_matters = runs or told or bool(self.control.needed) or calls
+        self.pause_matters = runs or is_informed or bool(self.control.needed) or calls
         """Something can change while the mission is paused; else it continues as if nothing had been."""
 
     @property
@@ -149,12 +149,12 @@ class Environment:
         """What can happen while the mission is paused; what would wait for its continuation can come then, too."""
         yield from self.inputs.of_calls()
         yield from self._writes()
-        yield Stimulus(RESUME, "event", self._go_on)
+        yield Stimulus(RESUME, "event", self._resume)
 
-    def _go_on(self) -> None:
+    def _resume(self) -> None:
         """Control may have changed hands meanwhile: then it did before anything starts again."""
         control, state = self.control, self.chart.state
-        control.is_going_on = True
+        control.is_resuming = True
         if control.here:
             found = self.choices.choose(1 + len(control.holds))
             if found:
@@ -163,7 +163,7 @@ class Environment:
             assert control.found is not None
             receive_control(self.chart.program, state, control.found)
         self.ordering("resume")()
-        control.is_going_on = False
+        control.is_resuming = False
 
     def begin(self) -> None:
         """The mission starts, no matter who has control."""
@@ -195,11 +195,11 @@ class Environment:
             for who in [who for who in control.others if who != self.chart.state.holder]:
                 yield self._handover(f"control is with {who}", who, "mission")
         for who in [who for who in control.holds if who != self.chart.held_by]:
-            words = "the operator takes control" if who == "operator" else "control is taken, and with nobody"
+            words = "the operator takes control" if who == "operator" else "control is taken, and with no one"
             yield self._handover(words, who, "operator")
 
     def _handover(self, words: str, who: str, by: str) -> Stimulus:
-        do = self.inputs.hear(control_event(who, by))
+        do = self.inputs.receive(control_event(who, by))
         return Stimulus(words, "robot" if by != "operator" else "command", do)
 
     # -- what is known --------------------------------------------------------------------------------------------
@@ -218,7 +218,7 @@ class Environment:
                         f"{key} goes stale", "write", self.time.elapse(self._forget_it(key), beyond=key), stale=key
                     )
                 else:
-                    yield Stimulus(f"{key} is {_said(value)}", "write", self._say(key, value))
+                    yield Stimulus(f"{key} is {_in_words(value)}", "write", self._report(key, value))
         for key, written in self.chart.mission.blackboard.items():
             if written.max_age_s is not None and written.source != "robot" and board.known(key) is not None:
                 gone = self.time.elapse(self._forget_it(key), beyond=key)
@@ -226,7 +226,7 @@ class Environment:
         running = state.running if state.mode != "paused" else ()
         trees = [name for name in running if isinstance(self.chart.program.machines[name], TreeMachine)]
         if trees or self.world.predicates:
-            yield Stimulus("something is said again", "write", lambda: self.time.time_passes(*trees))
+            yield Stimulus("something is last_event again", "write", lambda: self.time.time_passes(*trees))
 
     def _others(self, key: str, now: Any) -> Iterator[Any]:
         """What it can be next; of an object the fields alone that someone looks at."""
@@ -242,7 +242,7 @@ class Environment:
         for mixture in product(*(self.world.values.part(key, field) for field in known)):
             yield self.world.shapes[key].fresh(dict(zip(known, mixture, strict=True)))
 
-    def _say(self, key: str, value: Any) -> Callable[[], None]:
+    def _report(self, key: str, value: Any) -> Callable[[], None]:
         def happen() -> None:
             made = value.fresh() if isinstance(value, OpenFields) else value
             self.inputs.handle(Event(key, NOW, {"value": made}, "write"))
@@ -257,7 +257,7 @@ class Environment:
         return change
 
 
-def _said(value: Any) -> str:
+def _in_words(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     return f"{value:g}" if isinstance(value, float) else str(value)

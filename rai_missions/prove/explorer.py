@@ -87,14 +87,14 @@ class Space(StateGraph):
         """Number of a state → the outcome with which the run has ended in it."""
         self.canceling: set[int] = set()
         self.levels: dict[int, dict[Loop, Level]] = {}
-        """Number of a state → how far the loops are there of which a few rounds may stand for all."""
+        """Number of a state → how far the loops are there of which a few rounds may represent all."""
         self.taken: set[str] = set()
         """JSON pointers of the rows that were taken."""
         self.entered: set[str] = set()
         self.flaws: dict[str, Violation] = {}
         """Promise → a shortest way to break it."""
         self.in_pause: set[str] = set()
-        """Invariants that what a robot says can break while the mission is paused or held, when not every rule acts."""
+        """Invariants that a robot's reports can break while the mission is paused or held, when not every rule acts."""
         self.steps = 0
         self.cut: set[int] = set()
         """States out of which some step was not made, or leads where there was no room for it."""
@@ -272,18 +272,18 @@ class Space(StateGraph):
         )  # fmt: skip
         levels = codec.levels() if codec.loops else ()
         return Arrival(
-            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, codec.telling(), chart.mode,
+            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, codec.question(), chart.mode,
             levels, kept, happening.is_of_goal,
         )  # fmt: skip
 
     def _arrive(self, source: int, arrival: Arrival, before: Store) -> None:
         """Take note of a step and of the state it leads to."""
-        ended, change, telling = arrival.ended, arrival.change, arrival.telling
-        if change is None or telling is None:
+        ended, change, question = arrival.ended, arrival.change, arrival.question
+        if change is None or question is None:
             store, answer, key = before, b"", repr(ended).encode()
         else:
             store = self._stores.after(before, change)
-            answer = telling.of(store)
+            answer = question.of(store)
             key = arrival.core + answer
         number = self._numbers.get(key)
         if number is None:
@@ -324,7 +324,7 @@ class Space(StateGraph):
     def _end(self, source: int, way: Edge) -> None:
         loose = [goal.action for goal in self.environment.rest.pursued]
         if loose:
-            self._flaw("stopped", source, f"the mission ends while '{loose[0]}' goes on", way)
+            self._flaw("stopped", source, f"the mission ends while '{loose[0]}' continues", way)
 
     def _learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
         environment, chart = self.environment, self.environment.chart
@@ -347,7 +347,7 @@ class Space(StateGraph):
         elif chart.cause == "cycle":
             self._flaw("comes to rest", source, chart.why, way)
         if chart.outcome == "succeeded" and not environment.world.rests_on_facts:
-            self._flaw("answers", source, "the mission succeeds, whatever the robot says", way)
+            self._flaw("answers", source, "the mission succeeds, whatever the robot reports", way)
 
     def _flaw(self, promise: str, state: int, sentence: str, way: Edge) -> None:
         """The first of each promise is a shortest."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What robot, model, person and other programs can tell a mission in a state.
+"""What robot, model, person and other programs can report to a mission in a state.
 
-Rule: anyone who is asked can say anything or nothing, and a server ends a goal in any way at any time.
+Rule: anyone who is asked can answer anything or nothing, and a server ends a goal in any way at any time.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ class InputEnvironment:
             *chart.mission.transitions,
             *(transition for _, _, each in chart.mission.walk() for transition in each.transitions),
         ]
-        self._hears_of_doubt = any("uncertain" in transition.on for transition in transitions)
-        """Some transition is about what was done or not, as far as anybody can tell."""
-        self.said: Event | None = None
+        self._names_doubt = any("uncertain" in transition.on for transition in transitions)
+        """Some transition is about what was done or not, as far as is known."""
+        self.last_event: Event | None = None
         """What last happened to the mission."""
 
     def handle(self, event: Event) -> None:
         """Let an event happen."""
-        self.said = event
+        self.last_event = event
         handle(self._chart.program, self._chart.state, event)
 
     def owner_of(self, number: int) -> str:
@@ -71,11 +71,11 @@ class InputEnvironment:
                 return owned(name, path)
         return self._chart.state.calls.get(number, "")
 
-    def hear(self, event: Event) -> Callable[[], None]:
+    def receive(self, event: Event) -> Callable[[], None]:
         return lambda: self.handle(event)
 
     def events(self) -> Iterator[Stimulus]:
-        """What the mission declares, and what no one can tell whether it was done, where some row is about it."""
+        """What the mission declares, and what may have been done or not, where some transition is about it."""
         state = self._chart.state
         if state.final is not None:
             return
@@ -86,8 +86,8 @@ class InputEnvironment:
                 plan = state.config.plan(name, declared=True)
             if plan and free(state, plan):  # what held states name can come right after the hand-back
                 yield Stimulus(f"event '{name}'", "event", self._bringing(name, "event", fields))
-        if self._hears_of_doubt and not state.frozen:
-            yield Stimulus("nobody can tell whether it was done", "event", self._bringing("uncertain", "doubt", fields))
+        if self._names_doubt and not state.frozen:
+            yield Stimulus("no one knows whether it was done", "event", self._bringing("uncertain", "doubt", fields))
 
     def _bringing(self, name: str, kind: EventKind, fields: Sequence[str]) -> Callable[[], None]:
         """An event whose payload is chosen again each time it happens."""
@@ -99,7 +99,7 @@ class InputEnvironment:
     # -- reports --------------------------------------------------------------------------------------------------
 
     def reports(self) -> Iterator[Stimulus]:
-        """Everything that servers, services and behaviours can say."""
+        """Everything that servers, services and behaviours can report."""
         for goal in self._rest.pursued:
             if not is_held(self._chart.state, self._chart.program.graph.nodes[goal.owner.partition("#")[0]]):
                 yield from self._goal(goal)
@@ -109,7 +109,7 @@ class InputEnvironment:
             for status in ("success", "failure"):
                 event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
                 words = f"the behaviour of '{owner}': {status}"
-                yield Stimulus(words, "robot", self.hear(event), number)
+                yield Stimulus(words, "robot", self.receive(event), number)
         yield from self.of_calls()
 
     def of_goals(self) -> Iterator[Stimulus]:
@@ -133,11 +133,11 @@ class InputEnvironment:
         named, number = f"'{goal.action}' of '{goal.owner}'", goal.number
         if goal.phase == "sent":
             event = Event("accepted", NOW, {}, "accepted", number)
-            yield Stimulus(f"{named} is accepted", "robot", self.hear(event), number)
+            yield Stimulus(f"{named} is accepted", "robot", self.receive(event), number)
         composed = goal.action in self._chart.terms.succeeded
         for end in ENDS:
             if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):
-                continue  # its guards say so, and no server
+                continue  # its guards decide it, and no server
             do = self._result(end, number, goal.owner)
             yield Stimulus(f"{named} ended: {end}", "robot", do, number)
 
@@ -214,9 +214,9 @@ class InputEnvironment:
         empty: tuple[tuple[str, dict[str, Any]], ...] = (("nonsense", {"option": "?"}),)
         if not is_bounded:  # else nonsense, absence and silence all have it asked again; see `remembered.rested`
             empty += (("nothing, being absent", {"absent": "not here"}),)
-        for said, data in empty:
+        for last_event, data in empty:
             event = Event(who, NOW, data, "proposal", number)
-            yield Stimulus(f"{who} answers '{owner}': {said}", "answer", self.hear(event), number)
+            yield Stimulus(f"{who} answers '{owner}': {last_event}", "answer", self.receive(event), number)
 
     def _option(self, number: int, who: str, owner: str, offer: Offer) -> Callable[[], None]:
         schema = self._instruments.schemas.get((owner, offer.name))
@@ -229,7 +229,7 @@ class InputEnvironment:
         return happen
 
     def _parameters(self, schema: Mapping[str, Any]) -> dict[str, Any]:
-        """What a schema allows, in each way that guards can tell apart."""
+        """What a schema allows, in each way that guards can distinguish."""
         made: dict[str, Any] = {}
         for name, can_lack in self._brought.names(schema).items():
             choices = self._brought.of(schema, name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a proof measures while a mission runs: what guards say, which options are taken, what trees do in a step.
+"""What a proof measures while a mission runs: the values of guards, which options are taken, what trees do in a step.
 
 Rule: nothing here changes what a step does.
 """
@@ -30,7 +30,7 @@ class Instruments:
     def __init__(self, *, is_foreign: bool = False) -> None:
         self._is_foreign = is_foreign
         self.seen: dict[str, set[Truth]] = {}
-        """The place of a guard that makes something possible → what it has said."""
+        """The place of a guard that makes something possible → its values so far."""
         self.answered: set[tuple[str, str]] = set()
         """Who asks, and an option that was taken there."""
         self.schemas: dict[tuple[str, str], Mapping[str, Any]] = {}
@@ -53,7 +53,7 @@ class Instruments:
         self.ticks, self.turned, self.begun, self.asked = 0, set(), {}, set()
 
     def watch_finals(self, program: Program) -> None:
-        """Note what the `requires` of finals say."""
+        """Note the values of the `requires` of finals."""
         for node in program.graph.order:
             if node.requires is not None:
                 test = self._noting(node.requires.place, node.requires.test)

@@ -40,7 +40,7 @@ class Limits(NamedTuple):
     """Of resident memory of the process, in MiB."""
     work: float = math.inf
     """Steps, microsteps and ticks of trees, together."""
-    goes_on: bool = False
+    continues: bool = False
     """A refutation leaves the other limits as they are."""
 
 
@@ -88,13 +88,13 @@ class Meter:
 
     def refuted(self, states: int) -> None:
         """A claim is refuted, with so many states known."""
-        if not self.limits.goes_on and self._states == math.inf:
+        if not self.limits.continues and self._states == math.inf:
             self._states = TIMES_AFTER * states + STATES_AFTER
             self._work = TIMES_AFTER * self.work + WORK_AFTER
 
 
 def resident_mb() -> float:
-    """Memory that the process occupies now, in MiB; at its peak where the system does not tell."""
+    """Memory that the process occupies now, in MiB; at its peak where the system does not report it."""
     try:
         pages = int(STATM.read_text(encoding="ascii").split()[1])
     except (OSError, ValueError, IndexError):

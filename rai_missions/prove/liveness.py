@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run may still look at: a key that is written before anybody reads it again tells no two states apart.
+"""What a run may still look at: a key that is written before anything reads it again distinguishes no two states.
 
 Rule: only what no way on reads first is left out; where that is not known, it is kept.
 Source: live variables, A. V. Aho et al., Compilers (2nd ed.), section 9.2.5, on the rows of a chart.
@@ -26,18 +26,18 @@ __all__ = ("Later", "LiveReads", "LooksAhead")
 REMEMBERED = 4096
 """Of so many configurations it is remembered what makes a difference."""
 START, RECALL = "start ", "recall "
-"""Stand before the name of an action that may be started, and of a history state that may be looked up."""
+"""Prefixes of the name of an action that may be started, and of a history state that may be looked up."""
 
 
 class Later(NamedTuple):
     """What makes a difference from a configuration on."""
 
     keys: frozenset[str]
-    """Those that somebody may read before they are written anew."""
+    """Those that may be read before they are written again."""
     starts: frozenset[str]
     """The actions that may be started."""
     recalls: frozenset[int]
-    """The history states whose memory may be looked up before it is written anew."""
+    """The history states whose memory may be looked up before it is written again."""
 
 
 class LooksAhead(Protocol):
@@ -115,7 +115,7 @@ class LiveReads:
                 yield from self._mentions(effect)
 
     def _mentions(self, value: Any) -> Iterator[str]:
-        """Every key whose name, or a path into it, stands anywhere in a part of a mission."""
+        """Every key whose name, or a path into it, appears anywhere in a part of a mission."""
         if isinstance(value, str):
             root = value.partition(".")[0]
             if root in self._keys:
@@ -154,11 +154,11 @@ class LiveReads:
         return frozenset(reads | recalled) | (later - written)
 
     def _into(self, targets: Iterable[Node]) -> set[Node]:
-        """All that may be active once these are entered, beside what was active before."""
+        """All that may be active once these are entered, with what was active before."""
         return {node for target in targets for node in self._around(target)}
 
     def _around(self, target: Node) -> frozenset[Node]:
-        """A target, what is entered inside it, its ancestors, and the regions beside it."""
+        """A target, what is entered inside it, its ancestors, and the other regions."""
         if target not in self._entered:
             found = {target, *target.ancestors}
             found |= set(self._inside(target))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Loops of trees that go round many times, explored with a few rounds that stand for all.
+"""Loops of trees that go round many times, explored with a few rounds that represent all.
 
-Rule: a few rounds stand for many only where they are alike: nothing that is written in a round is read, and the states
+Rule: a few rounds represent many only where they are alike: nothing that is written in a round is read, and the states
 of the last rounds that were explored are the same but for the count. Else more rounds are explored, at last all.
 
 Why this is exact: what a loop does in a round depends on its count only in the last one. So the states in which a run
@@ -39,7 +39,7 @@ LONG = 16
 COUNTED: Mapping[type, str] = {Retry: "num_failures", Repeat: "num_success"}
 """The field that has the number of rounds."""
 ALIKE = 3
-"""So many rounds with the same states at least, before the last, stand for all later ones."""
+"""So many rounds with the same states at least, before the last, represent all later ones."""
 
 
 class Loop(NamedTuple):
@@ -67,7 +67,7 @@ class Level(NamedTuple):
 
 
 def long_loops(mission: Mission, terms: RobotFacts) -> tuple[Loop, ...]:
-    """The loops of which a few rounds may stand for all."""
+    """The loops of which a few rounds may represent all."""
     read = _read(mission, terms)
     return tuple(loop for _, name, state in mission.walk() for loop in _in(name, state, read))
 
@@ -79,7 +79,7 @@ def _in(name: str, state: State, read: Collection[str]) -> Iterator[Loop]:
 
 
 def may_rest(mission: Mission, at_once: Collection[str], restarted: Collection[str]) -> frozenset[str]:
-    """The states whose tree may come to the limit of rounds in a step; a few rounds do not stand for all there.
+    """The states whose tree may come to the limit of rounds in a step; a few rounds do not represent all there.
 
     Args:
         mission: With all rounds.

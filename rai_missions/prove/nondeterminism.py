@@ -57,7 +57,7 @@ class Choices:
 
 
 class OpenFields(dict[str, Any]):
-    """An object whose fields have any of their values until someone looks; None stands for unknown.
+    """An object whose fields have any of their values until someone looks; None is unknown.
 
     Args:
         fields: The fields that anybody looks at.
@@ -108,10 +108,10 @@ class Payload(dict[str, Any]):
 
 
 class OpenBoard(dict[str, Any]):
-    """A blackboard on which a key has any of its values until someone looks; None stands for unknown.
+    """A blackboard on which a key has any of its values until someone looks; None is unknown.
 
     Args:
-        open_keys: The keys that are to be chosen where they do not stand here.
+        open_keys: The keys that are to be chosen where they have no entry here.
         choose: A key's value; None for unknown.
         at: The stamp of what is chosen.
     """
@@ -142,7 +142,7 @@ class OpenBoard(dict[str, Any]):
         return dict.__contains__(self, key)
 
     def entries(self) -> Iterable[tuple[str, Any]]:
-        """What is known; None stands for unknown."""
+        """What is known; None is unknown."""
         return dict.items(self)
 
     def items(self) -> Any:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of a mission, wherever they stand in it."""
+"""The parts of a mission, wherever they are in it."""
 
 from __future__ import annotations
 

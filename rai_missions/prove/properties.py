@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is claimed of a mission, and what its states say of it: proved, refuted, or as far as was looked.
+"""What is claimed of a mission, and what its states show: proved, refuted, or as far as was looked.
 
-Rule: proved is said only of what was explored whole; a refutation stands wherever the exploration ended.
+Rule: only what was explored whole is called proved; a refutation is valid wherever the exploration ended.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ class Property(NamedTuple):
 
 
 def claims(mission: Mission, space: Space, *, is_sampled: bool = False) -> list[Property]:
-    """What the states that were explored say of each claim.
+    """What the states that were explored show of each claim.
 
     Args:
         mission: The mission.
         space: What was explored of it.
-        is_sampled: Not every value that guards tell apart was tried.
+        is_sampled: Not every value that guards distinguish was tried.
     """
     found = {each.promise: Property(each.promise, "refuted", each.sentence, each.state, each.way)
              for each in space.flaws.values()}  # fmt: skip
@@ -97,7 +97,7 @@ def _rests(space: Space) -> Iterator[Property]:
     """By time alone a run comes to an end, or to a state in which it waits for someone."""
     found = lost(space) or circling(space)
     if found:
-        yield Property("comes to rest", "refuted", "while nobody says anything, timers lead round for ever", found[0])
+        yield Property("comes to rest", "refuted", "while nothing is reported, timers lead round for ever", found[0])
 
 
 def _options(mission: Mission, space: Space) -> Iterator[Property]:
@@ -115,10 +115,10 @@ def _asked(mission: Mission) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def _rules(space: Space) -> Iterator[Property]:
-    for place, said in sorted(space.environment.instruments.seen.items()):
+    for place, values in sorted(space.environment.instruments.seen.items()):
         if not place.endswith(("/requires", "/achieved", "/when")):
             continue
-        if True not in said:
+        if True not in values:
             yield Property("rules", "refuted", f"{place} can never be true")
-        elif said == {True} and place.endswith("/when"):  # the others are nets, which may never be needed
+        elif values == {True} and place.endswith("/when"):  # the others are nets, which may never be needed
             yield Property("rules", "refuted", f"{place} is always true where it is asked")

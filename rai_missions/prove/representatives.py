@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The values of each key that a mission's guards can tell apart, a few for all.
+"""The values of each key that a mission's guards can distinguish, a few for all.
 
-Rule: two values that every guard treats alike stand for one another; unknown is a value wherever it can come about.
+Rule: two values that every guard treats alike represent one another; unknown is a value wherever it can come about.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ SCALARS = ("boolean", "number", "integer", "string")
 
 
 class Values:
-    """What may stand under a key, in an event's payload, in an answer.
+    """What a key may hold, in an event's payload, in an answer.
 
     Args:
-        mission: Whose guards tell values apart.
+        mission: Whose guards distinguish values.
         terms: The guards of a robot's composed actions count too.
     """
 
@@ -46,7 +46,7 @@ class Values:
     # -- what is asked --------------------------------------------------------------------------------------------
 
     def of(self, key: str) -> tuple[Any, ...]:
-        """The values that stand for all that a key can hold; None, unknown, comes first where it can be."""
+        """The values that represent all that a key can hold; None, unknown, comes first where it can be."""
         if key not in self._known:
             written = self._keys[key]
             robot = written.source == "robot" and not written.optional
@@ -93,7 +93,7 @@ class Values:
         return tuple(found) or (0,)
 
     def saturating(self) -> Mapping[str, tuple[float, float]]:
-        """Counters that only grow, or only shrink → the bounds past which no guard tells their values apart."""
+        """Counters that only grow, or only shrink → the bounds past which no guard distinguishes their values."""
         learned, found = self.learned, {}
         for key, steps in learned.steps.items():
             if key not in learned.atoms:
@@ -144,7 +144,7 @@ class Values:
             yield from (list(mixture) for mixture in product(self.item(path), repeat=many))
 
     def _poses(self, path: str, key: Key | None) -> Iterator[Any]:
-        """One in each ring that guards tell apart around what it may be compared with, and one far from all."""
+        """One in each ring that guards distinguish around what it may be compared with, and one far from all."""
         learned = self.learned
         fixed = [each for each in learned.operands(path) if isinstance(each, Mapping)]
         frame = {"frame": key.frame} if key is not None and key.frame else {}
@@ -158,7 +158,7 @@ class Values:
             yield {**base, "x": base.get("x", 0.0) + offset} if offset else dict(base)
 
     def _is_met(self, path: str) -> bool:
-        """It is compared with one pose, which the robot says: that one can be near it or far, wherever it is."""
+        """It is compared with one pose, which the robot reports: that one can be near it or far, wherever it is."""
         others = self.learned.kin.get(path, {path}) - {path}
         sources = {self._keys[each].source for each in others if each in self._keys}
         robots = path in self._keys and self._keys[path].source == "robot"
@@ -233,7 +233,7 @@ def _found_out(atoms: Iterable[tuple[str, Any]], value: Any) -> tuple[Any, ...]:
 
 
 def _past(op: str, operand: float, step: int) -> float:
-    """The first number, going up or down by ones, from which on a comparison says the same of all."""
+    """The first number, going up or down by ones, from which on a comparison is the same for all."""
     at_once = ("<", ">=") if step > 0 else (">", "<=")
     return operand if op in at_once else operand + step
 

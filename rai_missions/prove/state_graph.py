@@ -17,7 +17,7 @@ from rai_missions.prove.stimulus import HappeningKind
 __all__ = ("Edge", "StateGraph")
 
 DEEPEST = 65_535
-HEARD, MOVING = -2, -1
+REPORTED, MOVING = -2, -1
 """Of a step, in place of the number of what waits on: more than time makes it; the robot is not silent."""
 
 
@@ -75,7 +75,7 @@ class StateGraph:
         """Note a step from one to another, but for what an operator does who need not."""
         if kind == "command":
             return
-        number = MOVING if kind == "time" else HEARD
+        number = MOVING if kind == "time" else REPORTED
         if kept is not None:
             number = self._set_numbers.setdefault(kept, len(self._set_numbers))
         if source != self._source:
@@ -98,7 +98,7 @@ class StateGraph:
     def edges(self, *, time_only: bool = False) -> Iterator[tuple[int, int]]:
         """Source and target of every step from one state to another, but what an operator does who need not."""
         steps = zip(self._sources, self._targets, strict=True)
-        return compress(steps, map(HEARD.__lt__, self._kept)) if time_only else steps
+        return compress(steps, map(REPORTED.__lt__, self._kept)) if time_only else steps
 
     def distances(self, goals: Iterable[int], *, time_only: bool = False) -> array[int]:
         """For each state the steps to the nearest of these; -1 where no way leads there."""

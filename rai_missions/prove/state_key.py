@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run put into any of its states again, and what tells two of its states apart.
+"""A run put into any of its states again, and what distinguishes two of its states.
 
-Rule: time stands still: a timer has run out or it has not, a state is old enough for a guard or it is not yet. Which
-fields a run has is read from `engine.state.TABLE`; here it is only said what of each kind of field makes a difference.
+Rule: time does not pass: a timer has run out or it has not, a state is old enough for a guard or it is not yet. Which
+fields a run has is read from `engine.state.TABLE`; here is only what of each kind of field makes a difference.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, StepDraft, copied
 from rai_missions.prove.abstraction import INDIFFERENT, PURSUED, Abstraction
-from rai_missions.prove.activity_key import plain, told, told_timer
+from rai_missions.prove.activity_key import key_of, plain, timer_key
 from rai_missions.prove.branches import Groups
 from rai_missions.prove.control_env import kept_words
 from rai_missions.prove.liveness import Later
@@ -65,23 +65,23 @@ class StateCodec:
         is_open = bool(world.predicates or chart.mission.uses)  # others may look at a value in their own way
         classes = {} if is_open else world.values.classes(chart.mission)
         self.stores = Stores(chart.terms, classes)
-        self._telling: dict[Later, Question] = {}
+        self._questions: dict[Later, Question] = {}
         self.groups: dict[str, Groups] = {}
         """State → the groups of its tree's waits and timeouts, where there are several: see `branches`."""
         self.loops: tuple[Loop, ...] = ()
-        """The loops of which a few rounds may stand for all."""
-        tells: Mapping[Holds, Callable[[Any], Any]] = {
-            "configuration": lambda config: config.key, "state": lambda node: node.index, "events": _told_events,
-            "memory": self._told_memory, "deadline": _is_never, "deadlines": _told_deadlines, "settling": list,
-            "controls": sorted, "invariants": sorted, "timers": _told_timers, "rounds": _told_rounds,
-            "activities": _told_activities, "calls": _told_calls, "goals": _told_pursued, "board": self._told_board,
-            "ages": self._told_ages, "since": _told_since, "payload": _told_payload,
+        """The loops of which a few rounds may represent all."""
+        keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
+            "configuration": lambda config: config.key, "state": lambda node: node.index, "events": _events_key,
+            "memory": self._memory_key, "deadline": _is_never, "deadlines": _deadlines_key, "settling": list,
+            "controls": sorted, "invariants": sorted, "timers": _timers_key, "rounds": _rounds_key,
+            "activities": _activities_key, "calls": _calls_key, "goals": _pursued_key, "board": self._board_key,
+            "ages": self._ages_key, "since": _since_key, "payload": _payload_key,
         }  # fmt: skip
-        told_as = [(each.name, tells[each.holds]) for each in TABLE if each.holds in tells]
-        plain_fields = [each.name for each in TABLE if each.holds not in tells and each.holds not in INDIFFERENT]
-        assert tells.keys() | INDIFFERENT <= set(HOLDS)
-        self._tells = tuple(tell for _, tell in told_as)
-        self._told_values = attrgetter(*(name for name, _ in told_as))
+        keyed = [(each.name, keys_by_kind[each.holds]) for each in TABLE if each.holds in keys_by_kind]
+        plain_fields = [each.name for each in TABLE if each.holds not in keys_by_kind and each.holds not in INDIFFERENT]
+        assert keys_by_kind.keys() | INDIFFERENT <= set(HOLDS)
+        self._keys_of = tuple(to_key for _, to_key in keyed)
+        self._keyed_values = attrgetter(*(name for name, _ in keyed))
         self._plain_values = attrgetter(*plain_fields)
 
     # -- ages -----------------------------------------------------------------------------------------------------
@@ -155,38 +155,40 @@ class StateCodec:
         self.groups = dict(saved.groups) if saved.groups else {}
         self._world.wavering.clear()
 
-    # -- what tells states apart ----------------------------------------------------------------------------------
+    # -- what distinguishes states ----------------------------------------------------------------------------------
 
     def core(self) -> bytes:
         """The same for two states that differ in their stores alone: 16 bytes."""
         state = self._chart.state
-        values = self._told_values(state)
-        told_as = [(tell(value) or None) if value else None for tell, value in zip(self._tells, values, strict=True)]
+        values = self._keyed_values(state)
+        keyed = [
+            (to_key(value) or None) if value else None for to_key, value in zip(self._keys_of, values, strict=True)
+        ]
         groups = [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())]
-        return fingerprint((self._plain_values(state), told_as, groups))
+        return fingerprint((self._plain_values(state), keyed, groups))
 
-    def telling(self) -> Question:
+    def question(self) -> Question:
         """Asks for all that makes a difference of a store from here on."""
         later = self._rest.later
-        found = self._telling.get(later)
+        found = self._questions.get(later)
         if found is None:
             keys, rivals = sorted(later.keys & self._world.own_keys), self._rest.rivals
-            parts: list[Callable[[Store], Any]] = [partial(_told_own, tuple(keys), self._rest.idle)] if keys else []
-            if later.starts or self._rest.hears_of_orphans:
-                parts.append(partial(_told_rivals, rivals))
-            found = self._telling[later] = Question(parts)
+            parts: list[Callable[[Store], Any]] = [partial(_own_key, tuple(keys), self._rest.idle)] if keys else []
+            if later.starts or self._rest.names_orphans:
+                parts.append(partial(_rivals_key, rivals))
+            found = self._questions[later] = Question(parts)
         return found
 
-    def _told_memory(self, memory: Mapping[int, Any]) -> Any:
+    def _memory_key(self, memory: Mapping[int, Any]) -> Any:
         recalls = self._rest.later.recalls
         return [(at, [node.index for node in nodes]) for at, nodes in sorted(memory.items()) if at in recalls]
 
-    def _told_board(self, board: Any) -> Any:
+    def _board_key(self, board: Any) -> Any:
         idle, kept, own = self._rest.idle, self._rest.later.keys, self._world.own_keys
         entries = sorted([entry for entry in board.entries() if entry[0] in kept and entry[0] not in own])
         return [(n, None if entry is None else n in idle or plain(entry[0])) for n, entry in entries]
 
-    def _told_ages(self, entered: Mapping[str, float]) -> Any:
+    def _ages_key(self, entered: Mapping[str, float]) -> Any:
         return [(name, self.next_age(name)) for name in self._levels if name in entered]
 
     # -- rounds of loops ------------------------------------------------------------------------------------------
@@ -216,7 +218,7 @@ class StateCodec:
         for loop in self.loops:
             if self._rounds_of(loop) is not None:
                 state.running = {**state.running, loop.state: _counting(state.running[loop.state], loop, None)}
-        key = self.core() + self.telling().of(self.place().store) if state.outcome is None else b""
+        key = self.core() + self.question().of(self.place().store) if state.outcome is None else b""
         state.running = running
         return key
 
@@ -231,50 +233,50 @@ def _is_never(until: float) -> bool:
     return until == math.inf
 
 
-def _told_deadlines(deadlines: Mapping[str, float]) -> Any:
+def _deadlines_key(deadlines: Mapping[str, float]) -> Any:
     return [(name, until == math.inf) for name, until in sorted(deadlines.items())]
 
 
-def _told_events(events: Iterable[Any]) -> Any:
+def _events_key(events: Iterable[Any]) -> Any:
     return [kept_words(each) for each in events]
 
 
-def _told_timers(timers: Mapping[Any, Any]) -> Any:
-    return sorted([told_timer(key, timer) for key, timer in timers.items()])
+def _timers_key(timers: Mapping[Any, Any]) -> Any:
+    return sorted([timer_key(key, timer) for key, timer in timers.items()])
 
 
-def _told_rounds(rounds: Mapping[str, Any]) -> Any:
+def _rounds_key(rounds: Mapping[str, Any]) -> Any:
     return [(name, str(each)) for name, each in sorted(rounds.items())]
 
 
-def _told_activities(running: Mapping[str, Any]) -> Any:
+def _activities_key(running: Mapping[str, Any]) -> Any:
     """In the order in which they are informed of things."""
-    return [(name, told(activity)) for name, activity in running.items()]
+    return [(name, key_of(activity)) for name, activity in running.items()]
 
 
-def _told_calls(calls: Mapping[int, str]) -> Any:
+def _calls_key(calls: Mapping[int, str]) -> Any:
     return sorted(calls.values())
 
 
-def _told_pursued(goals: Mapping[int, Goal]) -> Any:
+def _pursued_key(goals: Mapping[int, Goal]) -> Any:
     return sorted([(goal.owner, goal.action, goal.phase) for goal in goals.values() if goal.phase in PURSUED])
 
 
-def _told_own(keys: tuple[str, ...], idle: frozenset[str], store: Store) -> Any:
+def _own_key(keys: tuple[str, ...], idle: frozenset[str], store: Store) -> Any:
     entries = [(name, store.keys.get(name)) for name in keys]
     return [None if entry is None else name in idle or entry[0] for name, entry in entries]
 
 
-def _told_rivals(rivals: Rivals, store: Store) -> Any:
-    """In whose way goals stand that nothing pursues."""
+def _rivals_key(rivals: Rivals, store: Store) -> Any:
+    """What makes a difference of goals that nothing pursues."""
     return sorted([rest for goal in store.goals if (rest := rivals(goal)) is not None])
 
 
-def _told_since(held: Mapping[str, float]) -> Any:
+def _since_key(held: Mapping[str, float]) -> Any:
     return [(memory, since == NOW) for memory, since in sorted(held.items())]
 
 
-def _told_payload(payload: Mapping[str, Any]) -> Any:
+def _payload_key(payload: Mapping[str, Any]) -> Any:
     return sorted(payload.items())
 
 

@@ -30,7 +30,7 @@ class Arrival(NamedTuple):
     core: bytes = b""
     state: Saved | None = None
     change: Change | None = None
-    telling: Question | None = None
+    question: Question | None = None
     """Asks for what makes a difference of the store afterwards."""
     mode: str = ""
     levels: tuple[tuple[Loop, int, bytes], ...] = ()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Circles within a step, seen as they close, where the run itself takes ten thousand microsteps.
 
-Rule: a step has gone round only where everything is as it was before, as far as anything can tell. What becomes of it
+Rule: a step has gone round only where everything is as it was before, as far as anything can to_key. What becomes of it
 then is what the limits of a step make of it, whichever comes first: that of microsteps ends the mission, that of a
 tree's rounds has the tree rest, and the mission continues.
 """
@@ -17,7 +17,7 @@ from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.state import TABLE, Holds, RunState
 from rai_missions.prove.abstraction import INDIFFERENT, Abstraction
-from rai_missions.prove.activity_key import plain, told, told_timer
+from rai_missions.prove.activity_key import key_of, plain, timer_key
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.open_world import OpenWorld
 from rai_missions.prove.store import ALL_GOALS, MANY
@@ -54,14 +54,14 @@ class StepCircles:
         self._jumps = 0
         self._passed: dict[str, Visit] | None = None
         """Places that were passed; None where circles are gone to the end."""
-        tells: Mapping[Holds, Callable[[Any], Any]] = {
+        keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
             "configuration": lambda config: config.key, "state": lambda node: node and node.name,
             "goals": lambda goals: _many((goal.owner, goal.action, goal.phase) for goal in goals.values()),
             "calls": lambda calls: _many(calls.values()), "board": self._known,
-            "timers": lambda timers: _many(told_timer(key, timer) for key, timer in timers.items()),
-            "activities": lambda running: [(name, told(activity)) for name, activity in running.items()],
+            "timers": lambda timers: _many(timer_key(key, timer) for key, timer in timers.items()),
+            "activities": lambda running: [(name, key_of(activity)) for name, activity in running.items()],
         }  # fmt: skip
-        self._fields = [(each.name, tells.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
+        self._fields = [(each.name, keys_by_kind.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
 
     def may_step(self, state: RunState, step: CompiledStep) -> bool:
         """Whether a microstep may be made: not where the step goes round until the limit of microsteps."""
@@ -96,8 +96,8 @@ class StepCircles:
     def _place(self, state: RunState) -> tuple[Any, ...]:
         """What the next microsteps depend on; of many alike, that there are many."""
         draft = state.draft
-        fields = [(name, tell(getattr(state, name)) if tell is not None else _ordered(getattr(state, name)))
-                  for name, tell in self._fields]  # fmt: skip
+        fields = [(name, to_key(getattr(state, name)) if to_key is not None else _ordered(getattr(state, name)))
+                  for name, to_key in self._fields]  # fmt: skip
         return (
             fields, len(self._world.choices.trail), sorted(self._world.wavering),
             [(name, rounds.spent) for name, rounds in sorted(draft.tree_rounds.items())],
@@ -106,7 +106,7 @@ class StepCircles:
         )  # fmt: skip
 
     def _known(self, board: Any) -> list[Any]:
-        """What is known; of a counter no more than guards can tell."""
+        """What is known; of a counter no more than guards distinguish."""
         found, bounds, idle = [], self._rest.saturating, self._rest.idle
         for key, entry in board.entries():
             value: Any = None if entry is None else plain(entry[0])

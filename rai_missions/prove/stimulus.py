@@ -17,7 +17,7 @@ class Stimulus(NamedTuple):
     """One thing that can happen."""
 
     words: str
-    """As a person would say it."""
+    """In words."""
     kind: HappeningKind
     do: Callable[[], None]
     number: int = 0

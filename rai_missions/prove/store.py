@@ -24,7 +24,7 @@ __all__ = (
 )  # fmt: skip
 
 MANY = 2
-"""So many alike stand for any number more."""
+"""So many alike represent any number more."""
 LEFT = 1_000_000
 """From here on the goals of a store are numbered, in each state that it is put back into."""
 REMEMBERED = 50_000
@@ -32,7 +32,7 @@ REMEMBERED = 50_000
 
 
 class Obstruction(NamedTuple):
-    """Asks whether goals stand in the way of an action."""
+    """Asks whether goals are in the way of an action."""
 
     action: str
 
@@ -99,8 +99,8 @@ class Stores:
     """Every store that was met, and what is asked of them.
 
     Args:
-        facts: Which actions stand in each other's way.
-        classes: Key of which some values make no difference to any guard → what tells the others apart.
+        facts: Which actions exclude each other.
+        classes: Key of which some values make no difference to any guard → what distinguishes the others.
     """
 
     def __init__(self, facts: RobotFacts, classes: Mapping[str, Callable[[Any], Any]]) -> None:
@@ -114,13 +114,13 @@ class Stores:
     def store(self, keys: Mapping[str, Any], goals: tuple[Goal, ...]) -> Store:
         """The one of these."""
         entries = [(key, tuple(entry)) for key, entry in sorted(keys.items()) if entry is not None]
-        said = fingerprint((entries, _plain(goals)))
-        found = self._found.get(said)
+        mark = fingerprint((entries, _plain(goals)))
+        found = self._found.get(mark)
         if found is None:
             if len(self._found) >= REMEMBERED:
                 self._found.clear()
                 self._after.clear()
-            found = self._found[said] = Store(next(self._numbers), keys, goals)
+            found = self._found[mark] = Store(next(self._numbers), keys, goals)
         return found
 
     def change(
@@ -128,12 +128,12 @@ class Stores:
     ) -> Change:
         """The one that does this."""
         entries = [(key, tuple(entry)) for key, entry in sorted(written.items())]
-        said = fingerprint((entries, _plain(goals), is_absolute, id(rivals)))
-        found = self._changes.get(said)
+        mark = fingerprint((entries, _plain(goals), is_absolute, id(rivals)))
+        found = self._changes.get(mark)
         if found is None:
             if len(self._changes) >= REMEMBERED:
                 self._changes.clear()
-            found = self._changes[said] = Change(next(self._numbers), written, goals, is_absolute, rivals)
+            found = self._changes[mark] = Change(next(self._numbers), written, goals, is_absolute, rivals)
         return found
 
     def after(self, store: Store, change: Change) -> Store:
@@ -177,7 +177,7 @@ class Stores:
 
 
 def first_alike(goals: Iterable[Goal], rivals: Rivals) -> tuple[Goal, ...]:
-    """Those of goals that make a difference; of many alike as many as stand for any number."""
+    """Those of goals that make a difference; of many alike as many as represent any number."""
     found, many = list[Goal](), Counter[tuple[Any, ...]]()
     for goal in goals:
         alike = rivals(goal)
@@ -188,7 +188,7 @@ def first_alike(goals: Iterable[Goal], rivals: Rivals) -> tuple[Goal, ...]:
 
 
 def value_of(keys: Mapping[str, Any], key: str) -> Any:
-    """What stands under a key; None for nothing."""
+    """The value of a key; None for nothing."""
     entry = keys.get(key)
     return None if entry is None else entry.value
 
@@ -196,10 +196,10 @@ def value_of(keys: Mapping[str, Any], key: str) -> Any:
 def fingerprint(parts: Any) -> bytes:
     """16 bytes that differ wherever values do."""
     try:
-        said = marshal.dumps(parts, 2)
+        mark = marshal.dumps(parts, 2)
     except ValueError:  # a picture, a mapping of some kind
-        said = repr(parts).encode()
-    return hashlib.blake2b(said, digest_size=16).digest()
+        mark = repr(parts).encode()
+    return hashlib.blake2b(mark, digest_size=16).digest()
 
 
 def _plain(goals: Iterable[Goal]) -> list[tuple[Any, ...]]:

@@ -49,7 +49,7 @@ class TimeEnvironment:
         self._rest, self._instruments = rest, instruments
         keys = chart.mission.blackboard.items()
         self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
-        """What a robot must say again and again."""
+        """What a robot must report again and again."""
         self._over = ("", frozenset[str]())
         """The state of the tree, and the group of its waits, of which something is over in this step."""
         self._spans = self._durations()
@@ -78,7 +78,7 @@ class TimeEnvironment:
 
     @property
     def is_silent(self) -> bool:
-        """Nothing is known that the robot must say again and again: it has been silent for long."""
+        """Nothing is known that the robot must report again and again: it has been silent for long."""
         return all(self._world.board.known(key) in (None, MISSING) for key in self._passing)
 
     def kept(self, waiting: Iterable[Stimulus], taken: str) -> frozenset[str]:
@@ -98,7 +98,7 @@ class TimeEnvironment:
         return key in self._chart.state.timers and self._chart.state.timers[key].order == order
 
     def time_passes(self, *woken: str) -> None:
-        """What has run out takes effect; the machines of these states are told that time has passed."""
+        """What has run out takes effect; the machines of these states are informed that time has passed."""
         self._chart.state.draft.due = frozenset(woken)
         pass_instant(self._chart.program, self._chart.state)
 
@@ -107,8 +107,8 @@ class TimeEnvironment:
 
         Args:
             change: What has run out.
-            woken: The states whose machines are told.
-            beyond: Only keys that come after this: that those before it go stale too is told of them.
+            woken: The states whose machines are words.
+            beyond: Only keys that come after this: that those before it go stale too is words of them.
         """
 
         def happen() -> None:
@@ -150,10 +150,10 @@ class TimeEnvironment:
             if self._comes_later(key) or self._chart.state.timers[key].control in self._chart.state.frozen:
                 continue
             kind, which = key
-            words = {"after": f"the time of transition {which} has come", "timeout": f"the time of '{which}' is over"}
-            told = words.get(kind, f"'{self._chart.state.timers[key].name}' is due")
+            kinds = {"after": f"the time of transition {which} has come", "timeout": f"the time of '{which}' is over"}
+            words = kinds.get(kind, f"'{self._chart.state.timers[key].name}' is due")
             order = self._chart.state.timers[key].order
-            yield Stimulus(told, "time", self.elapse(self._ring(key)), timer=(key, order))
+            yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, order))
         for name, until in list(self._chart.state.pending.items()):
             if until != math.inf:
                 yield Stimulus(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)
@@ -178,20 +178,20 @@ class TimeEnvironment:
         """Goals that nothing pursues are never confirmed to have ended."""
         for goal in self._rest.remaining:
             if goal.phase != "orphaned":
-                told = f"'{goal.action}' never confirms its end"
+                words = f"'{goal.action}' never confirms its end"
                 orphan = self.elapse(self._orphan(goal.number))
-                yield Stimulus(told, "time", orphan, timer=(("goal", ""), goal.number), is_of_goal=True)
+                yield Stimulus(words, "time", orphan, timer=(("goal", ""), goal.number), is_of_goal=True)
 
     def _ages(self) -> Iterator[Stimulus]:
         for name in self._codec.aging:
             if name and is_held(self._chart.state, self._chart.program.graph.nodes[name]):
                 continue
-            told = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
-            yield Stimulus(told, "time", self.elapse(self._aged(name), *self._chart.state.running), owner=name)
+            words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
+            yield Stimulus(words, "time", self.elapse(self._aged(name), *self._chart.state.running), owner=name)
         for memory, since in list(self._chart.state.held.items()):
             if since == NOW and self._chart.program.graph.memories.get(memory) not in self._chart.state.frozen:
-                told = f"{memory} has held for long enough"
-                yield Stimulus(told, "time", self.elapse(self._mature(memory)), owner=self._keepers.get(memory, ""))
+                words = f"{memory} has held for long enough"
+                yield Stimulus(words, "time", self.elapse(self._mature(memory)), owner=self._keepers.get(memory, ""))
 
     def machine_times(self) -> Iterator[Stimulus]:
         for name, path, state in list(self._inputs.inner()):
@@ -200,11 +200,11 @@ class TimeEnvironment:
                 over = self.elapse(self._leaf_over(name, path), name)
                 yield Stimulus(f"the time of '{owner}' is over", "time", over, owner=name)
             wake = self._machine_of(name, path).wake_at(state, self._chart.state)
-            told = f"time passes for '{owner}'"
+            words = f"time passes for '{owner}'"
             if isinstance(state, DecisionActivity) and state.deadline != math.inf:
-                wake, told = state.deadline, f"the deadline of '{owner}' has come"
+                wake, words = state.deadline, f"the deadline of '{owner}' has come"
             if NOW < wake < math.inf:
-                yield Stimulus(told, "time", self.elapse(self._let_pass(name, path, wake), name), owner=name)
+                yield Stimulus(words, "time", self.elapse(self._let_pass(name, path, wake), name), owner=name)
         for name, state in list(self._chart.state.running.items()):
             if limit_of(state) == "rounds":
                 yield Stimulus(f"the rounds of '{name}' continue", "time", self._continue(name), owner=name)

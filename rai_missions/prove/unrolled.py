@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run of a mission whose loops were explored with few rounds, made one of the mission as it is written.
 
-Rule: a run is told only if the mission does it. Where a loop's last round needs more rounds before it, one of the run's
+Rule: a run is shown only if the mission does it. Where a loop's last round needs more rounds before it, one of the run's
 own rounds, after which everything is as before it but for the count, is gone as often as that takes.
 """
 
@@ -19,7 +19,7 @@ from rai_missions.prove.state_key import Place
 __all__ = ("RepeatedPart", "repeated", "unrolled")
 
 MOST_SCENES = 50_000
-"""A run of more steps than this is not told."""
+"""A run of more steps than this is not shown."""
 
 Item = TypeVar("Item")
 
@@ -114,12 +114,12 @@ def _levels(environment: Environment) -> dict[Loop, Level]:
     if environment.chart.outcome is not None:
         return {}
     codec = environment.codec
-    answer = codec.telling().of(codec.place().store)
+    answer = codec.question().of(codec.place().store)
     return {loop: Level(ended, core + answer) for loop, ended, core in codec.levels()}
 
 
 def repeated(items: Sequence[Item], rounds: Sequence[RepeatedPart]) -> list[Item] | None:
-    """A run with its missing rounds; None where it would be too long to be told."""
+    """A run with its missing rounds; None where it would be too long to be shown."""
     found: list[Item] = []
     for item in _repeated(items, 0, len(items) - 1, list(rounds)):
         found.append(item)

@@ -38,7 +38,7 @@ def test_a_refutation_ends_the_search_for_more_of_its_claim() -> None:
 
 
 def test_a_refutation_leaves_the_limits_as_they_are_where_that_is_asked_for() -> None:
-    proof = prove(Mission.model_validate(counting(positive={"key": "n", ">=": 0})), most=10_500, goes_on=True)
+    proof = prove(Mission.model_validate(counting(positive={"key": "n", ">=": 0})), most=10_500, continues=True)
     assert (proof.stopped, proof.states) == ("states", 10_500)
 
 

@@ -64,7 +64,7 @@ def prove(
         raise DefinitionError(faults, mission)
     limits = limits_of(states, max_seconds, max_memory)
     of_robot = terms(profile) if profile is not None else None
-    proof = explore(loaded, default_ticker(loaded), terms=of_robot, progress=progress(), goes_on=all_, **limits)
+    proof = explore(loaded, default_ticker(loaded), terms=of_robot, progress=progress(), continues=all_, **limits)
     journals = write_journals(proof, loaded, profile, output)
     if json:
         print(dumps(as_json(loaded, proof, journals)))
