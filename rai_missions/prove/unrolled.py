@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run of a mission whose loops were explored with few rounds, made one of the mission as it is written.
 
-Rule: a run is shown only if the mission does it. Where a loop's last round needs more rounds before it, one of the run's
-own rounds, after which everything is as before it but for the count, is gone as often as that takes.
+Rule: a run is shown only if the mission does it. Where a loop's last round needs more rounds before it, one of the
+run's own rounds, after which everything is as before it but for the count, is gone as often as that takes.
 """
 
 from __future__ import annotations

@@ -166,15 +166,18 @@ def test_transitions_that_a_state_entered_puts_to_rest_are_no_cycle() -> None:
 
 def test_parallel_regions_wait_for_all_and_their_transitions_are_on_their_own() -> None:
     def region(name: str) -> dict[str, Any]:
-        notify = {"call": "tell", "timeout_s": 2, "transitions": [{"on": "succeeded", "to": f"{name}_end"}]}
-        return {"initial": f"{name}_tell", "states": {f"{name}_tell": notify, f"{name}_end": {"final": "succeeded"}}}
+        notify = {"call": "notify", "timeout_s": 2, "transitions": [{"on": "succeeded", "to": f"{name}_end"}]}
+        return {
+            "initial": f"{name}_notify",
+            "states": {f"{name}_notify": notify, f"{name}_end": {"final": "succeeded"}},
+        }
 
     def both(document: dict[str, Any], last: list[Any]) -> None:
         document["states"]["both"] = {
             "parallel": {"left": region("left"), "right": region("right")},
             "transitions": last,
         }
-        transitions(document, "replanning").append({"on": "failed", "to": ["left_tell", "right_tell"]})
+        transitions(document, "replanning").append({"on": "failed", "to": ["left_notify", "right_notify"]})
 
     assert rules(lambda d: both(d, [{"on": "succeeded", "to": "resume"}])) == []
     assert rules(lambda d: both(d, [])) == ["unhandled-success"]

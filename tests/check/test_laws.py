@@ -206,7 +206,7 @@ KEYS_OF_MISSION = Mission.model_validate(
 ).blackboard
 
 
-def says(guard: Guard, known: Known) -> Truth:
+def value_of(guard: Guard, known: Known) -> Truth:
     return guard.compile(Site("", KEYS_OF_MISSION))(known)
 
 
@@ -223,9 +223,9 @@ def test_what_follows_from_a_guard_is_true_wherever_it_is(one: Any, other: Any, 
         data.draw(st.sampled_from([frozenset({"here"}), frozenset()])),
         data.draw(st.sampled_from([0.0, 2.0, 20.0])),
     )
-    if says(first, known) is True:
+    if value_of(first, known) is True:
         assert not impossible
-        assert says(second, known) is True or not follows
+        assert value_of(second, known) is True or not follows
 
 
 @pytest.mark.parametrize("seed", range(3))

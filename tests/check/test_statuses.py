@@ -14,21 +14,21 @@ HERE = "/states/work/tree/status_to_blackboard"
 
 
 def found(key: dict[str, Any], *, requires: bool = False) -> list[tuple[str, str]]:
-    tree = {"status_to_blackboard": "said", "child": {"wait_s": 1}}
+    tree = {"status_to_blackboard": "status", "child": {"wait_s": 1}}
     over: dict[str, Any] = {"final": "aborted"}
     if requires:
-        over = {"final": "succeeded", "requires": {"key": "said", "==": "success"}}
+        over = {"final": "succeeded", "requires": {"key": "status", "==": "success"}}
     states = {
         "work": {
             "tree": tree,
             "transitions": [
-                {"when": {"key": "said", "==": "failure"}, "to": "over"},
+                {"when": {"key": "status", "==": "failure"}, "to": "over"},
                 {"on": "succeeded", "to": "over"},
             ],
         },
         "over": over,
     }
-    written = {"name": "m", "initial": "work", "blackboard": {"said": key}, "states": states}
+    written = {"name": "m", "initial": "work", "blackboard": {"status": key}, "states": states}
     return [(each.rule, each.place) for each in check(Mission.model_validate(written)) if each.severity == "error"]
 
 

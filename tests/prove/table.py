@@ -97,7 +97,7 @@ row("a timer whose guard is false is lost", "ends", "were it not clear at its in
     {"here": waits({"after_s": 5, "when": CLEAR, "to": "over"})})  # fmt: skip
 row("a timer that is lost, and another", "", "the second has no guard",
     {"here": waits({"after_s": 5, "when": CLEAR, "to": "over"}, {"after_s": 9, "to": "over"})})  # fmt: skip
-row("a fact ends it", "", "the robot can say that it is clear", {"here": waits({"when": CLEAR, "to": "over"})})
+row("a fact ends it", "", "the robot can report that it is clear", {"here": waits({"when": CLEAR, "to": "over"})})
 row("a count that never comes", "ends", "nothing counts n up to 3",
     {"here": waits({"on": "go", "when": {"key": "n", "<": 2}, "do": [ADD]},
                    {"when": {"key": "n", ">=": 3}, "to": "over"})})  # fmt: skip
@@ -154,7 +154,7 @@ row("a timer that begins again with its state", "comes to rest", "each time the 
 row("a round that only a fact ends", "comes to rest", "while it is not clear, time leads round",
     {"here": waits({"after_s": 5, "to": "there"}),
      "there": waits({"when": CLEAR, "to": "over"}, {"after_s": 5, "to": "here"})})  # fmt: skip
-row("a round that goes on while a fact is fresh", "", "a silent robot's word grows stale, and then the timer is lost",
+row("a round that continues while a fact is fresh", "", "a silent robot's word grows stale, and then the timer is lost",
     {"here": waits({"after_s": 5, "to": "there"}),
      "there": waits({"after_s": 5, "when": {"fresh": "clear"}, "to": "here"}, STOP)})  # fmt: skip
 row("a round that an event closes", "", "without the event it waits",
@@ -236,11 +236,11 @@ row("a round of one region, rest in another", "comes to rest", "the first region
 
 NEVER: Json = {"check": {"key": "n", "<": 0}}
 row("an instant circle through a tree's loop", "ends, comes to rest",
-    "at the limit of a step the tree rests and goes on in the next: an event can come between",
+    "at the limit of a step the tree rests and continues in the next: an event can come between",
     {"looking": tree({"retry": 20, "child": NEVER}, ended("succeeded"), ended("failed", to="looking"), STOP,
                      {"on": "go", "to": "lost"}), "lost": LOST})  # fmt: skip
 row("an instant circle through a loop of few rounds", "comes to rest",
-    "the limit of microsteps comes before that of rounds: the mission fails before anybody can say anything",
+    "the limit of microsteps comes before that of rounds: the mission fails before anything can be reported",
     {"looking": tree({"retry": 3, "child": NEVER}, ended("succeeded"), ended("failed", to="looking"), STOP,
                      {"on": "go", "to": "lost"}), "lost": LOST})  # fmt: skip
 
@@ -371,7 +371,7 @@ row("a cancel that drives home", "", "the goal's end, or cancel_s, ends the canc
 row("a cancel that goes round", "", "cancel_s ends it; by then time has not gone round for ever",
     {"here": waits(STOP), "tidying": waits({"after_s": 5, "to": "again"}),
      "again": waits({"after_s": 5, "to": "tidying"})}, on_cancel="tidying")  # fmt: skip
-row("two goals side by side", "", "both are told to end with the mission",
+row("two goals side by side", "", "both are ended with the mission",
     {"both": {"parallel": {
         "one": {"initial": "a", "states": {"a": {"action": "lift", "timeout_s": 9, "transitions": [
             {"on": ["succeeded", *BAD[:3]], "to": "over"}]}}},

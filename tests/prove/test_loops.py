@@ -55,7 +55,7 @@ BODIES: dict[str, Json] = {
     "a wait and a check": {"sequence": [{"wait_s": 1}, CLEAR]},
     "a loop": {"retry": 100, "child": CALL},
     "two things at once": {"parallel": [CALL, {"sequence": [{"wait_s": 2}, CLEAR]}]},
-    "a count that nobody reads": {"sequence": [{"set": "n", "add": 1}, CALL]},
+    "a count that nothing reads": {"sequence": [{"set": "n", "add": 1}, CALL]},
 }
 
 

@@ -55,7 +55,7 @@ def over_people(given: Json) -> None:
 
 
 def no_way_out(given: Json) -> None:
-    given["states"]["returning"] = {"about": "stands there"}
+    given["states"]["returning"] = {"about": "waits there"}
 
 
 def by_answer(given: Json) -> None:

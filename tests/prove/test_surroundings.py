@@ -58,14 +58,14 @@ def test_events_whose_fields_share_a_name_each_bring_their_own_type() -> None:
 
 def test_what_a_raised_event_takes_from_a_key_is_distinguished() -> None:
     counting = {"entry": [{"set": "many", "add": 1}],
-                "transitions": [{"on": "next", "to": "saying"}, {"on": "stop", "to": "aborted"}]}  # fmt: skip
+                "transitions": [{"on": "next", "to": "speaking"}, {"on": "stop", "to": "aborted"}]}  # fmt: skip
     message = {
         "entry": [{"raise": "counted", "data": {"many": {"from": "many"}}}],
         "transitions": [{"on": "counted", "when": {"key": "event.many", ">=": 3}, "to": "wrong"},
                         {"on": "counted", "to": "counting"}],
     }  # fmt: skip
     proof = proof_of(
-        {"counting": counting, "saying": message, "wrong": WRONG}, {"many": {"type": "integer", "initial": 0}},
+        {"counting": counting, "speaking": message, "wrong": WRONG}, {"many": {"type": "integer", "initial": 0}},
         events={"next": {}, "stop": {}, "counted": {"fields": {"many": "integer"}}}, invariants=NEVER,
     )  # fmt: skip
     assert refuted(proof)["invariants"] == ["the mission starts", *["event 'next'"] * 3]
@@ -151,7 +151,7 @@ BY_ROBOT = {"transitions": [{"on": "next", "do": [{"set": "jobs", "from": "seen"
 
 @pytest.mark.parametrize(("first", "keys"), [
     (BY_RESULT, {}), (BY_EVENT, {}), (BY_ROBOT, {"seen": {"type": "list", "source": "robot"}}),
-], ids=["a result", "an event", "a copy of what the robot says"])  # fmt: skip
+], ids=["a result", "an event", "a copy of what the robot reports"])  # fmt: skip
 def test_a_list_that_was_given_has_any_length_and_any_items(first: Json, keys: Json) -> None:
     proof = proof_of(
         {"first": first, **ROUND}, {"jobs": {"type": "list", "initial": []}, **JOBS, **keys}, invariants=NEVER,
@@ -241,6 +241,6 @@ def test_a_run_that_ends_for_another_reason_does_not_show_what_was_reported(tmp_
         "invariants": {"not_for_long": {"not": {"all": [{"in": "driving"}, near]}}},
     })  # fmt: skip
     reported = prove(mission).ways["invariants"]  # the two guards ripen at one instant, and the row comes first
-    assert (reported[-1].outcome, record(tmp_path / "told.journal", Header(dump(mission)), mission, reported)) == (
+    assert (reported[-1].outcome, record(tmp_path / "reported.journal", Header(dump(mission)), mission, reported)) == (
         "aborted", False,
     )  # fmt: skip

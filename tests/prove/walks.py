@@ -278,4 +278,4 @@ class Walk:
         if chart.outcome is None:
             self.broken["stop" if command == "kill" else command] = f"still in {sorted(chart.active)}"
         elif unreported := [number for number, is_reported in self.goals.items() if not is_reported]:
-            self.broken["stopped"] = f"goals {unreported} were never told to end"
+            self.broken["stopped"] = f"goals {unreported} were never ended"
