@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.paths import key_of
-from rai_missions.states import Action, Call, Final
+from rai_missions.states import Final
 from rai_missions.states.effects import references
 from rai_missions.states.state import OUTCOMES
 
@@ -104,7 +104,7 @@ def _from_activity(write: KeyWrite) -> bool:
         transition is None
         or transition.owner is None
         or transition.definition.of is not None
-        or not isinstance(transition.owner.state, Action | Call)
+        or not transition.owner.state.reports_robot
     ):
         return False
     return all(word in OUTCOMES for word in transition.definition.on)

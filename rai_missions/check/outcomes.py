@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.pointers import pointer
 from rai_missions.check.reported_outcomes import reported
-from rai_missions.states import Action, Call, Parallel
+from rai_missions.states import Parallel
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
 __all__ = ("deaf_transitions", "handled", "together", "unhandled_options", "unhandled_success", "unused_wildcards")
@@ -77,7 +77,7 @@ def deaf_transitions(survey: MissionIndex) -> Found:
             continue
         possible = ends.by(source) if source is not None else ends.possible_at(transition.owner)
         whose = source or transition.owner
-        if whose is not None and isinstance(whose.state, Action | Call):
+        if whose is not None and whose.state.reports_robot:
             words = [word for word in words if word != "timed_out"]  # without a timeout: reported, and the row is right
         if vain := [word for word in words if word not in possible]:
             yield f"{transition.place}/on", _vain(transition, source, vain, possible)
@@ -89,7 +89,7 @@ def _vain(transition: TransitionRef, source: StateRef | None, vain: Sequence[str
     verb = "never reports" if whose is not None else "reports"
     can = ", ".join(word for word in OUTCOMES if word in possible)
     hint = f"it can report: {can}" if can else "it reports nothing"
-    if "unverified" in vain and whose is not None and whose.state.word == "action":
+    if "unverified" in vain and whose is not None and "achieved" in type(whose.state).model_fields:
         hint += "; 'unverified' needs an 'achieved'"
     if "timed_out" in vain and whose is not None:
         hint += "; 'timed_out' needs a 'timeout_s'"

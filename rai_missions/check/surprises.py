@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.outcomes import together
-from rai_missions.states import Action
 
 __all__ = ("lost_timers", "rival_actions")
 
@@ -45,12 +44,14 @@ def _continues(survey: MissionIndex, transition: TransitionRef) -> bool:
 
 def rival_actions(survey: MissionIndex) -> Found:
     """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
-    spots = [spot for spot in survey.spots if isinstance(spot.state, Action)]
+    used = ((use, use.scope.owner) for use in survey.uses if use.sort == "action")
+    places = {spot: use.named_at for use, spot in used if spot is not None and use.user is spot.state}
+    spots = list(places)
     for index, spot in enumerate(spots):
         rivals = [each for each in spots if each is not spot and together(spot, each)]
         if rivals and not any(_handles(each) for each in (spot, *rivals)) and spots.index(rivals[0]) > index:
             yield (
-                f"{spot.place}/action",
+                places[spot],
                 f"'{spot.name}' and '{rivals[0].name}' may run at one time, and unless the profile's 'uses' keep them "
                 "apart, the second waits for the end of the first and is 'rejected' where that is never confirmed; "
                 "handle 'rejected' in one of them",

@@ -24,6 +24,7 @@ class Action(State, word="action"):
     """Pursues a goal. Its success counts only while `achieved` is true."""
 
     positional: ClassVar = ("action",)
+    reports_robot: ClassVar = True
 
     action: ActionName
     """The profile's name of it."""

@@ -21,6 +21,7 @@ class Call(State, word="call"):
 
     positional: ClassVar = ("call",)
     yields: ClassVar = False
+    reports_robot: ClassVar = True
 
     call: ServiceName
     """The profile's name of it."""

@@ -122,6 +122,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
 
     yields: ClassVar[bool] = True
     """What it runs is ended while someone else has control, or the run is paused, and begins again afterwards."""
+    reports_robot: ClassVar[bool] = False
+    """What its outcomes bring along is what the robot reported, so that success may rest on it."""
     LAST: ClassVar = frozenset(("entry", "exit", "transitions", "timeout_s", "handover_s"))
 
     about: Text = ""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from rai_missions.guards.in_state import In
 from rai_missions.mission.mission import Mission
-from rai_missions.states import DecisionSpec, Final
+from rai_missions.states import DecisionSpec, Final, State
 from visualize.model import Picture, PictureEdge
 from visualize.page.as_json import Json
 from visualize.page.reachability import Reached, Roads
@@ -66,8 +66,7 @@ def _cancel_words(mission: Mission) -> str:
 def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
     ends = [name for name, state in mission.states.items() if isinstance(state, Final) and state.final != "succeeded"]
     after = roads.onward([mission.on_cancel]) if mission.on_cancel else None
-    moving = [node.name for node in picture.nodes if node.kind in ("action", "call")]
-    moving += [node.name for node in picture.nodes if any(twig.kind in ("action", "call") for twig in node.twigs)]
+    moving = [name for _, name, state in mission.walk() if _moves(state)]
     to_ends = [edge for edge in picture.edges if edge.target in ends]
     cancel = [item(_cancel_words(mission), state=mission.on_cancel or "")]
     if after is not None:
@@ -111,6 +110,12 @@ def _invariants(mission: Mission, picture: Picture, roads: Roads) -> Json:
         "invariants", "What must never be false?", "i", states=states, transitions=transitions,
         sections=sections or none,
     )  # fmt: skip
+
+
+def _moves(state: State) -> bool:
+    """Whether it has the robot do something that can be canceled."""
+    named = (each.refers.sort for thing in (state, *state.nodes().values()) for each in thing.references())
+    return not {"action", "service"}.isdisjoint(named)
 
 
 def item(text: str, *, state: str = "", transition: str = "") -> Json:
