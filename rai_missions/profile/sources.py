@@ -45,7 +45,7 @@ WORDS_OF_GUARDS = {word: Key(type="object") for word in ("event", "answer")}
 """In the guard of a message `event` and `answer` are fields like any other."""
 
 
-class Origin(MissionModel):
+class SourceFields(MissionModel):
     """A topic that is listened to, or a service that is asked again and again."""
 
     topic: Text | None = None
@@ -58,7 +58,7 @@ class Origin(MissionModel):
     """What the service is asked with."""
 
 
-class Source(Origin):
+class Source(SourceFields):
     """A topic, or a service polled `every_s`, and the part of its messages that counts."""
 
     field: Text = ""
@@ -130,7 +130,7 @@ class Source(Origin):
         return self.type.startswith("std_msgs/") and self._kind in GIVES
 
 
-class EventSource(Origin):
+class EventSource(SourceFields):
     """What is received when an event happens: every message, or the first for which `when` becomes true."""
 
     json_: Bool = Field(default=False, alias="json")
