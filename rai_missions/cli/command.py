@@ -13,8 +13,20 @@ from collections.abc import Callable, Mapping, Sequence
 from types import NoneType
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
-__all__ = ("Argument", "Command", "GuardsFile", "JournalFile", "MissionFile", "Parser", "ProfileFile", "command")
+__all__ = (
+    "PAGE_PORT",
+    "Argument",
+    "Command",
+    "GuardsFile",
+    "JournalFile",
+    "MissionFile",
+    "Parser",
+    "ProfileFile",
+    "command",
+)
 
+PAGE_PORT = "8765"
+"""Where the live page is served, if no other port is given."""
 SECTION = re.compile(r"^(Args|Exit status|Example):\n", re.MULTILINE)
 PARAMETER = re.compile(r"^(\w+): ", re.MULTILINE)
 

@@ -64,13 +64,9 @@ def serve_gate(given: GateOptions) -> int:
 
 def _config(given: GateOptions) -> GateWords:
     """The contents of the file; an option replaces what is in the file."""
-    words: dict[str, Any] = {}
-    if given.command:
-        words["commands"] = [command_topic(each) for each in given.command]
-    if given.safe is not None:
-        words["safe"] = given.safe
-    if given.name is not None:
-        words["name"] = given.name
+    commands = [command_topic(each) for each in given.command] or None
+    options = {"commands": commands, "safe": given.safe, "name": given.name}
+    words = {name: value for name, value in options.items() if value is not None}
     read = read_gate(given.file, **words) if given.file else gate_words(words)
     return gate_words({**read.written(), "leases": {**read.leases, **leases_of(given.lease)}}, "--lease")
 

@@ -22,7 +22,6 @@ from rai_missions.engine.step import Ask, Step
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
-from rai_missions.runtime.view import RunView
 
 __all__ = ("Screen",)
 
@@ -62,9 +61,8 @@ class Screen(Lines):
         self._status = status
 
     def step(self, step: Step) -> None:
-        asked = [
-            effect.question.number for effect in step.effects if isinstance(effect, Ask) and self._is_person(effect)
-        ]
+        questions = (effect.question for effect in step.effects if isinstance(effect, Ask))
+        asked = [question.number for question in questions if question.asked == "operator"]
         self._personal.update(asked)
         if step.event.kind == "proposal" or step.moves:
             self._personal.intersection_update(asked)
@@ -90,14 +88,10 @@ class Screen(Lines):
         super().end(result, picture)
 
     def _question(self, ask: Ask) -> None:
-        if self._is_person(ask):  # the operator's own prompt shows it
+        if ask.question.asked == "operator":  # the operator's own prompt shows it
             self._asked += 1
         else:
             super()._question(ask)
-
-    @staticmethod
-    def _is_person(ask: Ask) -> bool:
-        return ask.question.asked == "operator"
 
     def _print(self, line: str, tone: Tone = "plain") -> None:
         self._console.print(Text(line, style=STYLES[tone]), soft_wrap=True)
@@ -107,7 +101,7 @@ class Screen(Lines):
         assert view is not None
         head = Text(f"{at:9.2f} s  ", style="bold")
         head.append(f"{status.mode if status else ''}  ", style="bold green")
-        head.append(" › ".join(self._path(view)), style="bold")
+        head.append(" › ".join(name for _, name, _ in self._mission.walk() if name in view.active), style="bold")
         head.append(f"   control: {status.control if status else ''}", style="dim")
         if status is not None and status.waits:
             head.append(f"\n{'':13}{status.waits}", style="bold yellow")
@@ -119,9 +113,6 @@ class Screen(Lines):
                 text = Text(trimmed(entry.value, 60))  # a string would be read as markup
                 facts.add_row(Text(f"  {key}", style="dim"), text, f"{at - entry.at:.1f} s old")
         return Group(Text(""), head, facts)
-
-    def _path(self, view: RunView) -> list[str]:
-        return [name for _, name, _ in self._mission.walk() if name in view.active]
 
 
 class _Borrower:

@@ -7,7 +7,6 @@ Rule: what is printed comes in its order, or is left out and counted.
 
 from __future__ import annotations
 
-import io
 import sys
 import traceback
 from collections.abc import Iterator
@@ -76,7 +75,7 @@ def redacted_output(*, controls: bool) -> Iterator[None]:
             raise SystemExit(1) from None
 
 
-class BufferedStream(io.TextIOBase):
+class BufferedStream:
     """Text on its way to a terminal, a file or a pipe, on a thread of its own.
 
     Args:
@@ -120,22 +119,8 @@ class BufferedStream(io.TextIOBase):
             self._out.write(self._left_out)
             self._lost = 0
 
-    def isatty(self) -> bool:
-        return self._out.isatty()
-
-    def fileno(self) -> int:
-        return self._out.fileno()
-
-    def writable(self) -> bool:
-        return True
-
-    @property
-    def encoding(self) -> str:  # type: ignore[override]
-        return self._out.encoding
-
-    @property
-    def errors(self) -> str | None:  # type: ignore[override]
-        return self._out.errors
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._out, name)
 
     def _print(self, text: str) -> None:
         if self.fault is not None:

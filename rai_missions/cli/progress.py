@@ -24,6 +24,7 @@ from rai_missions.states.final import FinalOutcome
 __all__ = ("Lines", "Person", "Tone", "trimmed")
 
 WIDTH = 150
+MOVED_ASIDE = "the journal of an earlier run, which had this name, is now {}"
 Tone = Literal["plain", "question", "refused", "remark", "ignored", FinalOutcome]
 """What a line is about."""
 
@@ -98,15 +99,16 @@ class Lines:
         moved_aside: str = "",
     ) -> None:
         """The head of a run: what runs on what, who answers, where it is written down, from where it resumes."""
-        self._print(f"{self._mission.name} {self._mission.version} on {robot or 'no robot'}")
-        self._print(f"model: {model or 'none, no model is asked'}")
-        self._print(f"questions are answered by: {answerers or 'no one, so each takes its fallback'}")
-        self._print(f"journal: {journal or 'none'}")
-        if moved_aside:
-            self._print(f"the journal of an earlier run, which had this name, is now {moved_aside}")
-        if resumption:
-            self._print(resumption)
-        self._print("")
+        lines = (
+            f"{self._mission.name} {self._mission.version} on {robot or 'no robot'}",
+            f"model: {model or 'none, no model is asked'}",
+            f"questions are answered by: {answerers or 'no one, so each takes its fallback'}",
+            f"journal: {journal or 'none'}",
+            moved_aside and MOVED_ASIDE.format(moved_aside),
+            resumption,
+        )
+        for line in (*filter(None, lines), ""):
+            self._print(line)
 
     def watch(self, view: RunView) -> None:
         """The run begins; its state may be shown below the lines."""
@@ -169,17 +171,17 @@ class Lines:
         """How it ended, and where everything is."""
         self._print("")
         self._print(f"{result.outcome}: {trimmed(result.why, 400)}", result.outcome)
-        if result.warning:
-            self._print(trimmed(result.warning, 400))
         counts = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
         asked = f"questions {self._asked} (answers that counted: {counts})"
-        self._print(f"steps {result.steps} · {asked} · {result.duration_s:.1f} s")
-        if result.journal:
-            self._print(f"journal: {result.journal}")
-        if result.moved_aside:
-            self._print(f"the journal of an earlier run, which had this name, is now {result.moved_aside}")
-        if picture:
-            self._print(f"picture: {picture}")
+        lines = (
+            trimmed(result.warning, 400),
+            f"steps {result.steps} · {asked} · {result.duration_s:.1f} s",
+            result.journal and f"journal: {result.journal}",
+            result.moved_aside and MOVED_ASIDE.format(result.moved_aside),
+            picture and f"picture: {picture}",
+        )
+        for line in filter(None, lines):
+            self._print(line)
 
     def _event(self, event: Event) -> str:
         return f"{event.name} = {trimmed(event.data.get('value'), 20)}" if event.kind == "write" else event_words(event)

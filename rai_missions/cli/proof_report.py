@@ -102,7 +102,9 @@ def _path(output: str | None, mission: Mission, claim: str, *, only: bool) -> Pa
 
 def report(mission: Mission, proof: Proof, journals: dict[str, Any]) -> Iterable[str]:
     """The lines to print."""
-    how = "every state" if proof.is_whole else f"{_why_not_whole(proof)}, at depth {proof.depth}"
+    how = (
+        "every state" if proof.is_whole else f"{STOPPED.get(proof.stopped, 'not every state')}, at depth {proof.depth}"
+    )
     yield f"{mission.name} {mission.version}: {proof.states} states, {proof.steps} steps, {proof.seconds:.1f} s; {how}"
     if not proof.is_whole:
         yield from _covered(proof)
@@ -124,10 +126,6 @@ STOPPED = {
     "work": "as many steps as were allowed",
 }
 """The limit that ended an exploration → what is printed."""
-
-
-def _why_not_whole(proof: Proof) -> str:
-    return STOPPED.get(proof.stopped, "not every state")
 
 
 def _covered(proof: Proof) -> Iterable[str]:
@@ -157,20 +155,16 @@ def _value_text(value: Any) -> str:
 
 
 def _limits(proof: Proof) -> Iterable[str]:
-    if proof.assumed:
-        yield f"assumed of the robot, and watched in a run: {', '.join(proof.assumed)}"
-    if proof.alike:
-        loops = ", ".join(f"'{loop}' ({rounds} rounds)" for loop, rounds in sorted(proof.alike.items()))
-        yield f"a few rounds represent all, which are alike: {loops}"
-    if proof.in_pause:
-        names = ", ".join(proof.in_pause)
-        yield f"while paused or held not every rule acts, and reports of the robot can end the mission by: {names}"
-    if proof.predicates:
-        yield f"free to give any result whenever asked: {', '.join(proof.predicates)}"
-    if proof.sampled:
-        yield f"tried with some values only, so nothing is called proved: {', '.join(proof.sampled)}"
-    if proof.never:
-        yield f"no run enters: {', '.join(proof.never)}"
+    loops = [f"'{loop}' ({rounds} rounds)" for loop, rounds in sorted(proof.alike.items())]
+    listed = {
+        "assumed of the robot, and watched in a run": proof.assumed,
+        "a few rounds represent all, which are alike": loops,
+        "while paused or held not every rule acts, and reports of the robot can end the mission by": proof.in_pause,
+        "free to give any result whenever asked": proof.predicates,
+        "tried with some values only, so nothing is called proved": proof.sampled,
+        "no run enters": proof.never,
+    }
+    yield from (f"{limit}: {', '.join(names)}" for limit, names in listed.items() if names)
     yield "in every state the operator may pause, resume, take control or give it; timers run out in any order"
     yield "comes to rest assumes that an operator who has taken control gives it back"
     yield "not explored: a process that is killed and resumed"

@@ -10,6 +10,7 @@ import signal
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from rai_missions.cli.signals import on_signals
@@ -90,21 +91,15 @@ def _introduce(name: str, domain: int | None, speed: float, front: Front) -> Non
     where = domain if domain is not None else os.environ.get("ROS_DOMAIN_ID") or "0"
     pace = "as fast as it goes" if speed == math.inf else f"{speed:g} simulated seconds to one of the wall"
     _print(f"{name} on ROS 2, domain {where}: {pace}")
-    _list("service", front.services)
-    _list("action", front.actions)
-    _list("topic", front.topics)
+    for sort, names in (("service", front.services), ("action", front.actions), ("topic", front.topics)):
+        for name in sorted(names):
+            _print(f"  {sort:8} {name} ({names[name]})")
     for name, why in front.left_out.items():
         _print(f"  left out {name}: {why}")
     _print("ready; Ctrl-C ends it")
 
 
-def _list(sort: str, names: Mapping[str, str]) -> None:
-    for name in sorted(names):
-        _print(f"  {sort:8} {name} ({names[name]})")
-
-
-def _print(line: str) -> None:
-    print(line, flush=True)
+_print = partial(print, flush=True)
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, NamedTuple
 
-from rai_missions.cli.command import Argument, GuardsFile, JournalFile, ProfileFile, command
+from rai_missions.cli.command import PAGE_PORT, Argument, GuardsFile, JournalFile, ProfileFile, command
 
 __all__ = ("RunOptions", "run")
 
@@ -65,7 +65,7 @@ class RunOptions(NamedTuple):
     verbose: bool = False
     node: Annotated[str | None, Argument("NAME", bare="")] = None
     managed: bool = False
-    watch: Annotated[str | None, Argument("PORT", bare="8765")] = None
+    watch: Annotated[str | None, Argument("PORT", bare=PAGE_PORT)] = None
     host: Annotated[str | None, Argument("ADDRESS")] = None
     tls_cert: Annotated[str | None, Argument("FILE", files=("*",))] = None
     tls_key: Annotated[str | None, Argument("FILE", files=("*",))] = None

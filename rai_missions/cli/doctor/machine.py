@@ -35,11 +35,13 @@ def machine() -> Iterator[MachineFinding]:
     enough = sys.version_info >= (3, 11)
     yield MachineFinding("ok" if enough else "missing", f"Python {here}", "" if enough else "3.11 or newer is needed")
     for name in NEEDED:
-        yield _package(name)
+        there = installed(name)
+        remedy = "" if there else f"pip install {name}"
+        yield MachineFinding("ok" if there else "missing", f"{name} {there}".strip(), remedy)
     for extra, modules, what in EXTRAS:
-        there = all(_has(module) for module in modules)
-        remedy = "" if there else f"pip install '.[{extra}]'"
-        yield MachineFinding("ok" if there else "absent", f"extra {extra} ({what})", remedy)
+        lacks = not all(map(_has, modules))
+        remedy = f"pip install '.[{extra}]'" if lacks else ""
+        yield MachineFinding("absent" if lacks else "ok", f"extra {extra} ({what})", remedy)
     yield _drawing()
     yield _rendering()
 
@@ -48,13 +50,6 @@ def _has(module: str) -> bool:
     if module == "graphviz_pure":
         return _program("graphviz-pure") is not None
     return importlib.util.find_spec(module) is not None
-
-
-def _package(name: str) -> MachineFinding:
-    try:
-        return MachineFinding("ok", f"{name} {version(name)}")
-    except PackageNotFoundError:
-        return MachineFinding("missing", name, f"pip install {name}")
 
 
 def _program(name: str) -> str | None:
@@ -83,10 +78,9 @@ def _rendering() -> MachineFinding:
     return MachineFinding("ok", f"simulated worlds, pictures by MUJOCO_GL={os.environ.get('MUJOCO_GL', 'the display')}")
 
 
-def installed(name: str) -> bool:
-    """A distribution of that name is here."""
+def installed(name: str) -> str:
+    """The version of a distribution that is here; empty where it is not."""
     try:
-        version(name)
+        return version(name)
     except PackageNotFoundError:
-        return False
-    return True
+        return ""

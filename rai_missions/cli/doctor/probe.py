@@ -83,7 +83,11 @@ def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
             listed = {mode: dict(connector.listed(mode)) for mode in wanted}
             if not isinstance(connector, SupportsDiscoveryCount):
                 return {"listed": listed, "offered": listed}
-            return {"listed": listed, "offered": {mode: _offered(connector, mode, listed[mode]) for mode in wanted}}
+            offered = {
+                mode: {name: types[name] for name in connector.offered(mode) if name in types}
+                for mode, types in listed.items()
+            }
+            return {"listed": listed, "offered": offered}
 
         def is_there() -> bool:
             now = looked()
@@ -93,11 +97,6 @@ def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
         return looked()
     finally:
         connector.stop()
-
-
-def _offered(connector: Any, mode: str, listed: Mapping[str, str]) -> dict[str, str]:
-    counts = connector.offered(mode)
-    return {name: types for name, types in listed.items() if name in counts}
 
 
 def _awaited(is_so: Callable[[], bool], within_s: float) -> bool:

@@ -31,7 +31,7 @@ def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None
         has_wheels: ROS comes from wheels; looked up if left out.
     """
     given = dict(os.environ if environment is None else environment)
-    wheels = installed("ros-rclpy") if has_wheels is None else has_wheels
+    wheels = bool(installed("ros-rclpy")) if has_wheels is None else has_wheels
     sourced = given.get("ROS_DISTRO")
     if not sourced and not wheels:
         yield MachineFinding("absent", "ROS 2", REMEDY)

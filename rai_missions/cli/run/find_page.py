@@ -64,11 +64,7 @@ def _newest(journals: list[Path]) -> Path:
 def _elsewhere() -> list[Path]:
     """The journals of active runs below this folder, the newest run first."""
     marks = [path for pattern in RUN_FILES for path in Path().glob(pattern)]
-    dated: list[tuple[float, Path]] = []
-    for mark in marks:
-        with suppress(OSError):  # its run has just ended
-            dated.append((mark.stat().st_mtime, mark.with_suffix("")))
-    return [path for _, path in sorted(dated, reverse=True)]
+    return [mark.with_suffix("") for mark in sorted(marks, key=_changed, reverse=True)]
 
 
 def running_page(journal: Path) -> dict[str, Any] | None:
@@ -104,8 +100,12 @@ def _is_here(host: str) -> bool:
 
 
 def _changed(path: Path) -> float:
-    log = path.with_name(f"{path.name}-wal")
-    return max((each.stat().st_mtime for each in (path, log) if each.exists()), default=0.0)
+    """When a file or its write-ahead log was written last; 0 where both have just gone."""
+    times = [0.0]
+    for each in (path, path.with_name(f"{path.name}-wal")):
+        with suppress(OSError):
+            times.append(each.stat().st_mtime)
+    return max(times)
 
 
 def _run_of(path: Path) -> str:

@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.cli.command import PAGE_PORT
 from rai_missions.cli.inputs import warn
 from rai_missions.cli.signals import on_signals
 from rai_missions.errors import UsageError
@@ -43,7 +44,7 @@ def normalise_watch_args(options: RunOptions) -> RunOptions:
             raise UsageError(
                 f"--watch {options.watch}: give a port, a number from 1 to 65535, or 0 for any that is free"
             )
-        options = options._replace(mission=options.watch, watch=str(_default_port()))
+        options = options._replace(mission=options.watch, watch=PAGE_PORT)
     if options.watch is None and (options.host or options.tls_cert or options.tls_key):
         raise UsageError("--host, --tls-cert and --tls-key are of the live page; give --watch, too")
     if options.watch is not None and options.managed:
@@ -65,7 +66,6 @@ def open_page(place: PageAddress) -> LivePage:
     Raises:
         UsageError: It is in use, or unprotected, or there is no server on this machine.
     """
-    _check_server()
     from visualize.live import LivePage
 
     return LivePage(place)
@@ -222,13 +222,6 @@ def run_file(journal: str, what: dict[str, Any]) -> Iterator[None]:
     finally:
         with suppress(FileNotFoundError):
             path.unlink()
-
-
-def _default_port() -> int:
-    _check_server()
-    from visualize.live.server import PORT
-
-    return PORT
 
 
 def _check_server() -> None:
